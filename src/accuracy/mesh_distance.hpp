@@ -2,8 +2,8 @@
 //
 // The distance from A to B is that of the point of A farthest from B, anywhere on A's triangles. Branch and bound
 // (mesh/distance_bound.hpp) gives an interval that contains it, up to rounding in double. The other figures come from
-// samples spread over the area of A. A triangle with exactly the same corners in B is at distance 0, so meshes with the
-// same triangles are exactly 0 apart, in any order.
+// samples spread over the area of A. A triangle of A that B also has, with exactly the same corners, is at distance 0.
+// So meshes with the same triangles, in any order, are exactly 0 apart.
 //
 // All computations use the stored positions in double; the meshes may have different origins. Results do not depend on
 // the number of threads.
@@ -20,10 +20,10 @@
 namespace isoextract::accuracy {
 
 struct DistanceOptions {
-  // Width of the interval as a fraction of its lower end, plus MeshDistance::resolution; above 0. The interval is wider
-  // if a triangle needs too many steps.
+  // The interval may be as wide as this fraction of its lower end, plus MeshDistance::resolution. Must be above 0. The
+  // interval is wider if a triangle needs too many steps.
   double tolerance = 0.01;
-  // Triangles no farther than this are not measured more closely; the interval may then reach up to it.
+  // An upper end of the interval up to this distance is always accepted, however wide the interval is.
   double enough = 0;
   std::uint64_t samples = 1 << 18;  // in each direction; 0 leaves rms, mean and percentile at 0
 };
@@ -47,7 +47,7 @@ struct MeshDistance {
   double rms = 0;
   double mean = 0;
   double percentile99 = 0;
-  // Smaller distances are not resolved: float32 resolution of the larger mesh.
+  // Smaller distances are not resolved: the float32 resolution of the mesh with the greatest stored coordinate.
   double resolution = 0;
 };
 

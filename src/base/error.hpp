@@ -2,7 +2,8 @@
 // processes of `sandbox` exit. The only exception that crosses a room's border is std::bad_alloc. `cli` prints the
 // Error on stderr and exits with exit_code_of().
 //
-// No room below `cli` knows the name of an option: a hint is steps of a Remedy and a Setting, and `cli` words them.
+// Code below `cli` does not know the names of options: a hint is a list of steps, each a Remedy and a Setting, which
+// `cli` turns into text.
 #pragma once
 
 #include <initializer_list>
@@ -21,7 +22,7 @@ enum class ErrorCode {
   input,          // the input cannot be read, or does not contain the requested data
   empty_grid,     // the input is valid, but it has no voxels or no particles
   no_surface,     // the input is valid, but no value crosses the iso value
-  out_of_memory,  // the memory limit or the machine does not allow it now; it may with fewer conversions at a time
+  out_of_memory,  // not enough memory is free now; fewer conversions at a time may fit
   unavailable,    // a requested feature, plug-in or device is missing or fails
   output,         // the output cannot be written
   frames,         // some of many frames failed or are missing
@@ -51,7 +52,7 @@ enum class ErrorCode {
   return code == ErrorCode::empty_grid || code == ErrorCode::no_surface;
 }
 
-// The action of a step. The comment names the content of Step::text, if the action takes one.
+// The action of a step. Where the comment says "text:", Step::text has this content.
 enum class Remedy {
   say,        // the text is the whole step
   raise,      // give a larger value
@@ -198,6 +199,6 @@ T taken(const tl::expected<T, E>& result) {
 //   const Mesh mesh = TRY(extract(field, context));
 //   TRY(write(mesh, path));
 //
-// Use it as a statement of its own, or as the whole initializer or return value. Elsewhere GCC does not destroy the
-// temporaries that the statement made before TRY returned.
+// Use it as a statement of its own, or as the whole initializer or return value. In the middle of a larger expression,
+// GCC does not destroy the temporaries of that expression if TRY returns.
 #define TRY(expression) ISOEXTRACT_TRY_AS(expression, __COUNTER__)

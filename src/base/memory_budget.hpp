@@ -11,7 +11,7 @@
 namespace isoextract {
 
 // Returns the bytes that this process may use: the physical memory, or the lowest limit of its control groups (v1 or
-// v2) if that is lower. Reads them once; the first result stays.
+// v2) if that is lower. The first call reads them; later calls return the same number.
 [[nodiscard]] std::uint64_t available_memory();
 
 namespace detail {
@@ -31,7 +31,7 @@ class [[nodiscard]] Reservation {
   void release();
   // Reduces the reservation to `bytes`. Does nothing if it is not larger than that.
   void shrink(std::uint64_t bytes);
-  // Takes the bytes of `other`, which must be of the same account (a part() has another). Either may hold nothing.
+  // Moves the bytes of `other` into this one. If both hold bytes, they must be of one account (a part() has its own).
   void take(Reservation&& other);
 
  private:

@@ -27,8 +27,8 @@ namespace isoextract::batch {
 // Frames of an earlier run that this run keeps instead of converting them again.
 enum class ResumePolicy {
   reconvert,
-  // Frames whose job is in the manifest and whose files are unchanged (reason_to_reconvert()), if records are kept; of
-  // an animation, all frames or none.
+  // Frames that the manifest lists with the same job and unchanged files (reason_to_reconvert()). An animation keeps
+  // all frames or none. Keeps no frame without RunOptions::keeps_records.
   keep_unchanged,
   keep_existing,  // frames of which an output file exists, whatever it contains
 };

@@ -65,7 +65,7 @@ struct FrameRow {
 
 // Returns a frame as an object with a list of its rows_of(). Unknown values are null or 0 as in table_csv().
 [[nodiscard]] convert::Json row_json(const FrameRow& row);
-// Returns a list of row_json() of the frames, each with the name and version of the document.
+// Returns a list of the frames' row_json(), each with the key `schema`: the name and version of this document.
 [[nodiscard]] convert::Json table_json(std::span<const FrameRow> rows);
 
 }  // namespace isoextract::batch

@@ -45,7 +45,7 @@ struct Component {
 };
 
 // Describes each component, in the order of `components`. mesh/shells.hpp decides which shell lies inside which. The
-// result does not depend on the number of threads. The caller reserves memory for it. Fails with
+// result does not depend on the number of threads. The caller reserves memory for the result. Fails with
 // ErrorCode::out_of_memory if the working memory exceeds the budget, or with ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,

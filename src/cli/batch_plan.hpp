@@ -23,7 +23,7 @@
 namespace isoextract::cli {
 
 struct BatchPlan {
-  ConvertPlan common;  // shared by all frames; its job has no input and no outputs, so no iso values
+  ConvertPlan common;  // shared by all frames; each frame has its own input, outputs and iso values
   Notes frame_notes;   // the notes of common that a conversion of one frame would print
   batch::BatchJob batch;
   std::vector<std::size_t> frames;    // indices into batch.frames: those of this run's shard
@@ -31,7 +31,8 @@ struct BatchPlan {
   bool needs_all = false;             // missing frames are an error
   batch::Shard shard;
   batch::ResumePolicy earlier = batch::ResumePolicy::reconvert;
-  // As given, except that shards have names of --table and --plot of their own. Other members take precedence.
+  // As given, except that shards add their number to the files of --table and --plot. If another member here has the
+  // same setting, that member counts.
   BatchFlags flags;
   int jobs = 1;
   bool make_folders = false;
@@ -43,13 +44,13 @@ struct BatchPlan {
 
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
-// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name. An
-// invalid pattern counts; the search for frames reports it.
+// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name.
+// Returns true for an invalid pattern as well; the search for frames reports it.
 [[nodiscard]] bool is_frame_pattern(const std::string& input);
 
-// Plans the batch. `environment` is std::getenv or a replacement in tests; for --shard auto it gives the job
-// scheduler's variables. Fails with ErrorCode::usage for options, and as batch::find_frames(), batch::IsoTable::read(),
-// volume_io::LabelTable::read() and convert::count_frames() do.
+// Plans the batch. `environment` is std::getenv or a replacement in tests; it gives the job scheduler's variables for
+// --shard auto, and without --shard for a note. Fails with ErrorCode::usage for options, and as batch::find_frames(),
+// batch::IsoTable::read(), volume_io::LabelTable::read() and convert::count_frames() do.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
 
 }  // namespace isoextract::cli

@@ -104,7 +104,7 @@ class OptionSet {
   // Makes a group of options inside the struct `whole`, which gets the same options.
   OptionSet(OptionSet& whole, OptionGroup group) : OptionSet(&whole, group) {}
 
-  // Returns the registration of an option in this struct's group; in(group) does so for another group.
+  // Returns the Place of an option in this struct's group; in(group) returns one in another group.
   operator Place() { return {this, group_}; }  // NOLINT(google-explicit-constructor): *this registers an option
   [[nodiscard]] Place in(OptionGroup group) { return {this, group}; }
 
@@ -124,7 +124,7 @@ class OptionSet {
   [[nodiscard]] Result<void> refuse(About what, std::string_view why, std::string_view hint = "") const;
 
  protected:
-  // Adds no options elsewhere if `whole` is null.
+  // If `whole` is null, only this set gets the options.
   OptionSet(OptionSet* whole, OptionGroup group) : whole_(whole), group_(group) {}
   OptionSet(const OptionSet&) = default;
   OptionSet& operator=(const OptionSet&) = default;

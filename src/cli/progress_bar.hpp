@@ -1,5 +1,5 @@
-// Shows a progress bar on stderr for work of more than a second, if stderr is a terminal and a thread for the bar
-// starts. Otherwise prints nothing or, if requested, a line every half minute.
+// Shows a progress bar on stderr for work of more than a second, if stderr is a terminal. Otherwise prints nothing or,
+// if requested, a line every half minute. Shows neither if the system cannot start a thread.
 #pragma once
 
 #include <condition_variable>
@@ -16,9 +16,9 @@ namespace isoextract::cli {
 // to stderr only within above().
 class ProgressBar {
  public:
-  // Draws if `wanted` and stderr is a terminal. If it is no terminal, prints a line every 30 s with `lines`, else
-  // nothing. `text` replaces the name of the stage; the bar's thread calls it, and it must not call above(), which
-  // would deadlock. `progress` must outlive the bar.
+  // Shows nothing unless `wanted`. Draws if stderr is a terminal; otherwise prints a line every 30 s if `lines` is set.
+  // `text` replaces the name of the stage; the bar's thread calls it, and it must not call above(), which would
+  // deadlock. `progress` must outlive the bar.
   ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text = {}, bool lines = false);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;

@@ -1,4 +1,4 @@
-// Words hints. Only this file knows the options of a Setting.
+// Turns hints into text. Only this file knows which options a Setting stands for.
 #pragma once
 
 #include <string>

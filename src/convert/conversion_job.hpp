@@ -32,8 +32,8 @@ namespace isoextract::convert {
 enum class Normals {
   none,
   flat,  // one normal for each triangle
-  // At vertices: the field's gradient. Caps and simplified meshes get normals of the triangles where the gradient
-  // disagrees with them (mesh/shading_normals.hpp), smoothed meshes everywhere (edit::smooth()).
+  // At vertices: the field's gradient. Caps get the normal of their plane. Simplified meshes get normals of the
+  // triangles where the gradient disagrees (mesh/shading_normals.hpp), smoothed meshes everywhere (edit::smooth()).
   smooth,
   area,  // at vertices: area-weighted mean of the adjacent triangles' normals
 };
@@ -67,8 +67,8 @@ struct ParticleOptions {
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  // Particle radius in world units. If unset: for level sets the radius attribute (points::kRadiusAttributes) if there
-  // is one, else an estimate from the distances between particles.
+  // Particle radius in world units. If unset: an estimate from the distances between particles, but methods that make
+  // level sets prefer a radius attribute (points::kRadiusAttributes).
   std::optional<double> radius;
   std::optional<double> cell_size;  // sample spacing, in particle radii; unset: default of the method
   double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
@@ -222,7 +222,7 @@ struct ConversionJob {
 };
 
 // Returns all settings by name. Unset optional settings are null; units that were not given are empty texts. JSON text
-// is UTF-8, but paths may hold other bytes.
+// cannot hold paths that are not UTF-8, so hash_of() uses CBOR.
 [[nodiscard]] Json json_of(const ConversionJob& job);
 
 // Returns 32 hexadecimal digits: XXH3 (128 bits) of the CBOR of the job's JSON. Equal jobs have equal hashes on every

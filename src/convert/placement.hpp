@@ -1,4 +1,4 @@
-// Placement: the transform from sample indices to output coordinates, and from a box in the world to samples.
+// Placement: the transform from sample indices to output coordinates. Also finds the samples in a box.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace isoextract::convert {
 
-// Coordinates of regions, clip planes and the output. index: voxel coordinates (ScalarField::index_to_file); of the
-// requested changes, place_field() then applies Placement::center alone.
+// Coordinates of regions, clip planes and the output. index: voxel coordinates (ScalarField::index_to_file), for which
+// place_field() applies no scale, mirroring or turn.
 enum class Space { world, index };
 constexpr auto words_of(Space /*type*/) { return std::array{Word{Space::world, "world"}, Word{Space::index, "index"}}; }
 

@@ -6,8 +6,8 @@
 // mesh. So no outline of a patch remains visible. The distance limit rises in steps, each with all its rounds, so that
 // a larger limit never gives more triangles than a smaller one. During collapses, sample points of the input estimate
 // the distance. Afterwards the distance is proven for every point, and collapses that went too far are undone
-// (detail/distance_proof.hpp). For a triangle target, the limit rises until the target is reached; then the final
-// distance is measured.
+// (detail/distance_proof.hpp). For a triangle target, the limit rises until the target is near or few patches are left.
+// Then one patch collapses the cheapest edges first, down to the target, and the final distance is measured.
 //
 // Distances are bounded triangle by triangle as in mesh/distance_bound.hpp. The result does not depend on the number of
 // threads.

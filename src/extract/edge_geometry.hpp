@@ -57,7 +57,7 @@ namespace isoextract::extract {
 // Maps index space to the float32 positions of a mesh.
 class OutputPlacement {
  public:
-  // `box` must contain every sample next to which vertices may lie.
+  // Vertices must lie inside `box` or at most one index step outside.
   OutputPlacement(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
                   const field::ValueScale& scale);
 
@@ -77,10 +77,10 @@ class OutputPlacement {
   [[nodiscard]] const field::Affine& local_from_index() const { return local_from_index_; }
   // Returns the matrix that maps gradients of stored samples in index space to outward normals (not of unit length).
   [[nodiscard]] glm::dmat3 outward_covectors() const { return outward_ * covector_map_; }
-  // Returns the sign in outward_covectors(), +1 or -1. Code that must round exactly like normal() applies the sign and
-  // covector_map() one after the other.
+  // Returns +1 if stored samples grow outward, else -1; outward_covectors() contains this factor. Code that must round
+  // exactly like normal() applies this factor first, then covector_map().
   [[nodiscard]] double outward() const { return outward_; }
-  // Returns the matrix in outward_covectors().
+  // Returns the inverse transpose of local_from_index().linear, which maps gradients as covectors.
   [[nodiscard]] const glm::dmat3& covector_map() const { return covector_map_; }
 
   [[nodiscard]] glm::vec3 position(const glm::dvec3& index) const { return local_from_index_(index); }
@@ -112,10 +112,10 @@ class OutputPlacement {
   bool reaches_too_far_;
 };
 
-// Returns the output frame for `region`; `stored` is the box of all samples of `field`.
-// The frame is normally that of all samples, so that a region changes no position. In two cases it is the frame of the
-// drawn part; two regions then agree where they meet up to the larger margin, but not bit for bit. One: samples lie so
-// far from the origin (more than about 512 steps) that the margin of the whole frame is visible, and
+// Returns the placement for `region`; `stored` is the box of all samples of `field`. Origin and margin are normally
+// those of `stored`, so that a region changes no position. In two cases they are those of the part of the region that
+// can have triangles. Positions on a face shared by two regions then differ by up to the larger margin. One: samples
+// lie so far from the origin (more than about 512 steps) that the margin for `stored` is visible, and
 // options.shared_origin is not set. Two: with options.cap, a region reaches more than one step beyond `stored`.
 [[nodiscard]] OutputPlacement output_placement(const field::ScalarField& field, const ExtractOptions& options,
                                                const field::IndexBox& stored, const field::IndexBox& region);

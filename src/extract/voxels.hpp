@@ -6,9 +6,8 @@
 // gets its own vertex (detail/corner_fans.hpp). So the mesh is a closed, oriented 2-manifold for any set of voxels, and
 // its volume is that of the voxels.
 //
-// Coplanar faces are merged into large rectangles (VoxelFaces). The method follows the voxel surface of the water
-// automaton (docs/papers.md), which removes hidden faces from a hash table of voxels. Here words of bits take the place
-// of the hash table.
+// Coplanar faces are merged into large rectangles (VoxelFaces). The method follows Kostritskii (docs/papers.md), who
+// finds the exposed faces in a hash table of voxels. Here a voxel is one bit of a word of 64 voxels along x.
 #pragma once
 
 #include <cstdint>
@@ -33,14 +32,14 @@ struct LabelChoice {
 class LabelVoxels {
  public:
   // Finds the voxels of the chosen labels in options.region; options.iso must be finite, but has no effect. For surface
-  // nets it also builds the net of all labels, chosen or not, so that the choice changes no mesh. The object keeps its
-  // memory reserved as long as it lives. Floating-point samples are labels if all samples of the region, and the
-  // background and all tiles of a sparse field, are whole numbers that their type can hold exactly
-  // (detail/label_samples.hpp). With NanPolicy::outside, NaN samples have no label. Fails with ErrorCode::usage if the
-  // field scales its samples, and if a chosen label is the background of a sparse field. Fails with ErrorCode::input if
-  // a sample is no label, if the transform is singular or not finite, or if options.region contains no sample. Fails
-  // with ErrorCode::input if the net has more points than 32-bit indices can number; with ErrorCode::out_of_memory or
-  // cancelled.
+  // nets it also finds the common smoothed corners of the faces of all labels, chosen or not, so that the choice
+  // changes no mesh. The object keeps its memory reserved as long as it lives. Floating-point samples are labels if all
+  // samples of the region, and the background and all tiles of a sparse field, are whole numbers of at most
+  // largest_label() (detail/label_samples.hpp) in absolute value. With NanPolicy::outside, NaN samples have no label.
+  // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
+  // field. Fails with ErrorCode::input if a sample is no label, if the transform is singular or not finite, or if
+  // options.region contains no sample. Fails with ErrorCode::input if there are more of these corners than 32-bit
+  // indices can number; with ErrorCode::out_of_memory or cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 
@@ -51,9 +50,10 @@ class LabelVoxels {
   [[nodiscard]] const Notes& notes() const;
 
   // Returns the surface of one label; an empty mesh if the label was not found. `field` must be the field given to
-  // find(); `options` may differ only in how the mesh is made. With surface nets, two labels share the triangles of
-  // their common faces, with opposite winding. Fails with ErrorCode::input if float32 or 32-bit indices cannot hold the
-  // mesh, with ErrorCode::out_of_memory or cancelled. Does not check `options` (check_method()). Throws std::bad_alloc.
+  // find(). `options` must pass check_method(), which is not called here. Of its members only voxel_faces has an
+  // effect; find() used the others. With surface nets, two labels share the triangles of their common faces, with
+  // opposite winding. Fails with ErrorCode::input if float32 or 32-bit indices cannot hold the mesh, with
+  // ErrorCode::out_of_memory or cancelled. Throws std::bad_alloc.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, std::int64_t label,
                                            const ExtractOptions& options, const Context& context) const;
 

@@ -35,21 +35,22 @@ enum class NanHandling {
 // own. The result is the same for any number of threads.
 //
 // Along an axis that gets more samples, a new sample is the kernel's value at its position. Along an axis that gets
-// fewer, it is the mean of the old voxels (boxes around the samples) within one step of the new grid around it. A voxel
-// that is partly within the step has that part of the weight. This is the box filter of coarsen(), for any step. Away
-// from the boundary the steps tile the axis, so each sample counts once. Constants keep their values, and so do linear
-// functions if the step is a whole number of voxels. Other steps shift a linear function by at most 1 / (8 * step)
-// voxels. Near the boundary the averaged interval shrinks symmetrically, down to the boundary sample itself, so some
-// samples there count less or not at all.
+// fewer, it is the mean of the old voxels (boxes around the samples) over an interval of one new step, centered at it.
+// A voxel that is partly within the interval has that part of the weight. This is the box filter of coarsen(), for any
+// step. Away from the boundary the intervals tile the axis, so each sample counts once. Constants keep their values,
+// and so do linear functions if the step is a whole number of voxels. Other steps shift a linear function by at most
+// 1 / (8 * step) voxels. Near the boundary the averaged interval shrinks symmetrically, down to the boundary sample
+// itself, so some samples there count less or not at all.
 //
 // The result is f64 for f64, u32 and i32 samples, which float cannot hold exactly, else f32. It resamples stored values
-// and keeps the value scale. A new sample that coincides with an old one has exactly its value if the kernel passes
-// through the samples, or at the boundary. A dense field that already has the resolution shares its samples, in their
-// own type, unless the kernel is bspline.
+// and keeps the value scale. Along an axis that does not get fewer samples, a new sample at the position of an old one
+// has exactly its value if the kernel passes through the samples. The first and last samples along any axis keep their
+// values along that axis. A dense field that already has the resolution shares its samples, in their own type, unless
+// the kernel is bspline.
 //
 // Samples of weight 0 are ignored. Except with cubic, a value lies between the smallest and the largest sample used,
 // even if their difference overflows. `nan` decides about NaN; an infinite sample gives that infinity, and both
-// infinities give NaN. Beside samples that are not finite all kernels are linear.
+// infinities give NaN. Beside samples that are not finite, cubic and bspline interpolate linearly.
 //
 // With ResampleKernel::nearest each new sample is one of the old samples, in their type, for any resolution.
 //
@@ -58,8 +59,8 @@ enum class NanHandling {
 // in reserved memory, and a note tells its size. If the box has more than 2^35 voxels, averaging would
 // take minutes: the result then holds interpolated values, and another note says so.
 //
-// Fails with ErrorCode::usage if `resolution` is below 2 along an axis, with ErrorCode::input if that of a dense
-// `field` is, with ErrorCode::out_of_memory, and as Context::check() does.
+// Fails with ErrorCode::usage if `resolution` is below 2 along an axis, with ErrorCode::input if a dense `field` has
+// fewer than 2 samples along an axis, with ErrorCode::out_of_memory, and as Context::check() does.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
                                            ResampleKernel kernel, NanHandling nan, const Context& context);
 
@@ -67,9 +68,9 @@ enum class NanHandling {
 // Rounds the number of steps in the box of resample() to a whole number, so that nothing is cut off. May read all
 // samples of a sparse field to find its box.
 //
-// Fails with ErrorCode::usage if a length is not above 0, if the box is shorter than half of it, or if an axis would
-// have more samples than an int holds. Fails with ErrorCode::input if a dense `field` has only one sample along an
-// axis.
+// Fails with ErrorCode::usage if a length is not above 0 or is more than twice the box's length along its axis, or if
+// an axis would have more samples than an int holds. Fails with ErrorCode::input if a dense `field` has only one sample
+// along an axis.
 [[nodiscard]] Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size);
 
 }  // namespace isoextract::field

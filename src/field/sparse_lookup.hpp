@@ -20,7 +20,7 @@ class OriginIndex {
   // Makes room for `count` origins, each a multiple of 8 along every axis.
   explicit OriginIndex(std::size_t count);
 
-  // Adds an origin that the table does not contain yet. `number` must not be -1.
+  // Adds an origin that the table does not contain yet. `number` is its index in the list and must not be -1.
   void insert(const glm::ivec3& origin, std::int32_t number);
 
   // Returns -1 if the table does not contain `origin`.
@@ -36,7 +36,8 @@ class OriginIndex {
   std::vector<Slot> slots_;
 };
 
-// Finds tiles by the block-sized places that they cover. Takes at most 64 bytes for each indexed tile.
+// Finds the tile that covers a place, which is an 8^3 cube of samples with its origin at multiples of 8. Takes at most
+// 64 bytes for each indexed tile.
 class TileIndex {
  public:
   TileIndex() = default;

@@ -24,7 +24,7 @@ struct ContentState {
 
 // Returns the file's state. Reads the file, unless the state is among the 16 used last in this process and the file has
 // not changed since. Fails as InputFile::open() and read_at() do, and with ErrorCode::input if the file changes
-// meanwhile. The bytes read do not count in the context.
+// meanwhile. The context does not count the bytes read.
 [[nodiscard]] Result<ContentState> hash_file(const std::filesystem::path& path, const Context& context);
 
 // Hashes bytes incrementally.

@@ -29,8 +29,8 @@ struct GpuChoice {
 
 // Options that do not change the mesh.
 struct GpuOptions : GpuChoice {
-  bool tessellation = true;   // marching cubes: one tessellation patch makes the threads of many cells; otherwise
-                              // one drawn point per cell
+  bool tessellation = true;   // marching cubes: draw one patch per group of cells, from which the tessellator starts
+                              // one shader thread per cell; otherwise draw one point per cell
   bool swizzle = true;        // visit cells in groups of 2x2x2
   bool keep_samples = false;  // keep dense samples that fit on the device; the next extraction uploads only bricks that
                               // are missing or changed. Useful for several iso values, or for frames of one field

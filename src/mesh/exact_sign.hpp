@@ -1,9 +1,9 @@
 // Exact predicates for the side of a point relative to a line or a plane: signs of determinants of float32 coordinates.
 //
 // J. R. Shewchuk: Adaptive precision floating-point arithmetic and fast robust geometric predicates. Discrete &
-// Computational Geometry 18, 1997. A determinant in double with an error bound decides almost always; the rest is
-// summed exactly, as expansions of doubles. All terms are multiples of 2^-447 below 2^390, so that nothing underflows
-// or overflows, and the signs are exact for all finite coordinates.
+// Computational Geometry 18, 1997. A determinant in double with an error bound almost always gives the sign. The other
+// determinants are summed exactly, as expansions of doubles. All terms are multiples of 2^-447 below 2^390, so that
+// nothing underflows or overflows, and the signs are exact for all finite coordinates.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -17,8 +17,9 @@ namespace isoextract::mesh {
 
 // Returns the side on which the line through p in direction `way` passes the line from a to b: the sign of the
 // determinant of way, a - p and b - p. `way` has integer coordinates below 2^20. If the lines meet, p counts as moved
-// by (e, e^2, e^3) for an infinitesimal e > 0. The result then is 0 only if a and b lie on a line along `way`. It is
-// positive for all edges of a triangle abc that the line passes through if its normal is along `way`.
+// by (e, e^2, e^3) for an infinitesimal e > 0. The result then is 0 only if a and b lie on a line along `way`. If the
+// line passes through a triangle abc, the results for its edges ab, bc and ca are all positive if the triangle's normal
+// points to the side of `way` (dot product above 0), else all negative.
 [[nodiscard]] int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p);
 
 // Returns 1 if a, b and c run counter-clockwise, 0 if they are collinear.
@@ -30,7 +31,7 @@ namespace isoextract::mesh {
   return {p[(axis + 1) % 3], p[(axis + 2) % 3]};
 }
 
-// Returns whether the three points are collinear.
+// Exact, as orientation_2d() is; coinciding points are collinear.
 [[nodiscard]] bool are_collinear(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 }  // namespace isoextract::mesh

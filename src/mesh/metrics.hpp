@@ -26,7 +26,7 @@ struct LocalBounds {
 // Returns the greatest absolute coordinate, which determines the resolution of float32; 0 without positions.
 [[nodiscard]] float farthest_coordinate(std::span<const glm::vec3> positions);
 
-// Returns one to two units in the last place of that coordinate: smaller distances are rounding errors.
+// Returns one to two units in the last place of farthest_coordinate(): smaller distances are rounding errors.
 [[nodiscard]] inline double float32_resolution(std::span<const glm::vec3> positions) {
   return static_cast<double>(farthest_coordinate(positions)) * 0x1p-23;
 }

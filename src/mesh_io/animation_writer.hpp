@@ -22,14 +22,14 @@ inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 // water.glb, water.part2.glb, water.part3.glb.
 [[nodiscard]] std::filesystem::path path_of_animation_part(const std::filesystem::path& path, std::size_t part);
 
-// Time line: frame k starts at (k - first) / frames_per_second seconds, where `first` is the first frame's number. Gaps
-// in the numbering keep their time.
+// Time line: frame k starts at (k - first) / frames_per_second seconds, where `first` is the number of the first frame
+// added, or `first` of span(). Gaps in the numbering keep their time.
 // A frame is shown until the next frame that was added, and the last one for 1 / frames_per_second seconds, so that the
 // animation loops evenly. A frame without triangles shows nothing during its time.
 // Missing frames of span() keep their time too: nothing is shown before the first frame that was added, and the last
 // one is shown until the end.
-// The key of a frame is the largest float32 that is not after its time, so that players show the frame at that time,
-// whichever way they round.
+// The file stores the start of a frame as the largest float32 that is not after it, so that a player that computes the
+// time in double or float32 shows the frame from its start.
 //
 // Programs that do not play animations show the first frame that has triangles.
 //
@@ -39,7 +39,7 @@ inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 //
 // Each frame goes to disk when it is added; about one kilobyte of it stays in memory. finish() gives all files their
 // names together, the first file last. A writer destroyed without finish() leaves no file behind.
-// Standard output, pipes and devices are refused, because the beginning of a GLB is known only at its end.
+// Standard output, pipes and devices are refused, because the writer completes the start of the file last.
 class AnimationWriter {
  public:
   // `expected_frames` is the expected number of frames: the writer reserves space in the file for their JSON. More

@@ -1,5 +1,5 @@
-// The interface of particle formats, and their list. A new format is a class in `formats` and a line in the list
-// (particle_format.cpp).
+// Options and descriptions of particle formats, and the list of formats. A new format is a class in `formats`, derived
+// from ParticleFormat (detail/particle_source.hpp), and a line in the list in particle_format.cpp.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct ParticleReadOptions {
   bool all_attributes = false;                        // read every numeric attribute; otherwise only those named below
   std::vector<std::string> attributes;                // names of quantities (ParticleQuantity::name) or columns
   std::vector<std::string> optional_attributes = {};  // more names, ignored if missing
-  std::vector<std::string> first_scalar_of;           // reads the first that is a numeric attribute of one component
+  std::vector<std::string> first_scalar_of;           // names; reads the first that is a numeric scalar attribute
   // The columns of x, y and z, by name or by number from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;
   std::optional<std::string> grid;  // name of a particle set, for formats with has_grids
@@ -62,7 +62,8 @@ struct ParticleInfo {
   Notes notes;                               // assumptions and changes made while reading
 };
 
-// Returns all formats in the order of detection and display; plug-ins last, except those with the id of another format.
+// Returns all formats in the order of detection and display, plug-ins last. Leaves out a plug-in if another format has
+// its id.
 [[nodiscard]] std::vector<ParticleFormatDescription> particle_format_descriptions();
 // Returns whether the file name has the extension of a particle format, ignoring case.
 [[nodiscard]] bool has_particle_extension(const std::filesystem::path& path);

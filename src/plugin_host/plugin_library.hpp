@@ -41,9 +41,9 @@ struct PluginKind {
   bool is_format = true;  // whether messages say "the format ID needs the plug-in", else "this work needs"
 };
 
-// Opens a plug-in's file in this process, for good, and returns the result of its exported function. Fails with the end
-// of a sentence, such as "has version 1 of the interface, expected 2"; also fails if the limit of the address space
-// (ulimit -v) leaves too little for the plug-in's libraries.
+// Opens a plug-in's file in this process, never closes it, and returns the result of its exported function. The text of
+// an error completes "the plug-in FILE ...", such as "has version 1 of the interface, expected 2". Also fails if the
+// limit of the address space (ulimit -v) leaves too little for the plug-in's libraries.
 [[nodiscard]] tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
                                                                       const std::string& path);
 
@@ -60,9 +60,9 @@ class PluginLibrary {
   // `input` starts the message. Safe to call from several threads.
   [[nodiscard]] Result<const void*> opened(const std::string& input) const;
 
-  // Starts a worker that reads `input` with the plug-in (detail/plugin_worker.hpp). Its greeting is a volume plug-in's
-  // name of the format; "" for particles. Fails for the same reasons, if no process starts and loads the plug-in within
-  // limits.seconds, and as Context::check(). Safe to call from several threads.
+  // Starts a worker that reads `input` with the plug-in (detail/plugin_worker.hpp). Started::greeting is the name of
+  // the format for a volume plug-in, and "" for a particle plug-in. Fails as opened() and Context::check() do, and if
+  // no process starts and loads the plug-in within limits.seconds. Safe to call from several threads.
   [[nodiscard]] Result<sandbox::WorkerPool::Started> start_worker(const std::string& input,
                                                                   const sandbox::Limits& limits,
                                                                   const Context& context) const;

@@ -32,10 +32,10 @@ struct MethodInfo {
 
 // In the order of the enum. Sources of the defaults:
 //
-// weight: the weight 0.1 and the iso value 0.15 come from the seed paper on marching tetrahedra in shaders; a sample
-// is inside if two particles add their weight to it (0.2 > 0.15). Samples are therefore two particle distances apart:
-// eight particles share a cell in the liquid. sph: splashsurf's documentation suggests this iso value and cell size.
-// spheres, smooth: two voxels a radius stay above kMinSphereRadius.
+// weight: the weight 0.1 and the iso value 0.15 come from Suravikin and Korobitsyn (docs/papers.md); a sample is inside
+// if two particles add their weight to it (0.2 > 0.15). Samples are therefore two particle distances apart: eight
+// particles share a cell in the liquid. sph: splashsurf's documentation suggests this iso value and cell size. spheres,
+// smooth: a cell size of 0.5 makes the radius two samples long, which is above kMinSphereRadius.
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::weight,
                .id = "weight",

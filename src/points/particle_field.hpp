@@ -38,8 +38,8 @@ struct AnisotropyOptions {
 // Loeschner, T. Boettcher, S. R. Jeske, J. Bender: Weighted Laplacian smoothing for surface reconstruction of
 // particle-based fluids. VMV 2023, section 3; splashsurf_lib, density_map and kernel). The kernel is a cubic spline
 // whose support is twice the smoothing length. The field at x is
-//   sum_j m / rho_j W(x - x_j),   rho_j = sum_k m W(x_j - x_k), including the particle itself,
-// which is about 1 within the liquid. The mass m cancels (splashsurf uses that of a liquid cube two radii wide).
+//   sum_j m / rho_j W(x - x_j),   rho_j = sum_k m W(x_j - x_k), including the particle itself.
+// The field is about 1 within the liquid. The mass m cancels (splashsurf uses that of a liquid cube two radii wide).
 struct FieldOptions {
   Method method = Method::sph;
   std::optional<double> radius;     // particle radius in world units; default ParticleStatistics::suggested_radius()

@@ -1,4 +1,4 @@
-// A jet of liquid into a tank, as particles: the animation of the seed paper on marching tetrahedra in shaders, whose
+// A jet of liquid into a tank, as particles: the animation of the paper on marching tetrahedra in shaders, whose
 // liquid is a simple particle system in a cube from -30 to 30.
 //
 // The tank is a closed box around the origin, z up. A round nozzle in the wall of least x, at three quarters of the
