@@ -17,9 +17,10 @@ namespace isoextract::mesh {
 
 // Returns the side on which the line through p in direction `way` passes the line from a to b: the sign of the
 // determinant of way, a - p and b - p. `way` has integer coordinates below 2^20. If the lines meet, p counts as moved
-// by (e, e^2, e^3) for an infinitesimal e > 0. The result then is 0 only if a and b lie on a line along `way`. If the
-// line passes through a triangle abc, the results for its edges ab, bc and ca are all positive if the triangle's normal
-// points to the side of `way` (dot product above 0), else all negative.
+// by (e, e^2, e^3) for an infinitesimal e > 0. The result then is 0 only if a and b lie on a line along `way`.
+//
+// For a triangle abc that the line passes through, the results for the edges ab, bc and ca have one sign. It is
+// positive if the dot product of the triangle's normal and `way` is above 0.
 [[nodiscard]] int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& p);
 
 // Returns 1 if a, b and c run counter-clockwise, 0 if they are collinear.
@@ -31,7 +32,7 @@ namespace isoextract::mesh {
   return {p[(axis + 1) % 3], p[(axis + 2) % 3]};
 }
 
-// Exact, as orientation_2d() is; coinciding points are collinear.
+// Returns the exact answer, as orientation_2d() does; coinciding points are collinear.
 [[nodiscard]] bool are_collinear(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
 }  // namespace isoextract::mesh
