@@ -174,6 +174,7 @@ struct Note {
   NoteId id = NoteId::no_effect;
   std::string text;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer here to replace
   friend auto operator<=>(const Note&, const Note&) = default;
 };
 using Notes = std::vector<Note>;
