@@ -18,7 +18,7 @@ namespace isoextract::cli {
 
 enum class Verbosity { quiet, normal, verbose };
 
-// Which messages are printed.
+// The messages that a command prints.
 struct MessageChoice {
   Verbosity verbosity = Verbosity::normal;
   std::vector<NoteId> hidden = {};  // notes that are not printed

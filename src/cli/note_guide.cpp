@@ -170,13 +170,14 @@ constexpr std::array kGuide{
 
 constexpr bool is_complete() {
   constexpr auto kWords = words_of(NoteId{});
-  if (kWords.size() != kGuide.size()) return false;
+  constexpr auto kLast = static_cast<std::size_t>(NoteId::up_axis);
+  if (kWords.size() != kLast + 1 || kWords.size() != kGuide.size()) return false;
   for (std::size_t i = 0; i < kGuide.size(); ++i) {
-    if (kGuide[i].id != kWords[i].value) return false;
+    if (kWords[i].value != static_cast<NoteId>(i) || kGuide[i].id != kWords[i].value) return false;
   }
   return true;
 }
-static_assert(is_complete(), "each id needs an entry, in the order of the ids");
+static_assert(is_complete(), "each id needs a word and an entry, in the order of the ids");
 
 }  // namespace
 

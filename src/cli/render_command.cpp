@@ -9,6 +9,7 @@
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/note_printer.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/render_plan.hpp"
@@ -24,18 +25,6 @@
 
 namespace isoextract::cli {
 namespace {
-
-class RenderNotes final : public convert::Events {
- public:
-  RenderNotes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
-  void note(const Note& note) override {
-    bar_.above([&] { messages_.note(note); });
-  }
-
- private:
-  const Messages& messages_;
-  ProgressBar& bar_;
-};
 
 // A requested GPU never falls back to the CPU. Automatic choice takes a GPU only if it does not render in software.
 Result<std::unique_ptr<render::Renderer>> open_renderer(const RenderPlan& plan, const Messages& messages) {
@@ -124,7 +113,7 @@ class Pictures {
 
   Result<void> draw_all() {
     ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
-    RenderNotes notes(messages_, bar);
+    NotePrinter notes(messages_, bar);
     auto source = TRY(SceneSource::open(plan_, context_, notes));
     VolumeKeeper kept(renderer_);             // destroyed before its volume
     std::optional<std::string> now;           // the current volume

@@ -11,6 +11,7 @@
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
+#include "cli/note_printer.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/verification_text.hpp"
@@ -32,19 +33,6 @@ struct NewExtraction {
   std::string surface;              // its name in messages
   std::string backend;              // the backend that extracted it
   std::vector<std::string> stages;  // the stages of the job, in order
-};
-
-// Prints only notes; the comparison tells the rest.
-class NotePrinter final : public convert::Events {
- public:
-  NotePrinter(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
-  void note(const Note& note) override {
-    bar_.above([&] { messages_.note(note); });
-  }
-
- private:
-  const Messages& messages_;
-  ProgressBar& bar_;
 };
 
 NewExtraction made_anew(const convert::ConversionJob& job, const convert::Outcome& outcome) {

@@ -16,7 +16,7 @@ SIZE = 64
 LAST = 30
 # Meshes that grow with the frame, so that some fit where others do not.
 GROWING = ("demo:sphere?size={}", "--frames", "8-48x8", "--iso", "0", "--mkdir")
-# As a user who may not read and write everywhere.
+# Runs a command as a user whom the permissions of files bind.
 ORDINARY = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"] if os.geteuid() == 0 else []
 
 
