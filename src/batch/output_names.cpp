@@ -152,12 +152,11 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "put {iso} into the name as well");
   }
   if (all_labels && names.uses(OutputWord::iso)) {
-    return fail(
-        ErrorCode::usage,
-        fmt::format(
-            "{}: expected a list of labels for {{iso}} in the output name: the run names files before it reads labels",
-            label_of_source(source)),
-        "list the labels, which 'isoextract info' shows, or write all into a glb");
+    return fail(ErrorCode::usage,
+                fmt::format("{}: {{iso}} in the output name needs a list of labels, found all labels: the run chooses "
+                            "file names before it reads the labels",
+                            label_of_source(source)),
+                "list the labels, which 'isoextract info' shows, or write all into a glb");
   }
   if (info.can_hold_several_meshes) return {};
   if (!source.more_grids.empty() && !names.uses(OutputWord::grid)) {
@@ -169,7 +168,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   if ((source.isos.size() < 2 && !all_labels) || names.uses(OutputWord::iso)) return {};
   if (all_labels) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: one {} file holds one surface, and all labels may be several surfaces",
+                fmt::format("{}: one {} file holds one surface, but all labels can give several",
                             label_of_source(source), info.name),
                 "write all into a glb, or list the labels, which 'isoextract info' shows, and put {iso} into the name");
   }

@@ -71,8 +71,8 @@ Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& 
   if (up && (of_origin.turn_z_up_to_y_up || of_origin.turn_y_up_to_z_up)) {
     if (convert::output_up(of_origin) != *up) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: the file records another placement ({}) than --up {} gives", other.path,
-                              convert::placement_text(other.placement), word_of(*up)),
+                  fmt::format("{}: --up {} contradicts the placement that the file records ({})", other.path,
+                              word_of(*up), convert::placement_text(other.placement)),
                   "leave --up out");
     }
   } else if (up) {

@@ -59,15 +59,16 @@ std::vector<std::string> kind_names() {
 Result<bool> take_kind(std::string_view word, convert::AttributeChoice& choice) {
   const auto kind = value_of<AttributeKind>(word);
   if (kind && choice.kind)
-    return fail(ErrorCode::usage,
-                fmt::format("expected one kind ({}), found a second kind '{}'", fmt::join(kind_names(), ", "), word));
+    return fail(ErrorCode::usage, fmt::format("expected one attribute kind ({}), found a second one '{}'",
+                                              fmt::join(kind_names(), ", "), word));
   if (kind) choice.kind = kind;
   if (kind) return true;
   const std::string near = nearest_name(word, kind_names());
   if (near.empty()) return false;
-  return fail(ErrorCode::usage,
-              fmt::format("expected a kind ({}) after the colon, found '{}'", fmt::join(kind_names(), ", "), word),
-              fmt::format("did you mean '{}'?", near));
+  return fail(
+      ErrorCode::usage,
+      fmt::format("expected an attribute kind ({}) after the colon, found '{}'", fmt::join(kind_names(), ", "), word),
+      fmt::format("did you mean '{}'?", near));
 }
 
 // Returns whether `word` is a setting, and sets it in `choice`.

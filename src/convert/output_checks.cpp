@@ -120,10 +120,11 @@ Result<void> check_extra_output(const fs::path& file, const ConversionJob& job, 
   const mesh_io::MeshFormat format = job.meshes().format;
   for (const OutputFileJob& output : job.outputs) {
     if (may_be_piece(file, output, format)) {
-      return fail(ErrorCode::usage,
-                  fmt::format("{}: the report may get the same name as the mesh of a body of {}", file.string(),
-                              job.source.input),
-                  {Remedy::change, Setting::output_name});
+      return fail(
+          ErrorCode::usage,
+          fmt::format("{}: the report needs a name of its own: the meshes of the bodies of {} may get this name",
+                      file.string(), job.source.input),
+          {Remedy::change, Setting::output_name});
     }
     for (const fs::path& mesh : mesh_files(output, format)) {
       if (!files::is_same_output(file, mesh)) continue;

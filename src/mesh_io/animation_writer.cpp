@@ -126,7 +126,8 @@ float AnimationWriter::State::time_of(std::int64_t frame, int later) const {
 
 Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
   if (first && frame <= last) {
-    return fail(ErrorCode::usage, fmt::format("{}: expected a frame after {}, found {}", path.string(), last, frame));
+    return fail(ErrorCode::usage,
+                fmt::format("{}: expected a frame number above {}, found {}", path.string(), last, frame));
   }
   const float time = time_of(frame);
   const bool is_later = !first || time > time_of(last);

@@ -124,7 +124,7 @@ Result<void> check_options(const FieldOptions& options) {
   if (anisotropy.few < 0) {
     return fail(
         ErrorCode::usage,
-        fmt::format("expected N_eps, the most neighbors with which a kernel is a sphere, of at least 0, found {}",
+        fmt::format("expected N_eps of at least 0 (a kernel with at most N_eps neighbors is a sphere), found {}",
                     anisotropy.few));
   }
   if (options.tile_iso && !std::isfinite(*options.tile_iso)) {

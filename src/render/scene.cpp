@@ -46,8 +46,10 @@ Result<void> check_surface(const Surface& surface) {
                (attribute.type == ComponentType::u8 || attribute.type == ComponentType::u16 ||
                 attribute.type == ComponentType::f32);
       })) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: expected a vertex color attribute of type u8, u16 or f32, found none", mesh.name));
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: expected vertex colors of at least three components, of type u8, u16 or f32; found none",
+                    mesh.name));
   }
   return {};
 }
@@ -64,7 +66,7 @@ Result<field::Box> volume_box(const field::ScalarField& field) {
   }
   const field::IndexBox active = field.extents();
   if (active.empty()) {
-    return fail(ErrorCode::empty_grid, fmt::format("{}: the grid has no voxels", field.source));
+    return fail(ErrorCode::empty_grid, fmt::format("{}: the grid has no active voxels", field.source));
   }
   return field::Box{glm::dvec3(active.min) - 1.0, glm::dvec3(active.max) + 1.0};
 }

@@ -97,8 +97,8 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
   const double most = (1 - kMinFreeFraction) * o.tank.x * o.tank.y * o.tank.z / cube;
   if (!(static_cast<double>(o.count) <= most)) {
     return fail(ErrorCode::usage,
-                fmt::format("a tank of {} x {} x {} holds {:.0f} particles of radius {}, not {}", o.tank.x, o.tank.y,
-                            o.tank.z, std::floor(most), plan.spacing / 2, o.count),
+                fmt::format("expected at most {:.0f} particles of radius {} in a tank of {} x {} x {}, found {}",
+                            std::floor(most), plan.spacing / 2, o.tank.x, o.tank.y, o.tank.z, o.count),
                 "use fewer or smaller particles, or a larger tank");
   }
   const double layer = layer_estimate(plan);

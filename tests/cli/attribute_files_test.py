@@ -273,7 +273,7 @@ class PartTest(FilesTest):
 
     def test_hints_name_what_works(self):
         for setting, message, hint in (
-                ("pet.nrrd", "there are 3 volumes", "choose one of them with :volume=K behind NAME=FILE, K from 0 to 2"),
+                ("pet.nrrd", "because the file has 3 volumes", "choose one of them with :volume=K behind NAME=FILE, K from 0 to 2"),
                 ("pet.nrrd:volume=3", "there is no volume 3", ":volume=K behind NAME=FILE, K from 0 to 2"),
                 ("ct.nrrd:volume=1", "there is no volume 1", "leave :volume= out"),
                 ("disp.nrrd", "found 3 components", ":component=K behind NAME=FILE, K from 0 to 2; use :component=length to take the length of the vector"),

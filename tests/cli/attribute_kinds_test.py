@@ -102,7 +102,7 @@ class KindsTest(ProgramTest):
         for word, name, wanted in (("dir:vector", "dir", turned), ("v:scalar", "v", SPEED), ("v:color", "v", SPEED),
                                    ("w=dir:normal", "w", unit(turned)), ("w=v", "w", turned), ("Cd:point", "Cd", turned)):
             self.assert_vector(self.values(name, "--attribute", word, "--scale", "2", "--up-out", "y"), wanted)
-        for word, part in (("v:vectr", "did you mean 'vector'?"), ("v:vector:point", "found a second kind")):
+        for word, part in (("v:vectr", "did you mean 'vector'?"), ("v:vector:point", "found a second one")):
             self.assert_fails(1, self.run_program("in.csv", "--attribute", word, "-o", "a.ply"), part)
         self.assert_fails(1, self.run_program("in.csv", "--color-by", "v:vector", "-o", "a.ply"), "'vector' has no effect")
         self.assert_fails(1, self.run_program("in.csv", "--radius", "0.3", "--attribute", "a=v:0:vector", "-o", "a.ply"),

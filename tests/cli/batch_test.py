@@ -180,7 +180,7 @@ class BatchTest(ProgramTest):
         raw = ("steps.raw", "--dims", "6,6,6", "--skip", "4", "--iso", "50")
         run = self.run_program(*raw, "-o", "a.ply")
         self.assertEqual(run.code, 2)
-        self.assertIn("steps.raw: there are 3 volumes in the file", run.err)
+        self.assertIn("steps.raw: expected the number of one volume, because the file has 3 volumes", run.err)
         self.assertIn("--volume K, K from 0 to 2", run.err)
         run = self.run_program(*raw, "--volume", "all", "-o", "out/s_{:02}.ply", "--mkdir")
         self.assertEqual(run.code, 0, run.err)

@@ -115,8 +115,8 @@ class CompareTest(ProgramTest):
         self.by_another_program("other.gltf")
         self.json("turned.ply", "other.gltf", "--up", "y", "--max-distance", 0)
         run = self.run_program("compare", "turned.ply", "other.gltf", "--up", "z")
-        self.assert_fails(1, run, "turned.ply: the file records another placement (turned from z up to y up) than --up z gives",
-                          "leave --up out")
+        self.assert_fails(
+            1, run, "turned.ply: --up z contradicts the placement that the file records (turned from z up to y up)", "leave --up out")
 
     def test_a_mesh_and_itself_far_away(self):
         for name in ("far.glb", "far.ply", "far.obj"):

@@ -177,7 +177,7 @@ class FilterTest(FieldsTest):
 
     def test_densities_are_refused(self):
         run = self.run_program(SPHERE, "--iso", "0", "--filter", "mean", "-o", "a.ply")
-        self.assert_fails(2, run, "expected the narrow band of a level set to filter, found a density", "leave --filter out")
+        self.assert_fails(2, run, "the filter needs the narrow band of a level set; found a density", "leave --filter out")
         run = self.run_program(SPHERE, "--iso", "0", "--filter", "mean", "--inside", "below", "-o", "a.ply")
         self.assertIn(run.code, (1, 2))
         self.write_csv("a.csv", [(0, 0, 0)])
@@ -261,7 +261,7 @@ class FieldFileTest(FieldsTest):
         self.assertEqual(run.code, 0, run.err)
         self.write_raw("large.raw", (3, 3, 3), lambda x, y, z: 1e5 * x)
         run = self.run_program("large.raw", "--dims", "3,3,3", "--dtype", "f32", "--half", "-o", "large.vdb")
-        self.assert_fails(4, run, "expected absolute values up to 65504, the limit of half floats; found 200000", "leave --half out")
+        self.assert_fails(4, run, "expected samples with absolute values up to 65504, the limit of half floats; found 200000", "leave --half out")
         self.assertFalse((self.folder / "large.vdb").exists())
         self.write_raw("huge.raw", (3, 3, 3), lambda x, y, z: 1e300 * x, "d")
         run = self.run_program("huge.raw", "--dims", "3,3,3", "--dtype", "f64", "-o", "large.vdb")

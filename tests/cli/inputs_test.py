@@ -88,7 +88,7 @@ class SeriesTest(ProgramTest):
     def test_a_choice_is_asked_for(self):
         for name, _ in self.series():
             run = self.run_program(name, "--iso", "0")
-            self.assert_fails(2, run, f"{name}: there are 5 volumes in the file", "--volume K, K from 0 to 4")
+            self.assert_fails(2, run, f"{name}: expected the number of one volume, because the file has 5 volumes", "--volume K, K from 0 to 4")
             run = self.run_program(name, "--iso", "0", "--volume", "5")
             self.assert_fails(2, run, "there is no volume 5", "--volume K, K from 0 to 4")
         self.assertEqual([name for name in self.files() if name.endswith(".glb")], [])

@@ -144,7 +144,7 @@ class RenderTest(ProgramTest):
                 self.assertGreater(alpha[1], 0)
                 pictures = json.loads((self.folder / "all.json").read_text())["pictures"]
                 self.assertEqual(sorted(picture["frame"] for picture in pictures), [1, 2, 3])
-        self.assert_fails(2, self.run_program("render", "f_1.vdb", *SMALL, "-o", "a.png"), "f_1.vdb: the grid has no voxels")
+        self.assert_fails(2, self.run_program("render", "f_1.vdb", *SMALL, "-o", "a.png"), "f_1.vdb: the grid has no active voxels")
 
     def test_frames_that_are_not_there(self):
         for frame in (1, 2):

@@ -142,7 +142,7 @@ class VoxelsTest(ProgramTest):
         for option in ("--no-merge", "--t-junctions"):
             self.assertIn(f"{option} does not work with marching cubes", self.refused(SPHERE, "--iso", "0", option))
         run = self.run_program(*self.labels, "--labels", "all", "-o", "x.stl")
-        self.assert_fails(1, run, "one stl file holds one surface, and all labels may be several",
+        self.assert_fails(1, run, "one stl file holds one surface, but all labels can give several",
                           "list the labels, which 'isoextract info' shows, and put {iso} into the name")
         self.assertIn("one stl file holds one surface, found 2 labels", self.run_program(*self.labels, "--labels", "1,5", "-o", "x.stl").err)
 

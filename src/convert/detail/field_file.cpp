@@ -42,8 +42,8 @@ Result<void> check_range(const field::ScalarField& field, const std::string& lab
   }
   if (most <= largest) return {};
   return fail(ErrorCode::output,
-              fmt::format("{}: expected absolute values up to {:.6g}, the limit of {}; found {:.6g}", label, largest,
-                          numbers, most),
+              fmt::format("{}: expected samples with absolute values up to {:.6g}, the limit of {}; found {:.6g}",
+                          label, largest, numbers, most),
               hint);
 }
 

@@ -19,7 +19,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
   if (field.kind != field::FieldKind::level_set || !is_sparse) {
     const char* found = field.kind != field::FieldKind::level_set ? "a density" : "dense samples";
     return fail(ErrorCode::input,
-                fmt::format("{}: expected the narrow band of a level set to filter, found {}", label, found),
+                fmt::format("{}: the filter needs the narrow band of a level set; found {}", label, found),
                 {{Remedy::leave_out, Setting::level_set_filter,
                   "the filter needs a level set: of a VDB file, or of particles as spheres or smooth"},
                  {Remedy::use, Setting::blur}});

@@ -197,7 +197,8 @@ Result<extract::MeshSizes> SiteWeld::number() {
     });
   });
   if (!sound) {
-    return fail(ErrorCode::unavailable, "the GPU returned invalid triangles: no grid edge has their vertices",
+    return fail(ErrorCode::unavailable,
+                "the GPU returned invalid triangles: they do not match the cells and edges of the grid",
                 {{Remedy::report, Setting::devices}, {Remedy::use, Setting::cpu_backend}});
   }
   for (const auto& part : late) borrowed_vertices_.insert(borrowed_vertices_.end(), part.begin(), part.end());

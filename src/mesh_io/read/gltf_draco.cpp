@@ -22,7 +22,8 @@ const json* draco_of(const json& primitive) {
 
 void require_count(const json& accessor, std::uint64_t count) {
   if (whole(accessor, "count") == count) return;
-  throw DamagedMesh(fmt::format("expected {} values, as Draco unpacks them, found {}", count, shown(accessor)));
+  throw DamagedMesh(fmt::format("expected an accessor with a count of {}, as in the Draco bit stream; found {}", count,
+                                shown(accessor)));
 }
 
 }  // namespace
@@ -78,8 +79,9 @@ void GltfData::provide(std::uint64_t accessor, const DracoAttribute& attribute, 
       attribute.components == 1 ? std::string("SCALAR") : fmt::format("VEC{}", attribute.components);
   if (code > kGltfFloat || gltf_component(static_cast<int>(code)) != attribute.type ||
       text_of(description, "type") != type) {
-    throw DamagedMesh(fmt::format("expected values of {} and type {}, as Draco unpacks them, found {}",
-                                  mesh::component_name(attribute.type), type, shown(description)));
+    throw DamagedMesh(
+        fmt::format("expected an accessor with component type {} and type {}, as in the Draco bit stream; found {}",
+                    mesh::component_name(attribute.type), type, shown(description)));
   }
   const auto normalized = description.find("normalized");
   GltfView view;

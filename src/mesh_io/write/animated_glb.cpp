@@ -199,8 +199,8 @@ Result<void> AnimatedGlb::finish(float end) {
     TRY(file_->move_end(glb_bytes(before, 0), glb_bytes(room_, 0)));
   }
   if (const std::uint64_t bytes = glb_bytes(room_, binary_); bytes > largest_) {
-    return fail(ErrorCode::output, fmt::format("{}: the file needs {} bytes, more than the writer's estimate of {}",
-                                               path_.string(), bytes, largest_));
+    return fail(ErrorCode::output,
+                fmt::format("{}: the file needs {} bytes; the limit is {} bytes", path_.string(), bytes, largest_));
   }
   auto written = file_->overwrite(0, bytes_of(glb_start(room_, binary_) + json));
   return written ? file_->overwrite(glb_bytes(room_, 0), bytes_of(glb_binary_head(binary_))) : written;

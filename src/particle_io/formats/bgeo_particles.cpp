@@ -27,7 +27,7 @@ std::uint32_t bgeo_whole(ContentReader& content, std::size_t bytes, std::string_
 std::uint32_t bgeo_count(ContentReader& content, std::string_view what) {
   const std::uint32_t value = bgeo_whole(content, 4, what);
   if (value > 0x7fffffff) {
-    throw InvalidParticleFile(fmt::format("expected the number of {} before byte {}, found {}", what,
+    throw InvalidParticleFile(fmt::format("expected the number of {} (0 or more) before byte {}, found {}", what,
                                           content.position(), std::bit_cast<std::int32_t>(value)));
   }
   return value;

@@ -11,10 +11,10 @@ Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (count > static_cast<std::uint64_t>(most)) {
-    return fail(
-        ErrorCode::unavailable,
-        fmt::format("{}: {}: expected at most {} elements, found {}", context.device().renderer, what, most, count),
-        {Remedy::use, Setting::cpu_backend});
+    return fail(ErrorCode::unavailable,
+                fmt::format("{}: {}: expected at most {} elements in a GPU buffer, found {}", context.device().renderer,
+                            what, most, count),
+                {Remedy::use, Setting::cpu_backend});
   }
   GpuArray array;
   array.element_bytes_ = element_bytes;

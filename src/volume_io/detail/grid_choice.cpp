@@ -122,7 +122,9 @@ Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count
   if (count > 1) hint.steps.insert(hint.steps.end(), otherwise.steps.begin(), otherwise.steps.end());
   if (!wanted) {
     if (count == 1) return 0;
-    return fail(ErrorCode::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected the number of one volume, because the file has {} volumes", file, count),
+                hint);
   }
   if (std::cmp_less(*wanted, 0) || std::cmp_greater_equal(*wanted, count)) {
     return fail(ErrorCode::input,

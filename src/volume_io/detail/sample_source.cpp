@@ -189,8 +189,8 @@ Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece
       piece.deflated ? piece.deflated->packed : file.size() - std::min(file.size(), piece.offset);
   const auto inflated = checked_sum(expected, piece.skip);
   if (!inflated || *inflated / files::kMaxDeflateRatio > found) {
-    return fail(ErrorCode::input, fmt::format("{}: {} bytes of {} data cannot hold {} bytes ({})", file.name(), found,
-                                              packing_of(piece), inflated.value_or(expected), of_what));
+    return fail(ErrorCode::input, fmt::format("{}: {} bytes of {} data cannot decompress to {} bytes ({})", file.name(),
+                                              found, packing_of(piece), inflated.value_or(expected), of_what));
   }
   if (piece.deflated && *inflated > piece.deflated->inflated) {
     return fail(

@@ -295,8 +295,8 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   if (components != 1 && type->numbers > 1) {
     return fail(
         ErrorCode::input,
-        fmt::format("{}: expected samples of one number, because dim[5] and later axes already count components, "
-                    "found {} ({} numbers per sample)",
+        fmt::format("{}: expected a datatype with one number per sample, because dim[5] and later axes already count "
+                    "components, found {} ({} numbers per sample)",
                     file.name(), ::nifti_datatype_to_string(header.datatype), type->numbers),
         "convert the samples to a scalar datatype, or keep only dim[1] to dim[4]");
   }

@@ -209,7 +209,7 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
     if (!next) {
       if (header.detached) return header;
       return fail(ErrorCode::input,
-                  file.name() + ": the header ends without an empty line and samples after it, or a field 'data file'");
+                  file.name() + ": the header has neither an empty line with samples after it nor a field 'data file'");
     }
     const std::string& line = *next;
     if (line.empty()) {

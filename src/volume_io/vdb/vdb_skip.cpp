@@ -95,7 +95,8 @@ void skip_vdb_tree(VdbCursor& cursor, const VdbGridRecord& grid) {
   // For trees of the usual configuration value_type is the plain type.
   const auto known = std::ranges::find(kTreeValues, std::string_view(grid.value_type), &TreeValues::type);
   if (known == kTreeValues.end() || !grid.tree_type.starts_with("Tree_")) {
-    throw UnsupportedVdb(fmt::format("the reader cannot find the end of a tree of {}", printable(grid.tree_type, 80)));
+    throw UnsupportedVdb(
+        fmt::format("the reader cannot find the end of a tree of the unknown type {}", printable(grid.tree_type, 80)));
   }
   const VdbValueLayout layout = value_layout(grid, known->size, known->half_size);
   skip_leaves(cursor, layout, known->leaf, skip_topology(cursor, layout));

@@ -250,7 +250,8 @@ LeafRun take_run(VdbCursor& cursor, const VdbValueLayout& layout, const std::vec
     const auto active = cursor.take(kLeafMaskBytes);
     if (mask_words<8>(active) != masks[i]) {
       throw InvalidVdb(
-          fmt::format("the leaf at byte {} has another mask than the tree says", cursor.position() - kLeafMaskBytes));
+          fmt::format("the mask of active voxels of the leaf at byte {} differs from its mask in the tree's topology",
+                      cursor.position() - kLeafMaskBytes));
     }
     run.leaves.push_back(take_values(cursor, active, layout));
   }

@@ -166,8 +166,8 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
   const auto code = cursor.read_value<std::uint8_t>();
   if (code > kAllStored) {
     throw InvalidVdb(
-        fmt::format("the inactive values of the node at byte {} have the code {}: the last known code is {}",
-                    packed.position, code, static_cast<int>(kAllStored)));
+        fmt::format("expected a code from 0 to {} for the inactive values of the node at byte {}, found {}",
+                    static_cast<int>(kAllStored), packed.position, code));
   }
   packed.inactive_is_background = code == kBackground;
   packed.inactive = cursor.take(inactive_values(code) * layout.value_size);

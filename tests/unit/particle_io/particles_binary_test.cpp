@@ -132,7 +132,7 @@ TEST(ParticlesBgeo, RejectsInvalidClassicFiles) {
     std::string bytes;
     const char* message;
   } bad[]{{changed(5, 6), "expected BGEO version 5, found 6"},
-          {changed(9, -3), "expected the number of points before byte 13, found -3"},
+          {changed(9, -3), "expected the number of points (0 or more) before byte 13, found -3"},
           {changed(9, 0x7fffffff), "2147483647 particles need at least 77309411292 bytes"},
           {changed(25, 0x7fffffff), "particles need at least"},
           {odd_type, "found type 2"},

@@ -215,7 +215,7 @@ TEST(Components, RequireAChoiceForNumpy) {
   const TempFolder folder;
   write_bytes(folder / "v.npy", npy_array("|u1", "(6, 6, 6, 3)", std::string(648, 'x')));
   const Error error = refusal(folder / "v.npy");
-  expect_in(error.message, "there are 6 volumes");
+  expect_in(error.message, "because the file has 6 volumes");
   expect_in(test::text_of(error.hint),
             "0 to 2, or length, if the last axis (length 3) holds the components of a vector");
   write_bytes(folder / "v.npy", npy_array("|u1", "(2, 6, 6, 6, 3)", std::string(1296, 'x')));

@@ -256,7 +256,7 @@ TEST(NiftiReaderBad, NamesUnsupportedTypesAndShapes) {
                  "volumes of"},
                 {"complex128", typed(1792), "found 2 components"},
                 {"long double", typed(1536), "FLOAT128"},
-                {"series", NiftiFile().dims({4, 3, 4, 5, 7}).bytes + samples, "there are 7 volumes"},
+                {"series", NiftiFile().dims({4, 3, 4, 5, 7}).bytes + samples, "because the file has 7 volumes"},
                 {"vectors", NiftiFile(2).dims({5, 3, 4, 5, 1, 3}).bytes + samples, "found 3 components"},
                 {"image", NiftiFile().dims({2, 3, 4}).bytes + samples, "expected 3 to 7 axes (dim[0]), found 2"}});
   expect_ramp<std::uint8_t>(read_nifti(NiftiFile().dims({4, 3, 4, 5, 1}).bytes + kSamples));
@@ -304,14 +304,14 @@ TEST(NiftiReaderBad, RejectsDamagedGzip) {
   const std::string packed = gzip(NiftiFile().bytes + kSamples);
   std::string bad_checksum = packed;
   bad_checksum[bad_checksum.size() - 6] = static_cast<char>(bad_checksum[bad_checksum.size() - 6] ^ 1);
-  expect_all_refused("v.nii.gz",
-                     {{"text", "this is not gzip data", "not a NIfTI file"},
-                      {"header of gzip only", packed.substr(0, 12), "not a NIfTI file"},
-                      {"cut", packed.substr(0, packed.size() - 3), "damaged or cut off"},
-                      {"checksum", bad_checksum, "damaged or cut off"},
-                      {"too short", gzip(NiftiFile().bytes + kSamples.substr(1)), "holds 411 bytes, expected 412"},
-                      {"bomb", gzip(NiftiFile(2).dims({3, 60000, 60000, 60000}).bytes), "cannot hold"},
-                      {"offset behind the end", gzip(NiftiFile(2).offset(1e15).bytes + kSamples), "cannot hold"}});
+  expect_all_refused(
+      "v.nii.gz", {{"text", "this is not gzip data", "not a NIfTI file"},
+                   {"header of gzip only", packed.substr(0, 12), "not a NIfTI file"},
+                   {"cut", packed.substr(0, packed.size() - 3), "damaged or cut off"},
+                   {"checksum", bad_checksum, "damaged or cut off"},
+                   {"too short", gzip(NiftiFile().bytes + kSamples.substr(1)), "holds 411 bytes, expected 412"},
+                   {"bomb", gzip(NiftiFile(2).dims({3, 60000, 60000, 60000}).bytes), "cannot decompress"},
+                   {"offset behind the end", gzip(NiftiFile(2).offset(1e15).bytes + kSamples), "cannot decompress"}});
 }
 
 TEST(NiftiReaderBad, SurvivesTruncationsAndFlippedBitsSilently) {

@@ -171,7 +171,7 @@ TEST(NpzReaderBad, RejectsWrongSizesAndPositions) {
        {"checksum", with(true, [](ZipPart& part) { part.crc ^= 1; }), "its checksum is"},
        {"garbage", with(true, [](ZipPart& part) { part.stored.assign(part.stored.size(), '\xff'); }),
         "damaged or cut off"},
-       {"bomb", zip_bytes({bomb}), "bytes of packed data cannot hold 1073741952 bytes"}});
+       {"bomb", zip_bytes({bomb}), "bytes of packed data cannot decompress to 1073741952 bytes"}});
 }
 
 TEST(NpzReaderBad, SurvivesTruncationsAndFlippedBits) {

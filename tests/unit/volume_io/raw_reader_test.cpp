@@ -49,7 +49,7 @@ TEST(RawReaderSize, ReadsSeveralVolumes) {
   ASSERT_TRUE(count) << count.error().message;
   EXPECT_EQ(*count, 2U);
   const Error error = refusal(folder / "v.raw", options);
-  expect_in(error.message, "there are 2 volumes in the file");
+  expect_in(error.message, "because the file has 2 volumes");
   EXPECT_EQ(error.hint, (Hint{{Remedy::choose, Setting::volume, "from 0 to 1"},
                               {Remedy::try_value, Setting::sample_type, "u32 or i32 or f32 (as one volume)"}}));
   options.volume = 0;

@@ -88,7 +88,7 @@ void expect_series(const std::filesystem::path& path) {
   for (int t = 0; t < kCount; ++t) expect_step<T>(must_read(path, volume(t)), t);
   const Error none = refusal(path);
   EXPECT_EQ(none.code, ErrorCode::input);
-  expect_in(none.message, "there are 4 volumes");
+  expect_in(none.message, "because the file has 4 volumes");
   EXPECT_EQ(none.hint, Hint(Remedy::choose, Setting::volume, "from 0 to 3"));
   for (const std::int64_t wrong : {std::int64_t{-1}, std::int64_t{4}, INT64_MAX, INT64_MIN}) {
     const Error error = refusal(path, volume(wrong));
@@ -296,7 +296,7 @@ TEST(Series, RejectsWrongSizesBeforeAllocating) {
   refused("negative.nii", nifti({4, 3, 4, 5, -1, 1, 1, 1}, 2, some), "dim[4] = -1");
   refused("none.nii", nifti({4, 3, 4, 5, 0, 1, 1, 1}, 2, some), "dim[4] = 0");
   refused("five.nii", nifti({5, 3, 4, 5, 1, 2, 1, 1}, 2, some + some), "found 2 components");
-  refused("packed.nii.gz", gzip(nifti({4, 3, 4, 5, 32767, 1, 1, 1}, 2, some)), "cannot hold");
+  refused("packed.nii.gz", gzip(nifti({4, 3, 4, 5, 32767, 1, 1, 1}, 2, some)), "cannot decompress");
   refused("over.npy", npy("<f8", "(18446744073709551615, 5, 4, 3)", some), "volumes of 3x4x5 f64 samples");
   refused("wraps.npy", npy("<f8", "(4611686018427387904, 4, 4, 4)", some), "volumes of 4x4x4 f64 samples");
   refused("none.npy", npy("|u1", "(0, 5, 4, 3)", some), "found 0");

@@ -264,9 +264,9 @@ TEST(VdbDamage, RejectsInconsistentTrees) {
        {"leaves past the grid's end", with(good, offsets + 16, static_cast<std::int64_t>(good.size() - 1)),
         "the grid has 3"},
        {"nodes past the grid's end", with(good, offsets + 16, static_cast<std::int64_t>(lower)), "the grid has"},
-       {"code of a node", with(good, lower + 1024, '\7'), "code 7"},
-       {"code of a leaf", with(good, code, '\x80'), "code 128"},
-       {"other mask of a leaf", with(good, mask, '\1'), "has another mask"},
+       {"code of a node", with(good, lower + 1024, '\7'), "found 7"},
+       {"code of a leaf", with(good, code, '\x80'), "found 128"},
+       {"other mask of a leaf", with(good, mask, '\1'), "differs from its mask"},
        {"chunk too long", with(packed, chunk - 8, std::int64_t{2} * 2048 + 513),
         "expected a chunk of at most 4608 bytes"},
        {"plain chunk too short", with(packed, chunk - 8, std::int64_t{-2047}),
@@ -320,7 +320,7 @@ TEST(VdbDamage, IgnoresGridPositionsOfAStream) {
   EXPECT_EQ(sparse_value<float>(samples, {1, 2, 3}), 8);
   expect_all_refused("v.vdb",
                      {{"buffers", with(stream, file.tile - 16, 2), "expected one buffer in a tree, found 2"},
-                      {"code of a leaf", with(stream, file.code, '\x80'), "code 128"},
+                      {"code of a leaf", with(stream, file.code, '\x80'), "found 128"},
                       {"children", with(stream, file.tile - 4, 1000), "is damaged: "},
                       {"tiles", with(stream, file.tile - 8, 0x7fffffff), "is damaged: a position refers to byte"}});
 }
