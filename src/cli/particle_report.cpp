@@ -136,9 +136,11 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
   if (const auto& neighbors = report.statistics.neighbors) {
     lines.add("neighbors", fmt::format("nearest at {:.6g} .. {:.6g}, median {:.6g}, of {} particles", neighbors->min,
                                        neighbors->max, neighbors->median, neighbors->asked));
+  }
+  if (report.statistics.suggested_radius) {
     lines.add("radius",
-              fmt::format("{:.6g}: half of the median distance; radii in the file or --radius R take precedence",
-                          *report.statistics.suggested_radius()));
+              fmt::format("{:.6g}: fits the density of the particles; radii in the file or --radius R take precedence",
+                          *report.statistics.suggested_radius));
   }
   add_attributes(lines, report.attributes);
   add_field(lines, report);
@@ -161,7 +163,7 @@ convert::Json json_of(const ParticleReport& report) {
     json["neighbours"] = {
         {"asked", neighbors->asked}, {"min", neighbors->min}, {"median", neighbors->median}, {"max", neighbors->max}};
   }
-  json["suggested_radius"] = convert::optional_json(report.statistics.suggested_radius());
+  json["suggested_radius"] = convert::optional_json(report.statistics.suggested_radius);
   json["attributes"] = convert::Json::array();
   for (const AttributeRange& range : report.attributes) {
     json["attributes"].push_back({{"name", range.quantity.name},

@@ -65,7 +65,7 @@ std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figu
   std::vector<WorkFact> facts;
   const std::uint64_t all = figures.particles + figures.particles_dropped + figures.particles_too_small;
   const std::string radius = !figures.radius_attribute.empty() ? ", the median of their radii"
-                             : figures.radius_suggested        ? ", half the median distance to the nearest particle"
+                             : figures.radius_suggested        ? ", which fits their density"
                                                                : "";
   facts.push_back({WorkTopic::particles, WorkDone::made_into_a_field, figures.particles, all,
                    fmt::format("{} particles of radius {:.6g}{}, with samples {:.6g} apart in {} bricks (8x8x8)",

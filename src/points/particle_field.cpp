@@ -63,8 +63,7 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   const double widening = is_anisotropic ? std::max(1.0, options.anisotropy.neighborhood) : 1;
   const std::uint64_t most = kMaxNeighbors * grid.size();
   if (count_neighbor_pairs(grid, widening * figures.support / figures.spacing, most) <= most) return {};
-  const auto statistics = TRY(measure_statistics(particles, context));
-  const std::optional<double> usual = statistics.suggested_radius();
+  const std::optional<double> usual = TRY(suggest_radius(particles, context));
   return fail(
       ErrorCode::input,
       fmt::format(
@@ -72,7 +71,7 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
           "{:.6g}, neighbors up to {:.6g} away)",
           particles.label, kMaxNeighbors, figures.particles, figures.radius, widening * figures.support),
       Hint(Remedy::give, Setting::radius,
-           usual ? fmt::format("{:.6g} is half the median distance to the nearest particle", *usual) : ""));
+           usual ? fmt::format("{:.6g} fits the density of the particles", *usual) : ""));
 }
 
 Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,

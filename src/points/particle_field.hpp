@@ -42,7 +42,7 @@ struct AnisotropyOptions {
 // The field is about 1 within the liquid. The mass m cancels (splashsurf uses that of a liquid cube two radii wide).
 struct FieldOptions {
   Method method = Method::sph;
-  std::optional<double> radius;     // particle radius in world units; default ParticleStatistics::suggested_radius()
+  std::optional<double> radius;     // particle radius in world units; default suggest_radius()
   std::optional<double> cell_size;  // spacing of the samples in radii; default MethodInfo::cell_size
   std::optional<double> spacing;    // spacing in world units, instead of cell_size; only one of them may be set
 

@@ -11,6 +11,7 @@
 #include "base/median.hpp"
 #include "base/parallel.hpp"
 #include "points/detail/nearest_tree.hpp"
+#include "points/detail/spacing_estimate.hpp"
 
 namespace isoextract::points {
 namespace {
@@ -23,6 +24,22 @@ struct BoundsPart {
   std::uint64_t not_finite = 0;
   std::size_t first_broken = std::numeric_limits<std::size_t>::max();
 };
+
+Result<NearestTree> make_tree(const ParticleSet& particles, const Context& context) {
+  if (particles.size() > std::numeric_limits<std::uint32_t>::max()) {
+    return fail(ErrorCode::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
+                                              std::numeric_limits<std::uint32_t>::max(), particles.size()));
+  }
+  context.progress().begin("measuring distances", 0);
+  return NearestTree::make(particles.positions.span(), context, particles.label);
+}
+
+Result<std::optional<double>> radius_from(const NearestTree& tree, std::span<const glm::dvec3> positions,
+                                          const Context& context) {
+  auto spacing = TRY(estimate_spacing(tree, positions, context));
+  if (spacing) *spacing /= 2;
+  return spacing;
+}
 
 }  // namespace
 
@@ -55,14 +72,10 @@ ParticleBounds measure_bounds(std::span<const glm::dvec3> positions) {
 
 Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context) {
   const std::span<const glm::dvec3> positions = particles.positions.span();
-  if (positions.size() > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorCode::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
-                                              std::numeric_limits<std::uint32_t>::max(), positions.size()));
-  }
+  auto tree = TRY(make_tree(particles, context));
   ParticleStatistics statistics;
   statistics.bounds = measure_bounds(positions);
-  context.progress().begin("measuring distances", 0);
-  auto tree = TRY(NearestTree::make(positions, context, particles.label));
+  statistics.suggested_radius = TRY(radius_from(tree, positions, context));
   const std::size_t asked = std::min(positions.size(), kMostAsked);
   auto memory = TRY(context.reserve(2 * asked * sizeof(double), particles.label + ": distances of particles"));
   std::vector<double> distances(asked);
@@ -80,6 +93,11 @@ Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, cons
   const auto [least, most] = std::ranges::minmax(distances);
   statistics.neighbors = NeighborDistances{distances.size(), least, median(std::move(distances)), most};
   return statistics;
+}
+
+Result<std::optional<double>> suggest_radius(const ParticleSet& particles, const Context& context) {
+  const auto tree = TRY(make_tree(particles, context));
+  return radius_from(tree, particles.positions.span(), context);
 }
 
 }  // namespace isoextract::points

@@ -37,16 +37,16 @@ struct NeighborDistances {
 struct ParticleStatistics {
   ParticleBounds bounds;
   std::optional<NeighborDistances> neighbors;  // empty unless two particles differ in position
-
-  // Returns half the median distance: the radius of touching particles on a lattice.
-  [[nodiscard]] std::optional<double> suggested_radius() const {
-    if (!neighbors) return std::nullopt;
-    return neighbors->median / 2;
-  }
+  std::optional<double> suggested_radius;      // as suggest_radius() returns it
 };
 
 // Fails with ErrorCode::input for 2^32 particles or more, and as Context::reserve() and Context::check() do. The result
 // is the same for any number of threads.
 [[nodiscard]] Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context);
+
+// Returns half the spacing of a cubic lattice as dense as the particles, in world units: the radius of touching
+// particles. The density is that of 48 neighbors of each of 2^12 particles (detail/spacing_estimate.hpp). Returns
+// nothing unless two particles differ in position. Fails as measure_statistics() does.
+[[nodiscard]] Result<std::optional<double>> suggest_radius(const ParticleSet& particles, const Context& context);
 
 }  // namespace isoextract::points

@@ -135,8 +135,9 @@ struct ParticleFlags : OptionSet {
                                            particle_methods(), word_of(usual_.method))};
   Value<double> radius{
       everyday(*this), "--radius", "R", parse_positive,
-      "Radius of the particles, in the units of the file. Default: half the median distance to the nearest neighbor, "
-      "found for each file by itself, so give a radius for a sequence. --particles spheres and smooth use the "
+      "Radius of the particles, in the units of the file. Default: the radius of touching particles on a lattice as "
+      "dense as the particles, found for each file by itself, so give a radius for a sequence. --particles spheres and "
+      "smooth use the "
       "attribute pscale or radius of each particle where the file has one."};
   Value<double> smoothing_length{*this, "--smoothing-length", "L", parse_positive,
                                  fmt::format("Smoothing length of the kernels, in radii. Kernels reach twice as far, "

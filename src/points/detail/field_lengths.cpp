@@ -26,14 +26,13 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
   if (options.radius) {
     figures.radius = *options.radius;
   } else if (figures.radius_attribute.empty()) {
-    auto statistics = TRY(measure_statistics(particles, context));
-    const std::optional<double> radius = statistics.suggested_radius();
+    const std::optional<double> radius = TRY(suggest_radius(particles, context));
     if (!radius) {
       return fail(
           ErrorCode::input,
           fmt::format("{}: expected a particle radius, or particles at two or more positions to derive it from; "
                       "found {} particles at one position",
-                      particles.label, statistics.bounds.finite),
+                      particles.label, figures.particles),
           {Remedy::give, Setting::radius});
     }
     figures.radius = *radius;

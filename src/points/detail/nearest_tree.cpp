@@ -91,6 +91,46 @@ void NearestTree::search(std::size_t node, const glm::dvec3& p, Same same, Found
     }
     return;
   }
+  visit_children(
+      node, p, [&] { return found.squared_distance; }, [&](std::size_t child) { search(child, p, same, found); });
+}
+
+void NearestTree::nearest_positions(const glm::dvec3& p, std::size_t count, std::vector<Found>& found) const {
+  found.clear();
+  if (!order_.empty() && count > 0) search_positions(0, p, count, found);
+}
+
+void NearestTree::search_positions(std::size_t node, const glm::dvec3& p, std::size_t count,
+                                   std::vector<Found>& found) const {
+  const Node& box = nodes_[node];
+  const bool coincide = box.low == box.high;
+  if (coincide && box.low == p) return;
+  if (box.leaf) {
+    const std::uint32_t last = coincide ? box.first + 1 : box.last;
+    for (std::uint32_t k = box.first; k < last; ++k) {
+      const glm::dvec3& q = points_[order_[k]];
+      const glm::dvec3 away = q - p;
+      const Found candidate{glm::dot(away, away), order_[k]};
+      if (q == p || (found.size() == count && candidate.squared_distance >= found.back().squared_distance)) continue;
+      auto at = std::ranges::upper_bound(found, candidate.squared_distance, {}, &Found::squared_distance);
+      bool known = false;
+      for (auto same = at; same != found.begin() && (--same)->squared_distance == candidate.squared_distance;) {
+        known = known || points_[same->point] == q;
+      }
+      if (known) continue;
+      if (found.size() == count) found.pop_back();
+      found.insert(at, candidate);
+    }
+    return;
+  }
+  const auto reach = [&] {
+    return found.size() < count ? std::numeric_limits<double>::infinity() : found.back().squared_distance;
+  };
+  visit_children(node, p, reach, [&](std::size_t child) { search_positions(child, p, count, found); });
+}
+
+template <class Reach, class Visit>
+void NearestTree::visit_children(std::size_t node, const glm::dvec3& p, const Reach& reach, const Visit& visit) const {
   std::size_t near = 2 * node + 1;
   std::size_t far = near + 1;
   double near_distance = squared_distance_to_box(p, nodes_[near].low, nodes_[near].high);
@@ -99,8 +139,8 @@ void NearestTree::search(std::size_t node, const glm::dvec3& p, Same same, Found
     std::swap(near, far);
     std::swap(near_distance, far_distance);
   }
-  if (near_distance <= found.squared_distance) search(near, p, same, found);
-  if (far_distance <= found.squared_distance) search(far, p, same, found);
+  if (near_distance <= reach()) visit(near);
+  if (far_distance <= reach()) visit(far);
 }
 
 }  // namespace isoextract::points

@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -33,6 +34,10 @@ class NearestTree {
   enum class Same { counts, ignored };
   [[nodiscard]] Found nearest(const glm::dvec3& p, Same same) const;
 
+  // Sets `found` to the nearest points at up to `count` different positions, other than `p`, in order of distance. Of
+  // coincident points it finds one.
+  void nearest_positions(const glm::dvec3& p, std::size_t count, std::vector<Found>& found) const;
+
  private:
   struct Node {
     glm::dvec3 low;
@@ -43,6 +48,10 @@ class NearestTree {
   };
   void build(std::size_t node, std::uint32_t first, std::uint32_t last);
   void search(std::size_t node, const glm::dvec3& p, Same same, Found& found) const;
+  void search_positions(std::size_t node, const glm::dvec3& p, std::size_t count, std::vector<Found>& found) const;
+  // Calls visit(child) for those children of a node that are at most reach() away, squared, the nearer one first.
+  template <class Reach, class Visit>
+  void visit_children(std::size_t node, const glm::dvec3& p, const Reach& reach, const Visit& visit) const;
 
   std::span<const glm::dvec3> points_;
   Buffer<std::uint32_t> order_;

@@ -1,0 +1,36 @@
+// Estimates the spacing of particles: the side of the cube that a particle has for itself where particles fill a
+// volume.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "points/detail/nearest_tree.hpp"
+
+namespace isoextract::points {
+
+// Returns the spacing in world units; nothing unless two particles differ in position. `tree` holds `positions`.
+//
+// The volume of a particle comes from its 48 nearest neighbors. With eigenvalues l_i of their covariance about their
+// mean, m particles of spacing s fill a box with the sides w_i = sqrt(12 l_i + s^2), so that
+//   m s^3 = c w_1 w_2 w_3.
+// This is exact with c = 1 for m = a x b x d points of a cubic lattice, so also for sheets and threads, where the
+// distance to the k-th neighbor tells no volume. Neighbors cut out by a ball fill more than a box of the same
+// covariance: c = 1 + 0.02 w_2 / w_1 + 0.05 w_3 / w_1, fitted to lattices, jittered lattices and random points, whose
+// results then lie within 4 % of the truth. c = 1 if the neighbors are all particles.
+//
+// Measures up to 2^12 particles, evenly spaced by index. Those near a surface have more space than others; so only
+// particles near the mean of their neighbors count, unless they are fewer than 1 in 20. The result is the median of the
+// spacings up to 1.25 times the 10 % quantile: the densest of several densities that hold a tenth of the particles, and
+// no spray or strays. Coincident particles count once.
+//
+// Fails as Context::check() does. The result is the same for any number of threads.
+[[nodiscard]] Result<std::optional<double>> estimate_spacing(const NearestTree& tree,
+                                                             std::span<const glm::dvec3> positions,
+                                                             const Context& context);
+
+}  // namespace isoextract::points
