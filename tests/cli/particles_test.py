@@ -1,5 +1,6 @@
 """Particles: read, made a field, and extracted, with everything that volumes have."""
 
+import itertools
 import json
 import math
 import random
@@ -385,19 +386,36 @@ class ParticlesTest(ProgramTest):
         self.assertIn("iso 0.6, the default", run.err)
         self.check_block(self.mesh("c.ply"))
 
+    def test_radius_fits_eight_a_cell(self):
+        """FLIP places eight particles anywhere in a cell; nearest neighbors are much closer than on a lattice."""
+        chance = random.Random(4)
+        points = [tuple(2 * c + chance.uniform(0, 2) for c in cell) for cell in
+                  itertools.product(range(6), repeat=3) for _ in range(8)]
+        self.write_csv("flip.csv", points)
+        (entry,) = json.loads(self.convert("info", "--json", "flip.csv").text)
+        particles = entry["particles"]
+        self.assertAlmostEqual(particles["suggested_radius"], 0.5, delta=0.03)
+        self.assertLess(particles["neighbours"]["median"], 0.7)
+        run = self.convert("flip.csv", "-o", "flip.ply", "--report", "flip.json", "--explain")
+        self.assertRegex(run.err, r"1728 particles of radius 0\.\d+, which fits their density")
+        report = json.loads((self.folder / "flip.json").read_text())
+        self.assertEqual(report["particles"]["radius"], particles["suggested_radius"])
+        self.assertTrue(report["particles"]["radius_suggested"])
+
     def test_info(self):
         self.write_ply("a.ply", block())
         text = self.convert("info", "a.ply").text
         self.assertIn("125", text)
         self.assertIn("nearest at 0.5 .. 0.5, median 0.5", text)
-        self.assertIn("0.25: half of the median distance; radii in the file or --radius R take precedence", text)
+        self.assertRegex(text, r"0\.2[45]\d*: fits the density of the particles; radii in the file or --radius R")
         self.assertRegex(text, r"pressure +\S+ +0 \.\. 2")
         command = re.search(r"isoextract (a\.ply --iso 0\.6 -o \S+)", text)
         self.assertIsNotNone(command, text)
         self.convert(*command[1].split())
         (entry,) = json.loads(self.convert("info", "--json", "a.ply", "--radius", "0.3").text)
         particles = entry["particles"]
-        self.assertEqual((particles["count"], particles["frames"], particles["suggested_radius"]), (125, 1, 0.25))
+        self.assertEqual((particles["count"], particles["frames"]), (125, 1))
+        self.assertAlmostEqual(particles["suggested_radius"], 0.25, delta=0.01)
         self.assertEqual(particles["bounds"], {"min": [0, 0, 0], "max": [2, 2, 2]})
         self.assertEqual([a["name"] for a in particles["attributes"]], ["pressure", "v"])
         self.assertEqual(particles["field"]["radius"], 0.3)

@@ -27,7 +27,7 @@ double solve_spacing(const glm::dvec3& variances, double count, bool is_whole) {
   const double width = std::sqrt(12 * variances[0]);
   double low = width / count;  // w_1 s^2 <= w_1 w_2 w_3
   double high = 2 * width;     // enough for two particles, which have the fewest
-  constexpr int kSteps = 48;
+  constexpr int kSteps = 60;
   for (int step = 0; step < kSteps; ++step) {
     const double s = (low + high) / 2;
     const glm::dvec3 w = glm::sqrt(12.0 * variances + glm::dvec3(s * s));

@@ -20,8 +20,8 @@ namespace isoextract::points {
 //   m s^3 = c w_1 w_2 w_3.
 // This is exact with c = 1 for m = a x b x d points of a cubic lattice, so also for sheets and threads, where the
 // distance to the k-th neighbor tells no volume. Neighbors cut out by a ball fill more than a box of the same
-// covariance: c = 1 + 0.02 w_2 / w_1 + 0.05 w_3 / w_1, fitted to lattices, jittered lattices and random points, whose
-// results then lie within 4 % of the truth. c = 1 if the neighbors are all particles.
+// covariance: c = 1 + 0.02 w_2 / w_1 + 0.05 w_3 / w_1. These numbers are fitted to lattices, jittered lattices and
+// random points: their results lie within 4 % of the truth. c = 1 if the neighbors are all particles.
 //
 // Measures up to 2^12 particles, evenly spaced by index. Those near a surface have more space than others; so only
 // particles near the mean of their neighbors count, unless they are fewer than 1 in 20. The result is the median of the

@@ -52,7 +52,7 @@ TEST(SphereSet, TakesRadiiFromOptionAttributeOrDistances) {
   const auto suggested = make_spheres(with_radii(positions, "Radius", {0.5F, 3, 1}), spheres(), Context());
   ASSERT_TRUE(suggested);
   EXPECT_TRUE(suggested->figures().radius_suggested);
-  EXPECT_EQ(suggested->figures().radius, 1);
+  EXPECT_NEAR(suggested->figures().radius, 1, 1e-9);
 }
 
 TEST(SphereSet, DropsNonFiniteParticlesWithTheirRadii) {
