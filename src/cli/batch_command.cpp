@@ -26,6 +26,7 @@
 #include "cli/output_plan.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
+#include "cli/sequence_values.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
 #include "convert/json_values.hpp"
@@ -155,8 +156,12 @@ void tell_animation(const batch::AnimationJob& animation, const mesh_io::MeshWri
   for (const Note& note : written.notes) messages.note(note);
 }
 
-Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
-  if (plan.flags.dry_run) return print_batch_plan(plan, messages);
+Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::vector<std::string>& arguments,
+                         const Messages& messages) {
+  if (plan.flags.dry_run) {
+    TRY(find_sequence_values(flags, plan, messages));
+    return print_batch_plan(plan, messages);
+  }
   if (plan.flags.fail_fast && plan.needs_all && !plan.gaps.empty()) return fail_missing(plan.gaps);
   if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
     TRY(check_gnuplot(plan.flags.plot ? plan.flags.plot.name() : ConvertFlags().html.name()));
@@ -164,6 +169,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   TRY(limit_threads(plan.common.threads));
   TRY(make_folders(plan));
   const auto read = TRY(check_batch_files(plan));
+  TRY(find_sequence_values(flags, plan, messages));
   const Context& context = plan.common.context;
   batch::RunOptions options{.shard = plan.shard, .earlier = plan.earlier, .arguments = arguments};
   if (plan.needs_all) options.absent = batch::text_of(plan.gaps);
@@ -231,8 +237,8 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
 }  // namespace
 
 Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
-  const auto plan = TRY(plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); }));
-  return run_planned(plan, arguments, Messages(plan.common.shown));
+  auto plan = TRY(plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); }));
+  return run_planned(flags, plan, arguments, Messages(plan.common.shown));
 }
 
 }  // namespace isoextract::cli

@@ -285,8 +285,6 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (std::string note = changing_isos(flags, sources.size()); !note.empty())
     found.notes.push_back({NoteId::iso_chosen, std::move(note)});
   for (Note& note : found.notes) plan.common.notes.push_back(std::move(note));
-  if (std::string note = color_range_note(plan.common.job); !note.empty())
-    plan.common.notes.push_back({NoteId::color_range, std::move(note)});
   if (flags.placement.center && !flags.surface.roi) {
     plan.common.notes.push_back({NoteId::frames_move,
                                  "--center moves each frame by the center of its own samples; the bounds of sparse "

@@ -203,10 +203,12 @@ class InfoPage {
       return;
     }
     for (const Note& note : found->notes) messages_.note(note);
-    SequenceReport sequence{input, {}, std::move(found->gaps), plan_.input_arguments, {}, {}};
+    SequenceReport sequence{input, {}, std::move(found->gaps), plan_.input_arguments, radius_of(*found), {}, {}};
+    InfoPlan plan = plan_;
+    if (sequence.radius) plan.particles.sequence_radius = sequence.radius->radius;
     bool has_nan = false;
     for (const batch::Frame& frame : found->frames) {
-      const InputReport report = look_at(plan_, frame.input, messages_);
+      const InputReport report = look_at(plan, frame.input, messages_);
       has_nan = has_nan || (report.field && report.field->statistics.nan > 0);
       take_error(report);
       sequence.frames.push_back(summary_of(frame.number, report));
@@ -235,6 +237,17 @@ class InfoPage {
   }
 
  private:
+  // Returns the radius that convert uses for these frames.
+  [[nodiscard]] std::optional<SequenceRadius> radius_of(const batch::Frames& found) const {
+    if (plan_.has_radius_of_each_frame || found.frames.size() < 2) return std::nullopt;
+    std::vector<FrameSource> sources;
+    for (const batch::Frame& frame : found.frames) {
+      if (sources.size() == kFramesForRadius) break;
+      sources.push_back({frame.number, source_of(plan_, frame.input)});
+    }
+    return find_sequence_radius(sources, Context(plan_.memory.part())).value_or(std::nullopt);
+  }
+
   void take_error(const InputReport& report) {
     if (!report.error) return;
     messages_.error(*report.error);

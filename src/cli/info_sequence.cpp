@@ -111,6 +111,10 @@ std::string text_of(const SequenceReport& report) {
   if (const auto range = range_of(report, &FrameSummary::min, &FrameSummary::max)) {
     lines.add("range", fmt::format("{:.6g} to {:.6g} over all frames", range->first, range->second));
   }
+  if (report.radius) {
+    lines.add("radius",
+              fmt::format("{:.6g} in all frames, which fits frame {}", report.radius->radius, report.radius->frame));
+  }
   if (const auto iso = iso_of(report)) {
     const auto isos = range_of(report, &FrameSummary::iso, &FrameSummary::iso);
     lines.add("iso",
@@ -149,9 +153,11 @@ convert::Json json_of(const SequenceReport& report) {
                      {"missing", batch::text_of(report.gaps)},
                      {"min", range ? convert::Json(range->first) : convert::Json(nullptr)},
                      {"max", range ? convert::Json(range->second) : convert::Json(nullptr)},
+                     {"radius", nullptr},
                      {"suggestion", nullptr},
                      {"frames", std::move(frames)},
                      {"first", report.first_json}};
+  if (report.radius) json["radius"] = {{"radius", report.radius->radius}, {"frame", report.radius->frame}};
   if (iso) {
     json["suggestion"] = {{"iso", iso->iso}, {"frames", iso->separates}, {"command", example_of(report, iso->iso)}};
   }

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "batch/frame_range.hpp"
 #include "cli/info_report.hpp"
+#include "cli/sequence_values.hpp"
 #include "convert/json_values.hpp"
 
 namespace isoextract::cli {
@@ -28,10 +29,11 @@ struct FrameSummary {
 [[nodiscard]] FrameSummary summary_of(std::int64_t frame, const InputReport& report);
 
 struct SequenceReport {
-  std::string input;                   // as given: a pattern or a folder
-  std::vector<FrameSummary> frames;    // in ascending order
-  std::vector<batch::FrameRun> gaps;   // missing frame numbers
-  std::vector<std::string> arguments;  // the input options, to repeat in an example
+  std::string input;                     // as given: a pattern or a folder
+  std::vector<FrameSummary> frames;      // in ascending order
+  std::vector<batch::FrameRun> gaps;     // missing frame numbers
+  std::vector<std::string> arguments;    // the input options, to repeat in an example
+  std::optional<SequenceRadius> radius;  // of all frames, if they hold particles
   // The report of the first readable frame; empty and null if there is none.
   std::string first_text;
   convert::Json first_json;

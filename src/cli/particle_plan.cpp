@@ -43,7 +43,7 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   }
   options.bad =
       nan == extract::NanPolicy::outside ? points::NonFiniteParticles::skip : points::NonFiniteParticles::error;
-  options.radius = flags.radius;
+  if (flags.radius) options.radius = flags.radius->radius;
   options.cell_size = flags.cell_size;
   options.smoothing_length = flags.smoothing_length.value_or(options.smoothing_length);
   options.weight = flags.weight.value_or(options.weight);

@@ -236,6 +236,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags) {
   plan.frames = flags.frames;
   plan.read = std::move(read);
   plan.particles = std::move(particles);
+  plan.has_radius_of_each_frame = flags.particles.radius && flags.particles.radius->is_of_each_frame;
   plan.memory = plan_memory(flags.input.memory_limit);
   plan.json = flags.json;
   for (const OptionGroup group : {OptionGroup::input, OptionGroup::particles}) {

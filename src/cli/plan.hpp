@@ -50,6 +50,7 @@ struct InfoPlan {
   std::optional<batch::FrameRange> frames;  // for a sequence
   volume_io::ReadOptions read;
   convert::ParticleOptions particles;
+  bool has_radius_of_each_frame = false;     // --radius auto:each
   std::vector<std::string> input_arguments;  // the input options as given, for the example command
   bool json = false;
 };

@@ -145,6 +145,14 @@ Result<double> parse_positive(std::string_view text) {
   return *number;
 }
 
+Result<RadiusChoice> parse_radius(std::string_view text) {
+  if (text == "auto") return RadiusChoice();
+  if (text == "auto:each") return RadiusChoice{std::nullopt, true};
+  const auto number = parse_positive(text);
+  if (!number) return expected_found("a number above 0, auto or auto:each", text);
+  return RadiusChoice{*number, false};
+}
+
 Result<double> parse_part(std::string_view text) {
   const auto number = whole_text_as<double>(text);
   if (!number || !(*number >= 0 && *number <= 1)) return expected_found("a number from 0 to 1", text);

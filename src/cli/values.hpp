@@ -25,11 +25,18 @@ namespace isoextract::cli {
 struct AllVolumes {};
 using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 
+// A radius of particles: a number, or one that the program finds for each frame by itself or for all frames.
+struct RadiusChoice {
+  std::optional<double> radius;
+  bool is_of_each_frame = false;
+};
+
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);        // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);           // finite
 [[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto, zero or p0..p100
 [[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all, or 1,2,5
 [[nodiscard]] Result<double> parse_positive(std::string_view text);                         // finite, above 0
+[[nodiscard]] Result<RadiusChoice> parse_radius(std::string_view text);                     // above 0, auto, auto:each
 [[nodiscard]] Result<double> parse_not_negative(std::string_view text);                     // finite, 0 or above
 [[nodiscard]] Result<convert::SimplifyBound> parse_simplify_bound(
     std::string_view text);  // 0.1, 0.1voxel or 0.5world, above 0; 0.1 is in voxels

@@ -280,19 +280,4 @@ Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes
   return {};
 }
 
-std::string color_range_note(const convert::ConversionJob& job) {
-  if (!job.color || !job.color->attribute || job.color->range) return {};
-  // Includes the attribute's other settings, so that the text can be given again.
-  std::string name = *job.color->attribute;
-  const auto choice = std::ranges::find(job.source.attributes, name, &convert::AttributeChoice::name);
-  if (choice != job.source.attributes.end() && !choice->written) {
-    if (choice->optional) name += "?";
-    if (choice->from != choice->name) name += "=" + choice->from;
-  }
-  return fmt::format(
-      "--color-by {0}: each frame has its own range of colors; give --color-by {1} for one range in the whole "
-      "sequence",
-      *job.color->attribute, shell_quoted(fmt::format("{}:{}:MIN,MAX", name, word_of(job.color->map))));
-}
-
 }  // namespace isoextract::cli

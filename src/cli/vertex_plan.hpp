@@ -22,7 +22,4 @@ namespace isoextract::cli {
 // files and demo fields. Fails as batch::FramePattern::parse() does.
 [[nodiscard]] Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame);
 
-// Returns a note for several frames if each colors its surfaces over its own range; otherwise empty.
-[[nodiscard]] std::string color_range_note(const convert::ConversionJob& job);
-
 }  // namespace isoextract::cli

@@ -60,19 +60,20 @@ constexpr auto words_of(EmptyPolicy /*type*/) {
 
 // How particles become the field that is extracted. Unused for volumes.
 struct ParticleOptions {
-  static constexpr std::array kMembers{"expected", "method",  "radius",     "cell_size", "smoothing_length",
-                                       "weight",   "deposit", "not_finite", "columns"};
+  static constexpr std::array kMembers{"expected",         "method", "radius",  "sequence_radius", "cell_size",
+                                       "smoothing_length", "weight", "deposit", "not_finite",      "columns"};
 
   // Reads the input as particles even if it could be a volume too, and refuses a volume. If false, the input's content
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  // Particle radius in world units. If unset: an estimate from the distances between particles, but methods that make
-  // level sets prefer a radius attribute (points::kRadiusAttributes).
+  // Particle radius in world units. If unset, the radius is that of the particles' own attribute
+  // (points::kRadiusAttributes), else `sequence_radius`, else points::suggest_radius().
   std::optional<double> radius;
-  std::optional<double> cell_size;  // sample spacing, in particle radii; unset: default of the method
-  double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
-  double weight = 0.1;              // for weight: the value that each particle adds
+  std::optional<double> sequence_radius;  // found for all frames of a sequence (find_radius())
+  std::optional<double> cell_size;        // sample spacing, in particle radii; unset: default of the method
+  double smoothing_length = 2;            // for sph, anisotropic, smooth; in particle radii
+  double weight = 0.1;                    // for weight: the value that each particle adds
   points::Deposit deposit = points::Deposit::trilinear;
   points::NonFiniteParticles bad = points::NonFiniteParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1

@@ -44,12 +44,6 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
                               figures.spacing, field->left_out),
                   {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
     }
-    if (!figures.radius_attribute.empty()) {
-      made.field.notes.push_back({NoteId::particle_radius,
-                                  fmt::format("the attribute '{}' gives the radius of each particle; the median radius "
-                                              "is {:.6g}",
-                                              printable(figures.radius_attribute), figures.radius)});
-    }
   }
   made.field.name = particles.label;
   made.field.source = particles.label;
@@ -62,10 +56,28 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
 Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles, const ParticleOptions& options,
                                                   std::optional<double> only_iso, const Context& context) {
   const points::FieldOptions asked = field_options(options, only_iso);
-  if (points::method_info(asked.method).kind == field::FieldKind::level_set) {
-    return make_level_set(particles, asked, context);
+  const bool is_level_set = points::method_info(asked.method).kind == field::FieldKind::level_set;
+  auto made =
+      TRY(is_level_set ? make_level_set(particles, asked, context) : points::make_field(particles, asked, context));
+  const points::ParticleFieldStatistics& figures = made.figures;
+  if (!figures.radius_attribute.empty()) {
+    const bool takes_median = asked.method == points::Method::weight || asked.method == points::Method::anisotropic;
+    made.field.notes.push_back(
+        {NoteId::particle_radius,
+         takes_median ? fmt::format("all particles have the radius {:.6g}, the median of the attribute '{}'",
+                                    figures.radius, printable(figures.radius_attribute))
+                      : fmt::format("the attribute '{}' gives the radius of each particle; the median radius is {:.6g}",
+                                    printable(figures.radius_attribute), figures.radius)});
   }
-  return points::make_field(particles, asked, context);
+  if (!is_level_set && figures.particles_too_small > 0) {
+    made.field.notes.push_back(
+        {NoteId::particles_left_out,
+         fmt::format(
+             "the field omits {} particles with a radius below {:.3g} sample spacings, which could fall between "
+             "samples",
+             figures.particles_too_small, figures.least_radius)});
+  }
+  return made;
 }
 
 }  // namespace isoextract::convert

@@ -96,8 +96,7 @@ particle_io::ParticleReadOptions particle_read_options(const SourceOptions& opti
     if (std::ranges::find(names, choice.from) == names.end()) names.push_back(choice.from);
   }
   read.columns = options.particles.columns;
-  const bool are_spheres = points::method_info(options.particles.method).kind == field::FieldKind::level_set;
-  if (are_spheres && !options.particles.radius) {
+  if (!options.particles.radius) {
     read.first_scalar_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
   }
   return read;
@@ -107,6 +106,7 @@ points::FieldOptions field_options(const ParticleOptions& options, std::optional
   points::FieldOptions field;
   field.method = options.method;
   field.radius = options.radius;
+  field.suggested_radius = options.sequence_radius;
   field.cell_size = options.cell_size;
   field.smoothing_length = options.smoothing_length;
   field.weight = options.weight;

@@ -78,7 +78,7 @@ std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figu
   if (figures.particles_too_small > 0) {
     facts.push_back({WorkTopic::particles_too_small, WorkDone::left_out, figures.particles_too_small, all,
                      fmt::format("{} of {} particles, whose radius is below {} sample spacings",
-                                 figures.particles_too_small, all, points::kMinSphereRadius)});
+                                 figures.particles_too_small, all, figures.least_radius)});
   }
   if (figures.inside_tiles > 0 || figures.particles_deep_inside > 0) {
     facts.push_back({WorkTopic::particles_inside, WorkDone::left_out, figures.particles_deep_inside, figures.particles,

@@ -9,9 +9,11 @@
 #include "base/parallel.hpp"
 #include "points/cell_grid.hpp"
 #include "points/detail/anisotropy.hpp"
+#include "points/detail/ball_kernels.hpp"
 #include "points/detail/field_lengths.hpp"
 #include "points/detail/kernel_bricks.hpp"
 #include "points/detail/neighbor_batches.hpp"
+#include "points/detail/particle_radii.hpp"
 #include "points/detail/sparse_bricks.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/detail/weight_bricks.hpp"
@@ -56,20 +58,21 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
   return GridFrame{glm::round(center / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
 }
 
-// Fails if the radius is so large relative to the particle distances that nearly all kernels overlap.
+// Fails if the radius is so large relative to the particle distances that nearly all kernels overlap. `support` is that
+// of the largest kernel, in samples.
 Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, const FieldOptions& options,
-                            const ParticleFieldStatistics& figures, const Context& context) {
+                            double support, const ParticleFieldStatistics& figures, const Context& context) {
   const bool is_anisotropic = options.method == Method::anisotropic;
   const double widening = is_anisotropic ? std::max(1.0, options.anisotropy.neighborhood) : 1;
   const std::uint64_t most = kMaxNeighbors * grid.size();
-  if (count_neighbor_pairs(grid, widening * figures.support / figures.spacing, most) <= most) return {};
+  if (count_neighbor_pairs(grid, widening * support, most) <= most) return {};
   const std::optional<double> usual = TRY(suggest_radius(particles, context));
   return fail(
       ErrorCode::input,
       fmt::format(
           "{}: expected at most {} neighbors per particle on average, found more ({} particles with a radius of "
           "{:.6g}, neighbors up to {:.6g} away)",
-          particles.label, kMaxNeighbors, figures.particles, figures.radius, widening * figures.support),
+          particles.label, kMaxNeighbors, figures.particles, figures.radius, widening * support * figures.spacing),
       Hint(Remedy::give, Setting::radius,
            usual ? fmt::format("{:.6g} fits the density of the particles", *usual) : ""));
 }
@@ -94,6 +97,18 @@ Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, c
   return fill_bricks(KernelBricks({&grid, values, nullptr, nullptr, support}), iso, kInside, counts, context, label);
 }
 
+// Does the same for particles with unlike radii. `support` is that of the median radius.
+Result<field::SparseSamples> sum_balls(const CellGrid& grid, const ParticleRadii& radii, double support,
+                                       const FieldOptions& options, BrickCounts& counts, const Context& context,
+                                       const std::string& label) {
+  const double of_unit = support / radii.median;
+  const auto kernels =
+      TRY(BallKernels::make(grid, radii.attribute->values.span(), of_unit, of_unit * radii.max, context, label));
+  std::optional<double> iso = options.tile_iso;
+  if (iso && *iso >= kInside) iso.reset();
+  return fill_bricks(KernelBricks(kernels.set()), iso, kInside, counts, context, label);
+}
+
 }  // namespace
 
 Result<void> check_options(const FieldOptions& options) {
@@ -104,6 +119,7 @@ Result<void> check_options(const FieldOptions& options) {
   const AnisotropyOptions& anisotropy = options.anisotropy;
   for (const auto& [value, what] :
        {std::pair(options.radius.value_or(1), "a particle radius"),
+        std::pair(options.suggested_radius.value_or(1), "a suggested particle radius"),
         std::pair(options.cell_size.value_or(1), "a cell size in radii"),
         std::pair(options.spacing.value_or(1), "a spacing of the samples"),
         std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),
@@ -152,19 +168,36 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
     result.field.samples = field::SparseSamples{};
     return result;
   }
+  const auto radii = TRY(find_radii(particles, options, bounds, context));
+  if (radii) {
+    figures.radius = radii->median;
+    figures.radius_attribute = radii->attribute->name;
+  }
   TRY(resolve_lengths(particles, options, figures, context));
   const double support = figures.support / figures.spacing;
   const bool weighs = options.method == Method::weight;
-  auto frame = TRY(index_frame(particles, bounds, figures.spacing, weighs ? 1 : support));
-  auto grid = TRY(CellGrid::make(positions, frame, weighs ? 1 : std::max(support, 2.0), CellGrid::Coinciding::merged,
-                                 context, particles.label));
+  const bool is_mixed = radii && radii->min < radii->max && options.method == Method::sph;
+  const double reach = is_mixed ? support * (radii->max / radii->median) : support;
+  const double smallest = radii ? radii->median / support : 0;  // its kernel reaches one sample far
+  LargeEnough large;
+  if (is_mixed && radii->min < smallest) {
+    large = TRY(leave_out_small(positions, radii->attribute->values.span(), smallest, context, particles.label));
+    figures.particles_too_small = large.too_small;
+    figures.least_radius = smallest / figures.spacing;
+    figures.particles -= large.too_small;
+  }
+  auto frame = TRY(index_frame(particles, bounds, figures.spacing, weighs ? 1 : reach));
+  auto grid = TRY(CellGrid::make(
+      large.positions ? large.positions->values.span() : positions, frame, weighs ? 1 : std::max(support, 2.0),
+      is_mixed ? CellGrid::Coinciding::apart : CellGrid::Coinciding::merged, context, particles.label));
   if (!weighs) {
-    TRY(check_crowding(particles, grid, options, figures, context));
+    TRY(check_crowding(particles, grid, options, reach, figures, context));
   }
   BrickCounts counts;
   auto samples = TRY(weighs ? fill_bricks(WeightBricks(grid, options.deposit, options.weight), std::nullopt, kInside,
                                           counts, context, particles.label)
-                            : sum_kernels(grid, support, options, counts, context, particles.label));
+                     : is_mixed ? sum_balls(grid, *radii, support, options, counts, context, particles.label)
+                                : sum_kernels(grid, support, options, counts, context, particles.label));
   figures.bricks_stored = counts.bricks_stored;
   figures.inside_tiles = counts.inside_tiles;
   figures.particles_deep_inside = counts.particles_deep_inside;

@@ -42,7 +42,12 @@ struct AnisotropyOptions {
 // The field is about 1 within the liquid. The mass m cancels (splashsurf uses that of a liquid cube two radii wide).
 struct FieldOptions {
   Method method = Method::sph;
-  std::optional<double> radius;     // particle radius in world units; default suggest_radius()
+  // Particle radius in world units. Without it, an attribute of kRadiusAttributes (sphere_set.hpp) gives each particle
+  // its radius. Kernels of Method::sph are then as wide as the radius of their particle asks, and its mass is as the
+  // cube of the radius; other methods take the median radius for all. Lengths in radii refer to the median.
+  std::optional<double> radius;
+  // Radius without `radius` and without an attribute, in world units; default suggest_radius().
+  std::optional<double> suggested_radius;
   std::optional<double> cell_size;  // spacing of the samples in radii; default MethodInfo::cell_size
   std::optional<double> spacing;    // spacing in world units, instead of cell_size; only one of them may be set
 
@@ -68,14 +73,15 @@ struct ParticleFieldStatistics {
   std::uint64_t bricks_stored = 0;
   std::uint64_t inside_tiles = 0;  // tiles that replace bricks
   double radius = 0;               // particle radius in world units; 0 without particles
-  bool radius_suggested = false;   // true if derived from the particle distances
+  bool radius_suggested = false;   // true if it is FieldOptions::suggested_radius or suggest_radius()
   double spacing = 0;              // world units
   double support = 0;              // support of the kernel in world units; 0 for weight and spheres
 
-  // Level sets only:
-  std::string radius_attribute;           // attribute with the radius of each particle, of which `radius` is the
-                                          // median; may be empty
-  std::uint64_t particles_too_small = 0;  // particles omitted because their radius is below kMinSphereRadius samples
+  std::string radius_attribute;  // attribute with the radius of each particle, of which `radius` is the median; may be
+                                 // empty
+  // Particles omitted because their radius is below least_radius: so small that they could fall between samples.
+  std::uint64_t particles_too_small = 0;
+  double least_radius = kMinSphereRadius;  // in sample spacings; smaller particles are omitted
 };
 
 struct ParticleField {
@@ -91,7 +97,9 @@ struct ParticleField {
 // - if no radius is given and none can be derived,
 // - if particles are too far apart or too far from 0 for the spacing,
 // - if the field needs 2^31 bricks or more,
-// - if the radius is so large that a particle has more than 32,768 neighbors on average.
+// - if the radius is so large that a particle has more than 32,768 neighbors on average; with unlike radii, within the
+//   reach of the largest one,
+// - if a radius of the attribute is negative or not finite.
 // It fails with ErrorCode::out_of_memory if memory does not suffice.
 // It fails with ErrorCode::cancelled if the context is cancelled.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);

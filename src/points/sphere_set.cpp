@@ -1,52 +1,25 @@
 #include "points/sphere_set.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/finite.hpp"
-#include "base/printable.hpp"
 #include "points/detail/field_lengths.hpp"
+#include "points/detail/particle_radii.hpp"
 
 namespace isoextract::points {
 namespace {
 
-const ParticleAttribute* radius_attribute(const ParticleSet& particles) {
-  for (const std::string_view name : kRadiusAttributes) {
-    for (const ParticleAttribute& attribute : particles.attributes) {
-      if (attribute.name == name && attribute.components == 1) return &attribute;
-    }
-  }
-  return nullptr;
-}
-
-Result<std::shared_ptr<ReservedBuffer<float>>> radii_at(const ParticleSet& particles, const ParticleAttribute& radii,
+// Returns the radii of the particles at finite positions.
+Result<std::shared_ptr<ReservedBuffer<float>>> radii_of(const ParticleSet& particles, const ParticleAttribute& radii,
                                                         std::uint64_t finite, const Context& context) {
   auto kept = make_reserved_buffer<float>(finite, context, particles.label + ": radii of particles");
   if (!kept) return kept;
   std::size_t n = 0;
   for (std::size_t i = 0; i < particles.size(); ++i) {
-    if (!is_finite(particles.positions[i])) continue;
-    const float radius = radii.values[i];
-    if (!(std::isfinite(radius) && radius >= 0)) {
-      return fail(ErrorCode::input,
-                  fmt::format("{}: expected finite radii of 0 or more in the attribute '{}', found {} at particle {}",
-                              particles.label, printable(radii.name), radius, i),
-                  {Remedy::give, Setting::radius});
-    }
-    (*kept)->values[n++] = radius;
+    if (is_finite(particles.positions[i])) (*kept)->values[n++] = radii.values[i];
   }
   return kept;
-}
-
-Result<double> median_of(std::span<const float> radii, const ParticleSet& particles, const Context& context) {
-  const auto sorted = TRY(make_reserved_buffer<float>(radii.size(), context, particles.label + ": radii of particles"));
-  std::ranges::copy(radii, sorted->values.begin());
-  float* const middle = sorted->values.begin() + radii.size() / 2;
-  std::nth_element(sorted->values.begin(), middle, sorted->values.end());
-  return static_cast<double>(*middle);
 }
 
 Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& particles, std::uint64_t finite,
@@ -63,6 +36,8 @@ Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& partic
 
 }  // namespace
 
+bool has_radius_attribute(const ParticleSet& particles) { return radius_attribute(particles) != nullptr; }
+
 Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
   TRY(check_options(options));
   const ParticleBounds bounds = measure_bounds(particles.positions.span());
@@ -75,10 +50,10 @@ Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions&
     spheres.kept_ = TRY(finite_ones(particles, bounds.finite, context));
   }
   if (bounds.finite == 0) return spheres;
-  if (const ParticleAttribute* attribute = options.radius ? nullptr : radius_attribute(particles)) {
-    auto radii = TRY(radii_at(particles, *attribute, bounds.finite, context));
-    figures.radius = TRY(median_of(radii->values.span(), particles, context));
-    figures.radius_attribute = attribute->name;
+  if (const auto found = TRY(find_radii(particles, options, bounds, context))) {
+    auto radii = TRY(radii_of(particles, *found->attribute, bounds.finite, context));
+    figures.radius = found->median;
+    figures.radius_attribute = found->attribute->name;
     spheres.radii_ = radii->values.span();
     spheres.kept_radii_ = std::move(radii);
   }

@@ -18,6 +18,8 @@ namespace isoextract::points {
 // Names of one-component attributes that hold the radius of each particle in world units; the first one found counts.
 inline constexpr std::array<std::string_view, 2> kRadiusAttributes{"pscale", "radius"};
 
+[[nodiscard]] bool has_radius_attribute(const ParticleSet& particles);
+
 // Refers to the particle set it was made from, which must outlive it.
 class SphereSet {
  public:

@@ -212,9 +212,9 @@ class AttributesTest(ProgramTest):
         for k in range(3):
             self.particles(f"in_{k}.ply", 3 + k)
         run = self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "pressure", "--animate", "-o", "all.glb")
-        self.assertIn("give --color-by pressure:viridis:MIN,MAX for one range in the whole sequence", run.err)
+        self.assertIn("--color-by pressure: the colors range from 0 to 2, the values of all 3 frames", run.err)
         other = self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "p?=pressure:gray", "-o", "out_{}.glb")
-        self.assertIn("give --color-by 'p?=pressure:gray:MIN,MAX' for one range in the whole sequence", other.err)
+        self.assertIn("--color-by p: the colors range from 0 to 2, the values of all 3 frames", other.err)
         self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "p?=pressure:gray:0,2", "-o", "out_{}.glb")
         self.assertNotIn("MIN,MAX", self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "pressure:0,2", "-o",
                                                  "out_{}.glb").err)

@@ -160,7 +160,8 @@ struct ConvertFlags : OptionSet {
       parse_color,
       fmt::format(
           "Color the vertices by an attribute or by iso value. MIN to MAX is the range of the colors (default: the "
-          "range over each surface); an attribute of several components counts by its length in the input. iso "
+          "values on each surface; of a sequence, the values in all frames); an attribute of several components counts "
+          "by its length in the input. iso "
           "gives each surface of a glb or gltf a color by its iso value, and outer surfaces become "
           "transparent. MAP is one of {} (default: {}).",
           colormap_list(), word_of(edit::Colormap{})),

@@ -133,12 +133,12 @@ struct ParticleFlags : OptionSet {
                                fmt::format("Method that turns particles into a field. One of {} (default: {}). Files "
                                            "that can only hold particles need no option; an NPY array of N rows does.",
                                            particle_methods(), word_of(usual_.method))};
-  Value<double> radius{
-      everyday(*this), "--radius", "R", parse_positive,
-      "Radius of the particles, in the units of the file. Default: the radius of touching particles on a lattice as "
-      "dense as the particles, found for each file by itself, so give a radius for a sequence. --particles spheres and "
-      "smooth use the "
-      "attribute pscale or radius of each particle where the file has one."};
+  Value<RadiusChoice> radius{
+      everyday(*this), "--radius", "R|auto", parse_radius,
+      "Radius of the particles, in the units of the file. Default: auto, the radius of touching particles on a lattice "
+      "as dense as the particles. All frames of a sequence have the radius of its first frame; with auto:each each "
+      "has its own. If the file has an attribute pscale or radius, it gives the radius of each particle, unless R is "
+      "given."};
   Value<double> smoothing_length{*this, "--smoothing-length", "L", parse_positive,
                                  fmt::format("Smoothing length of the kernels, in radii. Kernels reach twice as far, "
                                              "and --particles smooth averages over that distance. Default: {}.",

@@ -26,7 +26,8 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
   if (options.radius) {
     figures.radius = *options.radius;
   } else if (figures.radius_attribute.empty()) {
-    const std::optional<double> radius = TRY(suggest_radius(particles, context));
+    std::optional<double> radius = options.suggested_radius;
+    if (!radius) radius = TRY(suggest_radius(particles, context));
     if (!radius) {
       return fail(
           ErrorCode::input,

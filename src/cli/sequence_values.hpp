@@ -1,0 +1,48 @@
+// Values that all frames of a sequence share: the radius of particles, and the range of colors.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "cli/batch_plan.hpp"
+#include "cli/messages.hpp"
+#include "convert/conversion_job.hpp"
+
+namespace isoextract::cli {
+
+struct FrameSource {
+  std::int64_t frame = 0;
+  convert::SourceOptions source;
+};
+
+// A radius for all frames, and the frame that it comes from.
+struct SequenceRadius {
+  double radius = 0;
+  std::int64_t frame = 0;
+
+  // Returns a note with the value, the frame, and the options that change it.
+  [[nodiscard]] std::string note() const;
+};
+
+inline constexpr std::size_t kFramesForRadius = 16;
+
+// Returns the radius that fits the first frame with 50 particles or more, else the first one with a radius. `frames`
+// are the first kFramesForRadius frames of the sequence. Returns nothing if they hold no particles, or if the options
+// or an attribute of the particles give the radius. Frames that cannot be read do not count: their conversion reports
+// why. Fails with ErrorCode::cancelled only.
+[[nodiscard]] Result<std::optional<SequenceRadius>> find_sequence_radius(std::span<const FrameSource> frames,
+                                                                         const Context& context);
+
+// Sets the radius of particles and the range of colors in all jobs of a plan with several frames, unless the options
+// give them, and adds notes about them. For the range it reads the attribute of all frames, of other shards too, so
+// that every shard and every later run with --resume has the same range. Shows progress.
+//
+// Frames that cannot be read do not count. Fails with ErrorCode::cancelled only.
+[[nodiscard]] Result<void> find_sequence_values(const ConvertFlags& flags, BatchPlan& plan, const Messages& messages);
+
+}  // namespace isoextract::cli

@@ -1,0 +1,51 @@
+// SPH kernels of particles with unlike radii: a ball for each particle, as wide as its radius asks.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "base/reserved_buffer.hpp"
+#include "points/cell_grid.hpp"
+#include "points/detail/kernel_bricks.hpp"
+
+namespace isoextract::points {
+
+// Leaves out particles whose kernel reaches less than one sample far, because it could fall between the samples.
+struct LargeEnough {
+  std::shared_ptr<ReservedBuffer<glm::dvec3>> positions;  // not finite for particles left out
+  std::uint64_t too_small = 0;
+};
+[[nodiscard]] Result<LargeEnough> leave_out_small(std::span<const glm::dvec3> positions, std::span<const float> radii,
+                                                  double smallest, const Context& context, const std::string& label);
+
+class BallKernels {
+ public:
+  // Makes the kernels of the particles that `grid` holds apart (Coinciding::apart), in index coordinates. `radii` has
+  // the radius of each particle; `support` is the reach of a kernel of radius 1, and `reach` that of the largest.
+  // The masses are as the cubes of the radii, and so are the volumes of the kernels. With m_j / H_j^3 the same for all,
+  //   rho_j = sum_k m_k W(x_j - x_k, H_k),   field(x) = sum_j m_j / rho_j W(x - x_j, H_j)
+  // become the weights 1 / sum_k S(|x_j - x_k| / H_k). The density has the kernels of the field, which keeps the field
+  // nearer to 1 between particles of unlike sizes than kernels as wide as H_j do. `grid` must outlive the kernels.
+  // Fails as Context::reserve() and Context::check() do.
+  [[nodiscard]] static Result<BallKernels> make(const CellGrid& grid, std::span<const float> radii, double support,
+                                                double reach, const Context& context, const std::string& label);
+
+  [[nodiscard]] KernelSet set() const {
+    return {grid_, weights_->values.data(), shapes_->values.data(), nullptr, reach_};
+  }
+
+ private:
+  const CellGrid* grid_ = nullptr;
+  double reach_ = 0;
+  std::shared_ptr<ReservedBuffer<float>> weights_;
+  std::shared_ptr<ReservedBuffer<Ellipsoid>> shapes_;
+};
+
+}  // namespace isoextract::points
