@@ -11,6 +11,7 @@
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_version.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -25,17 +26,22 @@ using convert::Json;
 Result<FileRecord> file_record_of(const mesh_io::WrittenFile& file, const Context& context) {
   const auto version = files::version_of(std::filesystem::path(file.path));
   if (file.hash && version && version->bytes == file.bytes) {
-    return FileRecord{file.path, {file.bytes, version->modified, *file.hash}};
+    return FileRecord{file.path, {file.bytes, version->modified, *file.hash}, {}};
   }
   const files::ContentState state = TRY(files::hash_file(file.path, context));
-  return FileRecord{file.path, state};
+  return FileRecord{file.path, state, {}};
 }
 
 // Returns a message about the first file whose bytes (or `with_times` modification time) changed; empty if none has.
 std::string first_changed_file(const std::vector<FileRecord>& before, bool with_times) {
   for (const FileRecord& file : before) {
-    const auto now = files::hash_file(file.path, Context());
+    const auto now = files::hash_part({file.path, file.ranges}, Context());
+    if (!now && !file.ranges.empty() && files::is_there(file.path)) return fmt::format("{} has changed", file.path);
     if (!now) return fmt::format("the run cannot read {}", file.path);
+    if (!file.ranges.empty()) {  // other frames of the file may have changed
+      if (now->hash != file.state.hash) return fmt::format("{} has changed", file.path);
+      continue;
+    }
     const bool same = now->bytes == file.state.bytes && now->hash == file.state.hash;
     if (!same || (with_times && now->modified != file.state.modified)) return fmt::format("{} has changed", file.path);
   }
@@ -44,15 +50,19 @@ std::string first_changed_file(const std::vector<FileRecord>& before, bool with_
 
 bool is_demo(const FrameJob& frame) { return frame.job.source.input.starts_with(field::kDemoPrefix); }
 
-// Returns the paths of all input files, sorted, without duplicates; none for a demo field.
-Result<std::vector<std::string>> input_paths(const FrameJob& frame, const Context& context) {
-  std::vector<std::string> paths;
-  if (is_demo(frame)) return paths;
-  const auto files = TRY(convert::list_source_files(frame.job.source, context.beside()));
-  for (const std::filesystem::path& file : files) paths.push_back(file.string());
-  std::ranges::sort(paths);
-  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
-  return paths;
+// Returns the parts of all input files, sorted by path, without duplicates; none for a demo field.
+Result<std::vector<files::FilePart>> input_parts(const FrameJob& frame, const Context& context) {
+  if (is_demo(frame)) return std::vector<files::FilePart>();
+  auto parts = TRY(convert::list_source_parts(frame.job.source, context.beside()));
+  std::ranges::sort(parts, {}, &files::FilePart::path);
+  // A path may be listed twice, with different ranges: the whole file contains both.
+  const auto same_path = [](const files::FilePart& a, const files::FilePart& b) { return a.path == b.path; };
+  for (auto at = std::ranges::adjacent_find(parts, same_path); at != parts.end();
+       at = std::ranges::adjacent_find(parts, same_path)) {
+    if (at->ranges != (at + 1)->ranges) at->ranges.clear();
+    parts.erase(at + 1);
+  }
+  return parts;
 }
 
 template <class T>
@@ -83,6 +93,9 @@ Json json_of(const std::vector<FileRecord>& files) {
                     {"bytes", file.state.bytes},
                     {"modified", file.state.modified},
                     {"hash", file.state.hash}});
+    if (file.ranges.empty()) continue;
+    Json& ranges = list.back()["ranges"] = Json::array();
+    for (const files::ByteRange& range : file.ranges) ranges.push_back({range.offset, range.bytes});
   }
   return list;
 }
@@ -92,7 +105,11 @@ std::vector<FileRecord> files_of(const Json& json) {
   for (const Json& file : json) {
     files.push_back({bytes_of(file.at("path")),
                      {file.at("bytes").get<std::uint64_t>(), file.at("modified").get<std::int64_t>(),
-                      file.at("hash").get<std::string>()}});
+                      file.at("hash").get<std::string>()},
+                     {}});
+    if (!file.contains("ranges")) continue;
+    for (const Json& range : file.at("ranges"))
+      files.back().ranges.push_back({range.at(0).get<std::uint64_t>(), range.at(1).get<std::uint64_t>()});
   }
   return files;
 }
@@ -307,10 +324,10 @@ std::vector<const SurfaceFigures*> rows_of(const FrameFigures& figures) {
 
 Result<std::vector<FileRecord>> input_states(const FrameJob& frame, const Context& context) {
   std::vector<FileRecord> records;
-  const auto paths = TRY(input_paths(frame, context));
-  for (const std::string& path : paths) {
-    auto state = TRY(files::hash_file(path, context));
-    records.push_back({path, std::move(state)});
+  auto parts = TRY(input_parts(frame, context));
+  for (files::FilePart& part : parts) {
+    auto state = TRY(files::hash_part(part, context));
+    records.push_back({part.path.string(), std::move(state), std::move(part.ranges)});
   }
   return records;
 }
@@ -334,11 +351,12 @@ std::string find_changed_file(const FrameRecord& record) {
 }
 
 std::string find_added_input(const FrameRecord& record, const FrameJob& frame) {
-  const auto paths = input_paths(frame, Context());
-  if (!paths) return "the run cannot list its inputs";
-  for (const std::string& path : *paths) {
-    if (std::ranges::find(record.inputs, path, &FileRecord::path) == record.inputs.end())
-      return fmt::format("{} is new", path);
+  const auto parts = input_parts(frame, Context());
+  if (!parts) return "the run cannot list its inputs";
+  for (const files::FilePart& part : *parts) {
+    const auto known = std::ranges::find(record.inputs, part.path.string(), &FileRecord::path);
+    if (known == record.inputs.end()) return fmt::format("{} is new", part.path.string());
+    if (known->ranges != part.ranges) return fmt::format("{} has changed", part.path.string());
   }
   return {};
 }

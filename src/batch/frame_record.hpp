@@ -60,6 +60,8 @@ struct FrameFigures {
 struct FileRecord {
   std::string path;
   files::ContentState state;
+  // The bytes that state.hash covers; empty: the whole file. Inputs with several frames have the bytes of the frame.
+  std::vector<files::ByteRange> ranges = {};
 
   friend bool operator==(const FileRecord&, const FileRecord&) = default;
 };
@@ -84,7 +86,8 @@ struct FrameRecord {
                                             const convert::Outcome& outcome, const Context& context);
 
 // Returns an input of the frame that exists now but not in the record, such as the file of an optional attribute:
-// "h_03.npy is new". Returns a message as well if the inputs cannot be listed. Empty if there is none.
+// "h_03.npy is new". Returns a message as well if the inputs cannot be listed, or if the frame has moved within its
+// file. Empty if there is none.
 [[nodiscard]] std::string find_added_input(const FrameRecord& record, const FrameJob& frame);
 
 // Returns whether the record lists the inputs. False if they could not be hashed before the conversion; a demo field
@@ -92,7 +95,8 @@ struct FrameRecord {
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
 
 // Returns the first file of the record that has changed or cannot be read: "in.vdb has changed". Empty if there is
-// none. Compares the bytes of all files, and for inputs also the modification time.
+// none. Compares the recorded bytes of all files; for inputs of which the whole file is recorded, also the modification
+// time.
 [[nodiscard]] std::string find_changed_file(const FrameRecord& record);
 
 // Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options are unchanged,

@@ -77,6 +77,19 @@ Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions
   return files;
 }
 
+Result<std::vector<files::FilePart>> list_source_parts(const SourceOptions& options, const Context& context) {
+  const auto particles = TRY(is_particles(options, context));
+  if (particles) {
+    auto part = TRY(particle_io::find_frame_part(options.input, particle_read_options(options), context));
+    return std::vector{std::move(part)};
+  }
+  auto parts = volume_io::list_input_parts(options.input, options.read, context);
+  if (!parts) return parts;
+  const auto more = TRY(attribute_files(options, context));
+  for (const std::filesystem::path& file : more) parts->push_back({file, {}});
+  return parts;
+}
+
 Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context) {
   const auto particles = TRY(is_particles(options, context));
   if (!particles) return volume_io::count_volumes(options.input, options.read, context);

@@ -12,6 +12,7 @@
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
 #include "field/scalar_field.hpp"
+#include "files/file_part.hpp"
 #include "particle_io/particle_reader.hpp"
 #include "points/particle_field.hpp"
 
@@ -28,6 +29,10 @@ namespace isoextract::convert {
 // Returns the files of the input and, for volumes, the files that attributes are read from.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options,
                                                                            const Context& context);
+// Returns the same files with the bytes of each that the selected volume or frame depends on; a part without ranges is
+// its whole file.
+[[nodiscard]] Result<std::vector<files::FilePart>> list_source_parts(const SourceOptions& options,
+                                                                     const Context& context);
 // Returns the number of the input's volumes or particle frames.
 [[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context);
 

@@ -52,6 +52,17 @@ StateCache& known_states() {
   return known;
 }
 
+Result<void> add_range(const InputFile& file, const ByteRange& range, ContentHasher& hasher) {
+  constexpr std::uint64_t kPiece = 1 << 20;
+  Buffer<std::byte> piece(std::min(kPiece, range.bytes));
+  for (std::uint64_t done = 0; done < range.bytes; done += piece.size()) {
+    const std::span<std::byte> bytes = piece.span().first(std::min<std::uint64_t>(piece.size(), range.bytes - done));
+    TRY(file.read_at(range.offset + done, bytes));
+    hasher.add(bytes);
+  }
+  return {};
+}
+
 }  // namespace
 
 ContentHasher::ContentHasher() : state_(XXH3_createState()) {
@@ -79,21 +90,28 @@ Result<ContentState> hash_file(const std::filesystem::path& path, const Context&
   if (settled) {
     if (auto known = known_states().find(version)) return std::move(*known);
   }
-  constexpr std::uint64_t kPiece = 1 << 20;
-  ContentState state;
-  state.bytes = file.size();
   ContentHasher hasher;
-  Buffer<std::byte> piece(std::min(kPiece, state.bytes));
-  for (std::uint64_t at = 0; at < state.bytes; at += piece.size()) {
-    const std::span<std::byte> bytes = piece.span().first(std::min<std::uint64_t>(piece.size(), state.bytes - at));
-    TRY(file.read_at(at, bytes));
-    hasher.add(bytes);
-  }
+  TRY(add_range(file, {0, file.size()}, hasher));
   TRY(check_unchanged(file, version));
-  state.modified = version.modified;
-  state.hash = hasher.hash();
+  const ContentState state{file.size(), version.modified, hasher.hash()};
   if (settled) known_states().add(version, state);
   return state;
+}
+
+Result<ContentState> hash_part(const FilePart& part, const Context& context) {
+  if (part.ranges.empty()) return hash_file(part.path, context);
+  const auto file = TRY(InputFile::open(part.path, context.beside()));
+  const auto version = TRY(version_of(file));
+  ContentHasher hasher;
+  for (const ByteRange& range : part.ranges) {
+    const std::uint64_t found = file.size() - std::min(file.size(), range.offset);
+    if (found < range.bytes) {
+      return fail(ErrorCode::input, fmt::format("{}: expected {} bytes from byte {} on, found {}", file.name(),
+                                                range.bytes, range.offset, found));
+    }
+    TRY(add_range(file, range, hasher));
+  }
+  return ContentState{file.size(), version.modified, hasher.hash()};
 }
 
 std::string content_hash(std::string_view text) { return text_of(XXH3_128bits(text.data(), text.size())); }

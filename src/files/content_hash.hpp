@@ -11,6 +11,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "files/file_part.hpp"
 
 namespace isoextract::files {
 
@@ -26,6 +27,10 @@ struct ContentState {
 // not changed since. Fails as InputFile::open() and read_at() do, and with ErrorCode::input if the file changes
 // meanwhile. The context does not count the bytes read.
 [[nodiscard]] Result<ContentState> hash_file(const std::filesystem::path& path, const Context& context);
+
+// Returns the file's size and modification time with the hash of these bytes only; without ranges as hash_file(). Reads
+// the bytes at every call. Fails as hash_file() does, also if a range exceeds the file.
+[[nodiscard]] Result<ContentState> hash_part(const FilePart& part, const Context& context);
 
 // Hashes bytes incrementally.
 class ContentHasher {

@@ -179,6 +179,14 @@ Result<ParticleInfo> list_particles(const std::string& input, const ParticleRead
   });
 }
 
+Result<files::FilePart> find_frame_part(const std::string& input, const ParticleReadOptions& options,
+                                        const Context& context) {
+  return with_input(input, context, [&](const files::InputFile& file) {
+    const auto range = checked_format(file, options).frame_range(file, options);
+    return files::FilePart{input, range ? std::vector{*range} : std::vector<files::ByteRange>()};
+  });
+}
+
 Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
                                     const Context& context) {
   return with_input(input, context, [&](const files::InputFile& file) {

@@ -9,6 +9,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/note.hpp"
+#include "files/file_part.hpp"
 #include "particle_io/particle_format.hpp"
 #include "points/particle_set.hpp"
 
@@ -30,6 +31,12 @@ namespace isoextract::particle_io {
 // frames, else (CSV, XYZ, LAMMPS) the file to its end.
 [[nodiscard]] Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
+
+// Returns the input with the bytes of the selected frame. Returns the whole file if the options select no frame, if the
+// frame depends on other bytes, or if the file is gzip. Reads the lines of the frame, and of the frames before if no
+// earlier call found where it begins.
+[[nodiscard]] Result<files::FilePart> find_frame_part(const std::string& input, const ParticleReadOptions& options,
+                                                      const Context& context);
 
 struct ParticleFile {
   points::ParticleSet particles;

@@ -9,6 +9,14 @@
 
 namespace isoextract::volume_io {
 
+Result<std::vector<files::FilePart>> VolumeFormat::parts(const std::string& input, const ReadOptions& options,
+                                                         const Context& context) const {
+  const auto paths = TRY(files(input, options, context));
+  std::vector<files::FilePart> parts;
+  for (const std::filesystem::path& path : paths) parts.push_back({path, {}});
+  return parts;
+}
+
 std::span<const VolumeFormat* const> volume_formats() {
   static const std::vector<std::unique_ptr<const VolumeFormat>> plugins =
       find_plugin_formats(plugin_host::plugin_folders());

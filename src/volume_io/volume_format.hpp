@@ -20,6 +20,7 @@
 #include "base/enum_words.hpp"
 #include "base/error.hpp"
 #include "field/scalar_field.hpp"
+#include "files/file_part.hpp"
 #include "files/file_start.hpp"
 
 namespace isoextract::volume_io {
@@ -145,6 +146,11 @@ class VolumeFormat {
   [[nodiscard]] virtual Result<std::vector<std::filesystem::path>> files(const std::string& input,
                                                                          const ReadOptions& options,
                                                                          const Context& context) const = 0;
+
+  // Returns the bytes that the selected volume depends on, as parts of the files in files(). A part without ranges is
+  // its whole file.
+  [[nodiscard]] virtual Result<std::vector<files::FilePart>> parts(const std::string& input, const ReadOptions& options,
+                                                                   const Context& context) const;
 
   // Reads one grid, dense or sparse as in the file. Sets its transform (with the spacing and origin of the options),
   // its notes and ScalarField::grids; read_volume() applies ReadOptions::kind and no_data. The memory of samples that

@@ -153,6 +153,12 @@ Result<std::vector<std::filesystem::path>> list_input_files(const std::string& i
                      [&](const DetectedFormat& detected) { return detected.format->files(input, options, context); });
 }
 
+Result<std::vector<files::FilePart>> list_input_parts(const std::string& input, const ReadOptions& options,
+                                                      const Context& context) {
+  return with_format(input, options, context,
+                     [&](const DetectedFormat& detected) { return detected.format->parts(input, options, context); });
+}
+
 Result<field::ScalarField> read_volume(const std::string& input, const ReadOptions& options, const Context& context) {
   return with_format(input, options, context, [&](const DetectedFormat& detected) {
     auto field = detected.format->open(input, options, context);

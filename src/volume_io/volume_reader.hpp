@@ -9,6 +9,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "field/scalar_field.hpp"
+#include "files/file_part.hpp"
 #include "volume_io/volume_format.hpp"
 
 namespace isoextract::volume_io {
@@ -51,6 +52,11 @@ namespace isoextract::volume_io {
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input,
                                                                           const ReadOptions& options,
                                                                           const Context& context);
+
+// Lists the same files with the bytes of each that the selected volume depends on; a part without ranges is its whole
+// file. Never reads samples.
+[[nodiscard]] Result<std::vector<files::FilePart>> list_input_parts(const std::string& input,
+                                                                    const ReadOptions& options, const Context& context);
 
 // Reads one grid. Fails with ErrorCode::usage if options do not fit the format. Fails with ErrorCode::input if the file
 // is unreadable or unsupported, or if a selection is missing or wrong; the hint lists the possible ones. The memory

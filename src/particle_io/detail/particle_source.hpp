@@ -18,6 +18,7 @@
 
 #include "base/error.hpp"
 #include "files/file_bytes.hpp"
+#include "files/file_part.hpp"
 #include "files/file_start.hpp"
 #include "particle_io/particle_format.hpp"
 #include "particle_io/particle_reader.hpp"
@@ -74,6 +75,12 @@ class ParticleFormat {
   [[nodiscard]] virtual ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
   // Returns everything except ParticleFile::format. Labels the set if the file's name is not enough.
   [[nodiscard]] virtual ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
+  // Returns the bytes of the selected frame. Returns nothing if the options select no frame, or if the frame depends on
+  // other bytes of the file.
+  [[nodiscard]] virtual std::optional<files::ByteRange> frame_range(const files::InputFile& /*file*/,
+                                                                    const ParticleReadOptions& /*options*/) const {
+    return std::nullopt;
+  }
   // Returns both without these members; see describe_particles() for frame and attributes.
   [[nodiscard]] virtual DescribedParticles describe(const files::InputFile& file,
                                                     const ParticleReadOptions& options) const;

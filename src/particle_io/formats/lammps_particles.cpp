@@ -23,6 +23,7 @@ struct LammpsBox {
 };
 
 struct LammpsFrame {
+  std::uint64_t begin = 0;  // position of its first byte in the content
   std::string step;
   std::string units;
   std::uint64_t atoms = 0;
@@ -118,6 +119,7 @@ void find_lammps_position(LammpsFrame& frame) {
 bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
   const std::string units = std::move(frame.units);
   frame = {};
+  frame.begin = content.position();
   frame.units = units;
   bool has_atoms = false;
   bool has_step = false;
@@ -288,6 +290,18 @@ class LammpsParticles final : public ParticleFormat {
     result.time_step = frame.step;
     result.notes = choice.notes;
     return result;
+  }
+
+  [[nodiscard]] std::optional<files::ByteRange> frame_range(const files::InputFile& file,
+                                                            const ParticleReadOptions& options) const override {
+    ContentReader content(file);
+    if (!options.frame || !content.can_go_to_lines()) return std::nullopt;
+    const FrameIndex index(file);
+    const LammpsFrame frame = find_lammps_frame(content, index, options);
+    if (!frame.units.empty()) return std::nullopt;  // an earlier frame may state them
+    skip_rows(content, frame.atoms);
+    index.add(wanted_frame(options) + 1, content, frame.units);
+    return files::ByteRange{frame.begin, content.position() - frame.begin};
   }
 };
 

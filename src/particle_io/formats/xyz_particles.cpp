@@ -15,6 +15,7 @@ namespace isoextract::particle_io {
 namespace {
 
 struct XyzFrame {
+  std::uint64_t begin = 0;  // position of its first byte in the content
   std::uint64_t atoms = 0;
   std::string name;
   ParticleTable table;  // without columns if there are no atoms
@@ -95,6 +96,7 @@ ParticleTable plain_table(ContentReader& content) {
 // The next frame up to its first atom; false at the end of the file.
 bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
   frame = {};
+  frame.begin = content.position();
   std::vector<std::string_view> words;
   do {
     const auto line = content.next_line();
@@ -194,6 +196,17 @@ class XyzParticles final : public ParticleFormat {
     }
     result.notes = choice.notes;
     return result;
+  }
+
+  [[nodiscard]] std::optional<files::ByteRange> frame_range(const files::InputFile& file,
+                                                            const ParticleReadOptions& options) const override {
+    ContentReader content(file);
+    if (!options.frame || !content.can_go_to_lines()) return std::nullopt;
+    const FrameIndex index(file);
+    const XyzFrame frame = find_xyz_frame(content, index, options);
+    skip_rows(content, frame.atoms);
+    index.add(wanted_frame(options) + 1, content, {});
+    return files::ByteRange{frame.begin, content.position() - frame.begin};
   }
 };
 

@@ -35,6 +35,13 @@ Result<std::vector<std::filesystem::path>> DenseFormat::files(const std::string&
   return files;
 }
 
+Result<std::vector<files::FilePart>> DenseFormat::parts(const std::string& input, const ReadOptions& options,
+                                                        const Context& context) const {
+  const auto file = TRY(files::InputFile::open(input, context));
+  const auto dense = TRY(open_header(file, options));
+  return find_volume_parts(file, dense, options);
+}
+
 Result<field::ScalarField> DenseFormat::open(const std::string& input, const ReadOptions& options,
                                              const Context& context) const {
   const auto file = TRY(files::InputFile::open(input, context));

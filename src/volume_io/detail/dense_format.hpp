@@ -56,6 +56,8 @@ class DenseFormat : public VolumeFormat {
                                                    const Context& context) const final;
   [[nodiscard]] Result<std::vector<std::filesystem::path>> files(const std::string& input, const ReadOptions& options,
                                                                  const Context& context) const final;
+  [[nodiscard]] Result<std::vector<files::FilePart>> parts(const std::string& input, const ReadOptions& options,
+                                                           const Context& context) const final;
   [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const final;
 

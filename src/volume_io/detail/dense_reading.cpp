@@ -1,5 +1,6 @@
 #include "volume_io/detail/dense_reading.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -92,6 +93,16 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
   return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
 }
 
+// Returns all samples.
+SampleSource source_of(const DenseFile& dense) {
+  SampleSource source;
+  source.pieces = dense.pieces;
+  source.bytes = sample_bytes(dense.dims, dense.type) * dense.components * dense.volumes;
+  source.sample_size = field::sample_size(dense.type);
+  source.swap_bytes = dense.endian != std::endian::native && source.sample_size > 1;
+  return source;
+}
+
 // Returns the samples of one volume and component.
 Result<SampleSource> part_of(const SampleSource& all, const DenseFile& dense, std::uint64_t volume,
                              std::uint64_t component) {
@@ -154,6 +165,32 @@ bool needs_double(field::SampleType type) {
 
 }  // namespace
 
+Result<std::vector<files::FilePart>> find_volume_parts(const files::InputFile& file, const DenseFile& dense,
+                                                       const ReadOptions& options) {
+  std::vector<files::FilePart> parts{{file.path(), {}}};
+  const auto whole_files = [&] {
+    for (const SamplePiece& piece : dense.pieces) parts.push_back({piece.path, {}});
+    return parts;
+  };
+  const bool is_run =
+      !dense.interleaved && (dense.components == 1 || dense.components_interleaved || dense.component_before_volume);
+  const bool is_packed = std::ranges::any_of(dense.pieces, &SamplePiece::packed);
+  if (!options.volume || dense.volumes == 1 || !is_run || is_packed) return whole_files();
+  const auto volume = TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_interpretation));
+  const SampleSource one = TRY(volume_io::part_of(source_of(dense), {}, {volume, dense.volumes}));
+  std::uint64_t header = file.size();
+  for (const SamplePiece& piece : dense.pieces) {
+    if (piece.path == file.path()) header = std::min(header, piece.offset);
+  }
+  if (header > 0) parts.front().ranges.push_back({0, header});
+  for (const SamplePiece& piece : one.pieces) {
+    const auto known = std::ranges::find(parts, piece.path, &files::FilePart::path);
+    files::FilePart& part = known != parts.end() ? *known : parts.emplace_back(files::FilePart{piece.path, {}});
+    part.ranges.push_back({piece.offset, one.piece_bytes()});
+  }
+  return parts;
+}
+
 Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
                                       const ReadOptions& options) {
   const auto volume = TRY(choose_volume(file.name(), dense.volumes, options.volume, dense.other_interpretation));
@@ -161,12 +198,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   std::string what = describe_samples(dense.dims, dense.type);
   if (dense.components > 1) what += fmt::format(" of {} components", dense.components);
   if (dense.volumes > 1) what += fmt::format(" in each of {} volumes", dense.volumes);
-  SampleSource source;
-  source.pieces = std::move(dense.pieces);
-  source.bytes = sample_bytes(dense.dims, dense.type) * dense.components * dense.volumes;
-  source.sample_size = field::sample_size(dense.type);
-  source.swap_bytes = dense.endian != std::endian::native && source.sample_size > 1;
-
+  const SampleSource source = source_of(dense);
   const auto extra = TRY(check_source(source, what, file.context()));
   if (extra > 0) {
     if (dense.size_is_exact) {

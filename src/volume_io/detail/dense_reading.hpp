@@ -2,9 +2,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "field/scalar_field.hpp"
+#include "files/file_part.hpp"
 #include "volume_io/detail/dense_format.hpp"
 
 namespace isoextract::volume_io {
@@ -19,5 +21,11 @@ namespace isoextract::volume_io {
 // - if double cannot represent a 64-bit integer that is not options.no_data.
 [[nodiscard]] Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
                                                     const ReadOptions& options);
+
+// Returns the bytes that the selected volume depends on: the header, and the samples of all its components. Returns
+// whole files if options.volume is not set, if the samples are compressed, or if the volumes are interleaved.
+[[nodiscard]] Result<std::vector<files::FilePart>> find_volume_parts(const files::InputFile& file,
+                                                                     const DenseFile& dense,
+                                                                     const ReadOptions& options);
 
 }  // namespace isoextract::volume_io
