@@ -28,6 +28,7 @@ ConversionJob full_job() {
   job.source.particles = {.expected = true,
                           .method = points::Method::anisotropic,
                           .radius = 0.025,
+                          .sequence_radius = 0.0625,
                           .cell_size = 0.5,
                           .smoothing_length = 1.2,
                           .weight = 0.3,
@@ -85,8 +86,8 @@ TEST(ConversionJob, ListsEveryMemberInJson) {
     EXPECT_EQ(value == plain[name], is_of_another_kind) << name;
   }
   EXPECT_EQ(full["particles"].dump(),
-            R"({"expected":true,"method":"anisotropic","radius":0.025,"cell_size":0.5,"smoothing_length":1.2,)"
-            R"("weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"]})");
+            R"({"expected":true,"method":"anisotropic","radius":0.025,"sequence_radius":0.0625,"cell_size":0.5,)"
+            R"("smoothing_length":1.2,"weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"]})");
   EXPECT_EQ(full["attributes"][0].dump(),
             R"({"name":"heat","from":"b.vdb[temperature]","written":false,"optional":true,"kind":"vector",)"
             R"("spacing":[1.0,2.0,3.0],"origin":[4.0,5.0,6.0],"no_data":-1.5,"volume":2,"component":1})");
