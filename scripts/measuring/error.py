@@ -6,7 +6,7 @@ from measuring import programs, record
 from measuring.tables import median, number, percent, power, ratio, table
 
 NAME = "error"
-TITLE = "How wrong the mesh is, and what less would cost"
+TITLE = "Error against run time"
 FIELD = "torus"
 PLOT = "error-time.svg"
 

@@ -75,11 +75,12 @@ These pages are not all of one commit and one machine: compare figures within a 
 
 <!-- Made by `scripts/measure pages` from the JSON files beside it. -->
 
-`scripts/measure run NAME` measures and writes `NAME.json`, which says of what commit, when, on what machine and by which
-commands. `scripts/measure pages` makes these pages from those files, and a test sees that they say the same. `scripts/measure run all`
-repeats everything; [CONTRIBUTING.md](../../CONTRIBUTING.md#measurements) says what it needs.
+`scripts/measure run NAME` measures and writes `NAME.json` with the results, the commit, the date, the machine and the
+commands. `scripts/measure pages` makes these pages from those files, and a test checks that pages and files agree.
+`scripts/measure run all` repeats everything; [CONTRIBUTING.md](../../CONTRIBUTING.md#measurements) says what it needs.
 
-Where a page tells times, *cold* and *warm* are columns of their own, and the page says what is cold about them.
+Each page with times says whether they are of a first run (*cold*) or of later runs (*warm*). Where it has both, they are in
+separate columns.
 {mixed}
 {table(["page", "commit", "date", "processor", "cores:", "took:", ""], rows)}
 """

@@ -6,7 +6,7 @@ from measuring import processes, programs, record
 from measuring.tables import median, number, ratio, table
 
 NAME = "sequences"
-TITLE = "How long sequences take, and what they keep open"
+TITLE = "Sequences: time, memory and open files"
 LIMIT = "256M"  # --memory-limit of the first part
 MEASURES = ("wall", "cpu", "peak")
 

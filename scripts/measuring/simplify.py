@@ -6,7 +6,7 @@ from measuring import compression, processes, programs, record
 from measuring.tables import number, percent, table
 
 NAME = "simplify"
-TITLE = "What `--simplify` and `--triangles` leave, and how long it takes"
+TITLE = "Simplification: triangles, distance and time"
 BOUND = 0.1
 LADDER = (0.01, 0.03, 0.1, 0.3, 1, 3)
 PYTHON = "/usr/bin/python3"  # which has NumPy, and VTK

@@ -4,7 +4,7 @@ from measuring import extraction, record
 from measuring.tables import median, number, power, ratio, table
 
 NAME = "speed"
-TITLE = "How fast the extraction is, beside others"
+TITLE = "Extraction time: isoextract, VTK and OpenVDB"
 
 # Field, type of its samples, normals.
 GROUPS = (

@@ -1,4 +1,4 @@
-"""Numbers at the edges."""
+"""Numerical stability: extreme samples and transforms."""
 
 import json
 
@@ -6,7 +6,7 @@ from measuring import programs, record
 from measuring.tables import number, table
 
 NAME = "stability"
-TITLE = "Numbers at the edges"
+TITLE = "Numerical stability: extreme samples and transforms"
 WORST = ("ulps", "voxels")
 
 

@@ -17,7 +17,7 @@ namespace isoextract::accuracy {
 // The name of a vertex that the other mesh does not have.
 inline constexpr std::uint32_t kNoName = std::numeric_limits<std::uint32_t>::max();
 
-// A mesh whose vertices have names: equal vertices of two meshes have equal names.
+// A mesh with a number for each vertex, its name: a vertex has the same name as its match in the other mesh.
 struct LabeledVertices {
   const mesh::Mesh& mesh;
   std::span<const std::uint32_t> names;  // one for each vertex: below the number of names, or kNoName
@@ -28,7 +28,7 @@ using MeshLabels = std::array<std::string_view, 2>;  // names of the first and t
 struct TriangleDifference {
   std::array<std::uint64_t, 2> total{};  // for the first and the second mesh
   std::array<std::uint64_t, 2> only{};   // triangles that only this mesh has
-  // The corners of the first of them; NaN for a nonexistent vertex.
+  // Corner positions of the first triangle that only this mesh has; NaN for an index not below the number of vertices.
   std::array<std::optional<std::array<glm::dvec3, 3>>, 2> example{};
 };
 

@@ -17,7 +17,7 @@ namespace detail {
 // calls, with at most 512 MiB or 1/16 of the machine's memory, whichever is less.
 [[nodiscard]] void* allocate_block(std::size_t count, std::size_t size);
 void free_block(void* block);
-// Frees kept blocks until at most `bytes` of them are left.
+// Frees the oldest kept blocks until the rest hold at most `bytes` bytes.
 void trim_kept_blocks(std::uint64_t bytes);
 }  // namespace detail
 
@@ -30,7 +30,7 @@ class Buffer {
 
   Buffer() = default;
 
-  // Throws std::bad_alloc. Reserve sizes that come from outside first (Context::reserve).
+  // Throws std::bad_alloc. If the size comes from a file or an option, call Context::reserve() first.
   explicit Buffer(std::size_t size) : data_(static_cast<T*>(detail::allocate_block(size, sizeof(T)))), size_(size) {}
 
   Buffer(Buffer&& other) noexcept : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)) {}

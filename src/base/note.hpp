@@ -1,6 +1,6 @@
-// Notes: what a person should know about a result that is not an error. Rooms below `cli` return notes or hand them to
-// their caller; `cli` prints them as "isoextract: note[ID]: TEXT". `cli/note_guide.hpp` tells the cause and the remedy
-// of each id.
+// Notes: facts about a result that the user may not expect. They are not errors. The libraries that `cli` uses create
+// notes, and `cli` prints them as "isoextract: note[ID]: TEXT". `cli/note_guide.hpp` tells the cause and the remedy of
+// each id.
 #pragma once
 
 #include <array>

@@ -30,9 +30,9 @@ inline constexpr std::int64_t kMaxFrameNumber = 999'999'999'999'999'999;
 
 class FramePattern {
  public:
-  // Parses a name. Returns nullopt if it has no numbering; then it means exactly what is written, escapes included.
-  // Fails with ErrorCode::usage for several numberings, for widths above kMaxFrameDigits, and for widths that are no
-  // number ({:x}). Any other text in braces is text.
+  // Parses a name. Returns nullopt if the name has no placeholder; callers then use it unchanged: {{ stays {{. Fails
+  // with ErrorCode::usage for several placeholders, for widths above kMaxFrameDigits, and for widths that are no number
+  // ({:x}). Any other text in braces is text.
   [[nodiscard]] static Result<std::optional<FramePattern>> parse(std::string_view name);
 
   // `width` is 4 for {:04} and 0 for {}. prefix and suffix are plain text, without escapes.

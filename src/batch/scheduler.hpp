@@ -34,8 +34,8 @@ class FrameEvents {
   // frame's stages, used on the converting thread until the frame ends, or null.
   virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
   // Called once for every frame that was started, except for a frame that still waits to be repeated when the batch
-  // ends. Returning false ends the batch as a failure with fail_fast does: the listener could not keep its record of
-  // the frame.
+  // ends. A listener returns false if it could not write the frame's record. That ends the batch in the same way as a
+  // failed frame with fail_fast.
   virtual bool finished(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) { return true; }
 };
 
@@ -45,8 +45,8 @@ class FrameReceiver {
   virtual ~FrameReceiver() = default;
 
   // Receives the collected surfaces of a frame, possibly none; frames that fail are not received. Frames arrive one at
-  // a time, in order, on the thread that converted them. An error is the frame's. Returns what packing did to each
-  // surface, or nothing if surfaces are not packed.
+  // a time, in order, on the thread that converted them. If it fails, the frame fails with that error. Returns what
+  // packing did to each surface, or nothing if surfaces are not packed.
   [[nodiscard]] virtual Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
                                                                        const convert::MeshCollector& collected) = 0;
 };
@@ -59,10 +59,10 @@ struct BatchCounts {
   std::size_t repeated = 0;
 };
 
-// Runs the batch's frames with the indices `which`, in order as far as memory allows. A frame starts if the limit has
-// room for its estimated memory (memory_per_frame, or the largest reservation so far if that is larger) beside the
-// running frames, or if none is running. A frame that ran out of memory beside others runs again alone, at the end. If
-// the context is cancelled, no further frame starts.
+// Runs the batch's frames with the indices `which`, in order as far as memory allows. A frame starts if its estimated
+// memory (memory_per_frame, or the largest reservation so far if that is larger) fits into the limit of
+// Context::memory() beside the running frames, or if none is running. A frame that ran out of memory beside others runs
+// again alone, at the end. If the context is cancelled, no further frame starts.
 //
 // With a `receiver`, writes no frame to files. A converted frame waits until all earlier frames were taken; meanwhile
 // it keeps its meshes and its slot, so memory holds at most one frame for each job. A frame that fails is not waited

@@ -1,5 +1,5 @@
-// Shards: a batch on several machines. Each shard takes every N-th frame, because later frames of a growing sequence
-// cost more.
+// Shards: a batch on several machines. Each of N shards takes every N-th frame, not a block of consecutive frames:
+// later frames of a growing sequence cost more, so blocks would take unequal time.
 #pragma once
 
 #include <cstddef>
@@ -36,11 +36,12 @@ struct ShardChoice {
 // JOB_COMPLETIONS, which the author of the job must set). `get` is std::getenv.
 //
 // Returns nullopt without such variables. Fails with ErrorCode::usage if the count is missing, a variable is no whole
-// number, or the variables are inconsistent. Call only if the user asked for it: a task that converts a whole sequence
-// has these variables, too.
+// number, or the variables are inconsistent. Call only for --shard auto: array tasks that each convert a whole
+// sequence have these variables, too.
 [[nodiscard]] Result<std::optional<Shard>> shard_of_environment(const std::function<const char*(const char*)>& get);
 
-// Returns the variable that says that this process is one of several; empty if there is none.
+// Returns the name of the job scheduler's environment variable that holds this task's number, such as
+// "SLURM_ARRAY_TASK_ID"; empty if none is set.
 [[nodiscard]] std::string scheduler_variable(const std::function<const char*(const char*)>& get);
 
 // Returns the indices of the shard's frames, in order.

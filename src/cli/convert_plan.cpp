@@ -145,7 +145,8 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
                      *flags.output, format_name(flags, info))});
   }
   if (flags.ascii && !info.has_ascii) {
-    return refuse_usage(fmt::format("--ascii does not work with {}", info.name), "ply and stl have a text form");
+    return refuse_usage(fmt::format("--ascii applies to ply and stl only, found {}", info.name),
+                        "leave --ascii out, or write ply or stl");
   }
   job.normals = TRY(plan_normals(flags, format));
   job.file = convert::MeshFileOptions{format};

@@ -20,7 +20,7 @@ struct HelpBlock {
   std::vector<HelpRow> rows;
 };
 
-// The longest summary that plain_text() keeps on one line.
+// The longest HelpRow::text, in bytes, that plain_text() puts on one line.
 inline constexpr std::size_t kSummaryWidth = 55;
 
 // Returns lines of at most `width` bytes, broken at spaces; several spaces become one. A longer word gets its own line.
@@ -29,7 +29,7 @@ inline constexpr std::size_t kSummaryWidth = 55;
 // Returns the first sentence: "Sets the size." of "Sets the size. The default is 3."
 [[nodiscard]] std::string first_sentence(std::string_view text);
 
-// Collects lines "  name          text" under a heading, for reports on stdout.
+// Collects the lines of a report for stdout. add() appends "  name          text", plain() appends a line as it is.
 class NamedLines {
  public:
   void add(std::string_view name, std::string_view text);

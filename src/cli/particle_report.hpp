@@ -18,7 +18,8 @@
 
 namespace isoextract::cli {
 
-// The range of an attribute's finite values over all components.
+// The range of an attribute's values over all components, after conversion to float32. Values beyond the range of
+// float32 count as not finite.
 struct AttributeRange {
   particle_io::ParticleQuantity quantity;
   bool read = false;  // the attribute is numeric, and the report has its range

@@ -135,8 +135,10 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
     if (flags.sequence.output && plan.format != volume_io::VolumeFileFormat::npy) {
       return refuse_usage("--what heights writes NPY arrays", "give an output name that ends in .npy");
     }
-    if (flags.spacing)
-      return refuse_usage("--spacing sets the distance of voxels, and --what heights writes no voxels");
+    if (flags.spacing) {
+      return refuse_usage("--spacing sets the distance between voxels, but --what heights writes no voxels",
+                          "leave --spacing out");
+    }
   }
   plan.sequence = TRY(plan_sequence(flags.sequence, kind));
   return plan;

@@ -359,7 +359,9 @@ Result<std::int64_t> parse_volume_number(std::string_view text) {
 Result<volume_io::ComponentChoice> parse_component(std::string_view text) {
   if (text == "length") return volume_io::ComponentChoice{};
   const auto number = whole_text_as<std::int64_t>(text);
-  if (!number || *number < 0) return expected_found("the number of a component, counted from 0, or length", text);
+  if (!number || *number < 0) {
+    return expected_found("the number of a component, counted from 0, or the word 'length'", text);
+  }
   return volume_io::ComponentChoice{*number};
 }
 

@@ -26,7 +26,7 @@ struct AttributeSource {
   std::variant<ParticleAttributes, std::vector<VolumeAttribute>> from;
   std::vector<MissingAttribute> missing;
   field::Affine world_from_output;
-  field::Affine output_from_world;  // attributes change by this map, as their kinds say
+  field::Affine output_from_world;  // map of the mesh, also applied to vector, normal and point attributes
   std::vector<NamedKind> kinds;     // of all attributes found, in the order of the job's choices; unknown ones: scalar
   // one sentence for each written three-component attribute of unknown kind, if the mesh is turned or scaled
   Notes kind_notes;
@@ -46,10 +46,11 @@ struct AttributeResult {
   std::string source;  // name of the values' source, for messages: "fire.vdb: temperature"
   std::size_t components = 1;
   AttributeKind kind = AttributeKind::scalar;
-  bool changed = false;  // whether the placement of the mesh changes the values, as the kind requires
+  // whether the attribute is a vector, normal or point of three components, and the mesh is not in the input's world
+  bool changed = false;
   std::uint64_t vertices = 0;
-  // For volumes: vertices outside dense samples, which have the value at the data boundary. Of several components, the
-  // largest counts.
+  // For volumes: vertices outside dense samples, which have the value at the data boundary. With several
+  // components: the largest of their counts.
   std::uint64_t outside = 0;
   std::uint64_t not_finite = 0;  // vertices with a value that is not a finite number
   // For particles: vertices out of every particle's reach, which have the values of the nearest particle.

@@ -1,5 +1,5 @@
-// The stage that compares one backend with the other, its record, and JSON of it: the report's section "verification"
-// and the output of `verify --json`.
+// Compares the surfaces of two backends: the record, its stage report (section "verification"), and JSON of the
+// comparison of a written mesh (`verify --json`).
 #pragma once
 
 #include <array>
@@ -26,8 +26,8 @@ struct VerificationRecord {
   StageTime time;                        // of the second extraction and the comparison; 0 without them
 };
 
-// Returns why the surfaces of a method from two backends cannot be compared: a backend lacks the method, or its
-// vertices have no edge keys. Empty if they can.
+// Returns why the surfaces of a method from two backends cannot be compared: a backend lacks the method, or the
+// method gives vertices without edge keys. Empty if they can.
 [[nodiscard]] std::string why_not_comparable(const extract::MethodInfo& method, const extract::Extractor& first,
                                              const extract::Extractor& second);
 

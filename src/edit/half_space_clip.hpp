@@ -27,18 +27,19 @@ struct ClipFigures {
   std::uint64_t overlapping_cap_triangles = 0;
 };
 
-// Keeps the part of `mesh` that lies inside all half-spaces of `kept` (mesh coordinates, origin included). `mesh` must
-// have no attributes; its edge keys are dropped if a plane cuts it. A plane that leaves nothing outside changes
-// nothing.
+// Keeps the part of `mesh` that lies inside all half-spaces of `kept` (for points mesh.origin + position). `mesh` must
+// have no attributes; its edge keys are dropped if a plane cuts it. A plane with no vertex outside its half-space
+// changes nothing.
 //
 // Vertices within mesh::on_plane_tolerance() of a plane count as on it and do not move, so the result lies inside
 // `kept` up to that distance. Old vertices keep their order, new ones follow with interpolated normals; triangles keep
 // order and winding. Two meshes of one origin and one on_plane_tolerance() get bitwise the same new vertex on a shared
 // edge; so do the two sides of one plane. The result does not depend on the number of threads.
 //
-// With CutClosing::capped, flat triangles that face out of the half-space close each cut before the next plane cuts;
-// they come after all other triangles. Triangles in the plane that bound only the removed side are dropped. Caps use
-// the vertices and edges of the cut, so a closed oriented manifold stays one.
+// With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the
+// half-space and come after all other triangles. Triangles in the plane that bound only the removed side are dropped.
+// Caps use the vertices and edges of the cut. Edges that would occur twice get a new vertex at their midpoint, and
+// vertices where loops meet are split. So a closed oriented manifold stays one.
 //
 // Fails with ErrorCode::out_of_memory or ErrorCode::cancelled, or with ErrorCode::input if a capped cut ends at a
 // boundary edge of the surface, encloses no area, or needs more vertices than 32-bit indices allow. `mesh` may then be

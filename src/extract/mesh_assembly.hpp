@@ -15,8 +15,8 @@ struct MeshSizes {
 // singular or not finite.
 [[nodiscard]] Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options);
 
-// Returns the part of options.region within `box`, or `box` without a region. Fails with ErrorCode::input if that
-// contains no cell (two samples along each axis).
+// Returns the part of options.region that is inside `box`, or the whole `box` if options.region is unset. Fails with
+// ErrorCode::input if the result contains no cell (two samples along each axis).
 [[nodiscard]] Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
                                                   const ExtractOptions& options);
 
@@ -31,8 +31,8 @@ struct MeshSizes {
 // Returns the sizes of surface and cap together.
 [[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BoundaryCap& cap);
 
-// reserve_cap_numbers() reserves memory for the vertex numbers used to build the cap; reserve_cap(), for the finished
-// cap. Both fail with ErrorCode::out_of_memory.
+// reserve_cap_numbers() reserves memory for the table of vertex numbers that building the cap needs. reserve_cap()
+// reserves memory for the finished cap. Both fail with ErrorCode::out_of_memory.
 [[nodiscard]] Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
                                                       const Context& context);
 [[nodiscard]] Result<Reservation> reserve_cap(const field::ScalarField& field, const BoundaryCap& cap,
@@ -48,8 +48,8 @@ struct MeshSizes {
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const ExtractOptions& options);
 
 // Replaces unknown normals (OutputPlacement::placeholder_normal) by the mean of the normals of their triangles,
-// weighted by area. Uses the direction of the vertex's edge if that mean cancels out or there are no triangles. Call it
-// before append_cap(). Fails with ErrorCode::out_of_memory.
+// weighted by area. If that mean is zero up to rounding or the vertex has no triangle, its normal is the direction of
+// its edge toward the outside. Call it before append_cap(). Fails with ErrorCode::out_of_memory.
 [[nodiscard]] Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
                                         const Context& context);
 

@@ -1,5 +1,6 @@
-// Finds the block places of a sparse grid that a surface may pass. Holds the 512 inside bits of a block. A place is an
-// aligned 8x8x8 box of samples, stored or not.
+// Finds the places of a sparse grid that have no stored block but may contain a part of the surface. A place is an
+// aligned 8x8x8 box of samples, stored or not. BlockBits holds one bit for each of the 512 samples of a block: 1 if the
+// sample is inside.
 #pragma once
 
 #include <array>
@@ -41,8 +42,9 @@ void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
 // 512 bits in the order of the values of a block: bit 8 * y + z of word x.
 using BlockBits = std::array<std::uint64_t, 8>;
 
-// Returns about how many bytes are needed to list the skins of large tiles that are not on the background's side. The
-// skin is the layer of places at the faces of a tile. The mesh at the skins is counted exactly later.
+// Returns an estimate of the bytes for the list of skins of the tiles of node size or larger
+// (SparseLookup::Node::kSize) whose side differs from the background's. The skin is the layer of places at the faces of
+// a tile. The memory for the mesh at the skins is not included.
 [[nodiscard]] std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideRule& rule,
                                             const field::ValueScale& scale);
 
@@ -51,20 +53,21 @@ struct ConstantSides {
   std::vector<std::uint8_t> tiles_inside;  // one entry a tile: 1 if it is inside, else 0
   bool background_inside = false;
 
-  // Returns the side of a place without a stored block; `place` comes from SparseLookup.
+  // Returns whether a place without a stored block is inside; `place` is the result of SparseLookup::place()
+  // (kBackground or a tile).
   [[nodiscard]] bool inside(std::int32_t place) const {
     return place == field::SparseLookup::kBackground ? background_inside
                                                      : tiles_inside[field::SparseLookup::tile_of(place)] != 0;
   }
 };
 
-// Returns the most bytes that find_unstored_places() needs for places next to blocks and small tiles, without the skins
-// of large tiles.
+// Returns the most bytes that find_unstored_places() needs for places next to blocks and tiles smaller than a node,
+// without the skins of larger tiles. `nodes` is the number of nodes of the SparseLookup.
 [[nodiscard]] std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes);
 
 // Returns, sorted by x, y, z, the places without a stored block whose cells may have corners on both sides. These are
-// places that share a cell with a stored block, and the skins of tiles that are not on the background's side. Some of
-// them may turn out to have one side only.
+// the places whose own cells (lowest corner in the place) reach into a stored block, and the skins of tiles whose side
+// differs from the background's. Some of them may turn out to have one side only.
 [[nodiscard]] std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples,
                                                            const field::SparseLookup& lookup,
                                                            const ConstantSides& sides);
@@ -74,7 +77,7 @@ struct ConstantSides {
 using SitePlanes = std::array<std::array<std::uint64_t, 4>, 9>;
 [[nodiscard]] SitePlanes site_planes(const std::array<const BlockBits*, 8>& group);
 
-// Returns the bits of samples p + step for all samples p of plane x; `step` is a set of axis bits.
+// Returns the bits of samples p + step for all samples p of plane x; `step` is a sum of 1 (x), 2 (y) and 4 (z).
 [[nodiscard]] inline std::uint64_t moved_bits(const SitePlanes& planes, int step, int x) {
   const int plane = x + (step & 1);
   return planes[static_cast<std::size_t>(plane)][static_cast<std::size_t>(step >> 1)];

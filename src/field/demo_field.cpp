@@ -157,7 +157,7 @@ Result<void> set_size(std::string_view spec, std::string_view text, DemoSpec& de
   const auto size = parse_number<int>(text);
   if (!size || *size < 2 || *size > kMaxSize) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: size must be a number from 2 to {}, found '{}'", spec, kMaxSize, text));
+                fmt::format("{}: size must be a whole number from 2 to {}, found '{}'", spec, kMaxSize, text));
   }
   demo.size = *size;
   return {};

@@ -29,8 +29,8 @@ class Percent {
   [[nodiscard]] static std::optional<Percent> parse(std::string_view text);
   [[nodiscard]] std::string text() const;  // without trailing zeros
 
-  // Returns the index of the percentile among `samples` (at least 1) sorted samples: that of the smallest sample that
-  // at least this share of them does not exceed. 0 % gives the first sample.
+  // Returns the index, in the sorted list of `samples` (at least 1) samples, of the smallest sample s such that at
+  // least this share of all samples is <= s. 0 % gives the first sample.
   [[nodiscard]] std::uint64_t rank_among(std::uint64_t samples) const;
 
   // NOLINTNEXTLINE(modernize-use-nullptr): there is none
@@ -41,8 +41,8 @@ class Percent {
   std::uint32_t parts_ = 0;
 };
 
-// Returns one scaled sample for each of `percents`, among the samples that FieldStatistics counts. Returns nothing if
-// no sample is finite.
+// Returns these percentiles of the scaled samples, in the order of `percents`. Counts the samples that
+// FieldStatistics::samples counts. Returns nothing if no sample is finite.
 [[nodiscard]] std::optional<std::vector<double>> measure_percentiles(const ScalarField& field,
                                                                      std::span<const Percent> percents,
                                                                      Progress* progress = nullptr);

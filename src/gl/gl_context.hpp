@@ -19,9 +19,10 @@ struct ContextOptions {
   bool debug = false;  // for tests: collect the messages of the driver (KHR_debug)
 };
 
-// An open context is current. It belongs to the thread that opened it: GL calls are allowed on that thread only, while
-// the object exists. A framebuffer without attachments is bound, because without one every draw fails. A vertex array
-// is bound, GL_RASTERIZER_DISCARD is on, rows of uploads are not padded, and patches have one vertex.
+// open() makes the context current. The context belongs to the thread that opened it: GL calls are allowed on that
+// thread only, while the object exists. A framebuffer without attachments is bound, because without one every draw
+// fails. A vertex array is bound, GL_RASTERIZER_DISCARD is on, rows of uploads are not padded, and patches have one
+// vertex.
 class GlContext {
  public:
   // Opens a context with core profile 4.3 or newer. Fails with ErrorCode::unavailable.
@@ -33,7 +34,8 @@ class GlContext {
 
   [[nodiscard]] const GpuDevice& device() const { return device_; }
 
-  // Makes this context current, on threads that have several. Fails with ErrorCode::unavailable if EGL refuses.
+  // Makes this context current. Needed if this thread has since opened another one. Fails with ErrorCode::unavailable
+  // if EGL refuses.
   Result<void> make_current() const;
 
   // Fails with ErrorCode::unavailable and a hint if GL has reported an error since the last call, or if the driver has

@@ -1,5 +1,5 @@
-// Parallel bucket sort into compressed rows, in linear time if buckets are small: the corners at each vertex, or the
-// vertices of a mesh in one cell of space.
+// Parallel bucket sort, in linear time if buckets are small. Used, for example, for the corners at each vertex and for
+// the vertices in each cell of space.
 #pragma once
 
 #include <algorithm>
@@ -66,7 +66,7 @@ class Buckets {
   Buffer<T> entries_;
 };
 
-// Returns a bucket below `buckets` > 0 for a cell of space.
+// Returns the bucket of a cell of space by its hash. `buckets`, the number of buckets, must not be 0.
 [[nodiscard]] inline std::size_t bucket_of_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::size_t buckets) {
   return hash_coordinates(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(z)) %
          buckets;

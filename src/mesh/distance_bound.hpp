@@ -1,11 +1,11 @@
 // Bounds the greatest distance of any point of a triangle from a surface by an interval, not only at samples.
 //
-// A triangle b of the surface is convex, so the distance to it is a convex function, which takes its maximum over a
-// convex polygon at a corner. The greatest distance of the polygon's corners to b therefore bounds that of the whole
-// polygon to the surface. If the bound is too wide, the polygon is cut along the sides of b (planes through its edges,
-// perpendicular to it), so that each part lies over one triangle: branch and bound. Compare Tang, Lee, Kim: Interactive
-// Hausdorff distance computation for general polygonal models. ACM Trans. Graph. 28(3), 2009, who use the same
-// convexity and split at midpoints.
+// The given triangle is cut into convex polygons. The distance to a triangle b of the surface is a convex function, so
+// over a polygon it is greatest at a corner. The greatest distance of the polygon's corners to b therefore bounds that
+// of the whole polygon to the surface. If the bound is too wide, the polygon is cut along the sides of b (planes
+// through its edges, perpendicular to it), so that each part lies over one triangle: branch and bound. Compare Tang,
+// Lee, Kim: Interactive Hausdorff distance computation for general polygonal models. ACM Trans. Graph. 28(3), 2009, who
+// use the same convexity and split at midpoints.
 #pragma once
 
 #include <array>
@@ -22,9 +22,9 @@ struct DistanceLimits {
   double floor = 0;         // plus this width
   double enough = 0;        // upper ends up to this are always accepted
   double refuse = std::numeric_limits<double>::infinity();  // a greater lower end stops the search: upper is infinite
-  // Most parts of one triangle and, roughly, most visited leaves of the tree. (Where a surface is equally far
-  // everywhere, each part visits all leaves.) Beyond a limit, upper is infinite if `refuse` is finite. Otherwise the
-  // search divides no more parts, and the interval stays wider.
+  // Limits on the number of parts of one triangle and, roughly, on the number of visited leaves of the tree. (Where a
+  // surface is equally far everywhere, each part visits all leaves.) Beyond a limit, upper is infinite if `refuse` is
+  // finite. Otherwise the search divides no more parts, and the interval stays wider.
   std::size_t max_parts = std::size_t{1} << 22;
   std::size_t max_leaves = std::numeric_limits<std::size_t>::max();
 
@@ -44,8 +44,9 @@ struct TriangleBound {
   bool unfinished = false;  // stopped by `refuse` or a limit: the interval is valid but wider than requested
 };
 
-// Bounds the distance of a triangle from the surface in `tree`. `known` is a distance that occurs elsewhere: below it
-// the interval may be wider. `hint` is a slot of the tree, preferably near.
+// Bounds the distance of a triangle from the surface in `tree`. `known` is a distance already found at another
+// triangle, or 0: an upper end up to limits.accepted_upper(known) is accepted, however wide the interval. `hint` is a
+// slot of the tree, preferably near.
 //
 // Computes in double and ignores rounding: about 1e-16 of the coordinates, up to 1e-8 of the size of an almost
 // degenerate triangle.

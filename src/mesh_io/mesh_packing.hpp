@@ -3,13 +3,14 @@
 // Quantized positions lie on one lattice in the coordinates of the output, whatever the mesh's own origin is: all
 // multiples of a step, which is a power of two.
 // So positions that are equal before stay equal, bit for bit, across meshes and across files that use the same step.
-// The step is the same for the same voxel size, or for the same box and number of bits.
-// float32 holds such coordinates exactly up to 2^24 steps from zero. Farther away, the meshes of a glTF file are
-// relative to one common origin, which is a lattice point; a .drc file has no origin, so its step grows. No coordinate
-// moves by more than half a step.
+// The step depends on the voxel size and the box; with `position_bits`, on the box and the bits only.
+// float32 holds such coordinates exactly up to 2^24 steps from zero. Farther away, and always with 16-bit positions,
+// the meshes of a glTF file are relative to one common origin, which is a lattice point; a .drc file has no origin, so
+// its step grows. No coordinate moves by more than half a step.
 //
-// The writer unpacks every packed mesh again before it writes it. It compares triangles, their orientation, attributes
-// and positions with the original mesh, and measures the errors.
+// Before the writer writes the file, it decodes each mesh that Draco or meshoptimizer compressed, and compares its
+// triangles, their orientation, attributes and positions with those that it encoded. It measures the errors of
+// quantizing for every mesh.
 #pragma once
 
 #include <array>
@@ -51,7 +52,8 @@ struct PackingOptions {
 
 // Packing options, with the voxel size and the bounding box of the field.
 struct MeshPacking : PackingOptions {
-  // The shortest side of a voxel, in the mesh's units. 0 if unknown: the step is then as fine as the bits allow.
+  // The shortest side of a voxel, in the mesh's units. 0 if unknown: the step is then the finest that position_bits
+  // allow or, if unset, kMaxPositionBits (16 bits with `quantize`).
   double voxel = 0;
   // The box around every mesh that shares the lattice; a vertex outside is an error. If unset, MeshWriter uses the box
   // around the meshes of the file and holds them all in memory until the last one; AnimationWriter fails.
@@ -67,7 +69,7 @@ struct PackedFacts {
   std::uint64_t bytes_after = 0;
 
   struct Positions {
-    int bits = 0;                  // of the largest coordinate, counted in steps
+    int bits = 0;                  // of the box's longest side, counted in steps
     double step = 0;               // in the mesh's units
     double largest_axis_move = 0;  // the largest move of a coordinate: at most half a step
     double largest = 0;            // the largest move of a vertex

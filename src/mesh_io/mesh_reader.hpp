@@ -1,8 +1,9 @@
 // Reads mesh files of all formats; each format has its own source file (read/ply_reader.cpp, read/obj_reader.cpp, ...).
 //
 // Coordinates are read in double where the file has that precision. They become float32 relative to an origin in
-// double, chosen as the extractor chooses it. If all meshes of a glTF file share one translation, it becomes the origin
-// and the positions stay bit for bit.
+// double. If all coordinates are float32 numbers, the origin keeps them exact (it is 0 if need be); else it is the
+// origin that the extractor would choose. If all meshes of a glTF file share one translation, it becomes the origin and
+// the positions stay bit for bit.
 // Polygons are triangulated as if they were convex, along diagonals that depend on the order of the corners only.
 // All surfaces of a file are joined into one mesh, except those that glTF scales to zero: of an animated sequence
 // (animation_writer.hpp) only the first frame with triangles is read, and a note tells so.
@@ -12,8 +13,8 @@
 // packing did not round.
 //
 // Vertex attributes are read from PLY and DRC (every number except position and normal) and from glTF (COLOR_0 and
-// names that begin with an underscore). Values stay as stored: vectors are not rotated with a node. The mesh writers
-// write them back.
+// names that begin with an underscore). Values stay as stored: vectors are not rotated with a node. The writers of
+// PLY, DRC and glTF write them back.
 #pragma once
 
 #include <cstdint>
@@ -74,8 +75,8 @@ struct MeshFile {
 // vertex keeps the attributes of its first corner, and a note counts the corners with others.
 //
 // Fails with ErrorCode::input if the file cannot be read or is damaged, has coordinates that are not finite or indices
-// of missing vertices, or needs more memory than the context has left. Fails so as well for glTF that requires an
-// unsupported extension which may change its triangles.
+// of missing vertices, or needs more memory than the context has left. Also fails with ErrorCode::input if a glTF
+// file requires an extension that isoextract does not support and that may change the triangles.
 // Fails with ErrorCode::out_of_memory if an allocation fails, and as Context::check() does.
 // The mesh holds the reservation of its memory. A file without triangles is no error.
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context,

@@ -105,8 +105,9 @@ Result<std::string> PluginLibrary::found(const std::string& input) const {
   }
   return fail(ErrorCode::unavailable,
               fmt::format("{}: {} the plug-in {}, which is in none of the folders {}", input,
-                          kind_.is_format ? fmt::format("the format {} needs", id_) : "this work needs", name,
-                          fmt::join(looked, ", ")),
+                          kind_.is_format ? fmt::format("the format {} needs", id_)
+                                          : fmt::format("the grid tools of {} need", id_),
+                          name, fmt::join(looked, ", ")),
               "install the plug-in, or set the environment variable ISOEXTRACT_PLUGINS to its folder");
 }
 

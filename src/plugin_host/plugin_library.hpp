@@ -38,7 +38,7 @@ struct PluginKind {
   std::string name_start;  // "isoextract-volume-"
   std::string function;    // exported; returns a struct that starts with a version (uint32_t) and an id (const char*)
   std::uint32_t version = 0;
-  bool is_format = true;  // whether messages say "the format ID needs the plug-in", else "this work needs"
+  bool is_format = true;  // whether messages say "the format ID needs the plug-in", else "the grid tools of ID need"
 };
 
 // Opens a plug-in's file in this process, never closes it, and returns the result of its exported function. The text of

@@ -47,8 +47,9 @@ class SphereSet {
 //
 // Fails with ErrorCode::usage as check_options() does, and if the spacing of Method::smooth exceeds its support. Fails
 // with ErrorCode::input if a position is not finite (NonFiniteParticles::error), if there are 2^32 particles or more,
-// and if no radius is given and none can be derived. Fails so as well if a radius attribute holds an invalid radius.
-// Fails as Context::reserve() and Context::check() do.
+// and if no radius is given and none can be derived. Also fails with ErrorCode::input if a particle at a finite
+// position has a radius that is negative or not finite. Fails in the same way if the sample spacing is 0 (the median
+// radius is 0), or if spacing or support is not finite. Fails as Context::reserve() and Context::check() do.
 [[nodiscard]] Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options,
                                              const Context& context);
 

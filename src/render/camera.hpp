@@ -6,7 +6,8 @@
 // length.
 //
 // Scenes may have any size, so renderers compute in view coordinates divided by unit(), the distance from eye to target
-// (view_from_world(), clip_from_view(), direction_through()). Depths of pictures are in world units.
+// (view_from_world(), clip_from_view()). direction_through() is the same in both. Depths of pictures are in world
+// units.
 #pragma once
 
 #include <array>
@@ -44,19 +45,20 @@ struct Camera {
   // in range. Otherwise fails with ErrorCode::usage and names the reason.
   [[nodiscard]] Result<void> check() const;
 
-  // Returns the length of one unit of view space in world units.
+  // Returns the distance from eye to target. Renderers divide view coordinates by it.
   [[nodiscard]] double unit() const { return glm::length(target - eye); }
 
   // Returns the rotation from world to view space. Its rows are the unit vectors right, up and backwards in the world.
   [[nodiscard]] glm::dmat3 rotation() const;
-  // Returns the map from world space to view space in units of unit(). For a mesh far from the world's origin, apply it
-  // to mesh.origin in double, and rotation() / unit() to the float positions.
+  // Returns the map from world space to view coordinates divided by unit(). For a mesh far from the world's origin,
+  // apply it to mesh.origin in double, and rotation() / unit() to the float positions.
   [[nodiscard]] field::Affine view_from_world() const;
   [[nodiscard]] field::Affine world_from_view() const;
-  // Returns the map from view space in units to OpenGL's clip space (z / w is -1 at near and 1 at far; w is the depth
-  // in units).
+  // Returns the map from view coordinates divided by unit() to OpenGL's clip space (z / w is -1 at near and 1 at far; w
+  // is depth / unit()).
   [[nodiscard]] glm::dmat4 clip_from_view(const PictureSize& size) const;
-  // Returns the map from world to clip space: the product of glm::perspective and glm::lookAt.
+  // Returns the map from world to clip space: the product of glm::perspective and glm::lookAt divided by unit(), so
+  // that w is depth / unit().
   [[nodiscard]] glm::dmat4 clip_from_world(const PictureSize& size) const;
 };
 
@@ -73,8 +75,8 @@ struct PixelBox {
   friend bool operator==(const PixelBox&, const PixelBox&) = default;
 };
 
-// Returns a bounding rectangle of the pixels that may see `box`, which `map` maps to the world, from the box's 8
-// corners (docs/papers.md, hybrid ray casting, equation 2). It is the whole picture if only some corners are in front
+// Projects the 8 corners of `box`, which `map` maps to the world, and returns the rectangle of the pixels that may see
+// the box (docs/papers.md, hybrid ray casting, equation 2). It is the whole picture if only some corners are in front
 // of the near plane, and empty if none is.
 [[nodiscard]] PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::Affine& map,
                                  const field::Box& box);
@@ -104,9 +106,10 @@ constexpr auto words_of(UpAxis /*type*/) {
 // Returns a camera that looks at `angles.look_at` or, if unset, at the center of `box`.
 // Azimuth 0 looks from the front: from -y if z is up, from +z if x or y is up. It grows counter-clockwise as seen from
 // above: azimuth 90 is at +x if y or z is up, and at -y if x is up.
-// Without a distance, the sphere around the target that contains the box fits into the narrower side of the picture. A
-// box of one point is seen from a distance of 1.
-// Near and far enclose that sphere, as far as it is in front of the eye.
+// Without a distance, the sphere around the target that contains the box fits into the narrower side of the picture. If
+// the sphere is a point, the distance is 1.
+// The near and far planes enclose the part of that sphere that is at least 0.001 of the distance in front of the eye.
+// If the sphere is a point, they are at 0.5 and 1.5 times the distance.
 [[nodiscard]] Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                double fovy = Camera::kDefaultFovy);
 

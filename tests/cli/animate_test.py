@@ -294,7 +294,7 @@ class AnimateTest(ProgramTest):
                 (("-o", "-", "--format", "glb"), ("not to stdout",)),
                 (("-o", "w.ply"), ("--animate writes glb, found ply", "each frame gets its own file")),
                 (("-o", "w.glb", "--format", "gltf"), ("--animate writes glb, found gltf",)),
-                (("-o", "w.glb", "--ascii"), ("--ascii does not work with glb",)),
+                (("-o", "w.glb", "--ascii"), ("--ascii applies to ply and stl only, found glb",)),
                 (("-o", "w.glb", "--fps", "0"), ("--fps: expected a number above 0, found '0'",)),
                 (("-o", "w.glb", "--fps", "nan"), ("--fps: expected a number above 0",)),
                 (("-o", "w.glb", "--fps", "inf"), ("--fps: expected a number above 0",)),

@@ -81,7 +81,7 @@ class ArraysTest(ProgramTest):
                       self.convert("info", "v.npy", "--component", "length").text)
         self.assert_fails(2, self.run_program("v.npy", "--component", "3", "--iso", "1"), "there is no component 3")
         self.assert_fails(1, self.run_program("v.npy", "--component", "y", "--iso", "1"),
-                          "--component: expected the number of a component, counted from 0, or length")
+                          "--component: expected the number of a component, counted from 0, or the word 'length'")
         self.assert_fails(1, self.run_program(SPHERE, "--component", "0", "--iso", "0"), "this is demo")
 
     def test_hints_name_their_options(self):

@@ -22,11 +22,11 @@ struct InfoFlags : OptionSet {
   InputFlags input{*this, {"INPUT...", "Volumes or particles; patterns or folders of sequences"}};
   FramesOption frames{in(OptionGroup::input), "Frames of a sequence to read, such as 1-240x20. Default: all."};
   ParticleFlags particles{*this};
-  JsonFlag json{in(OptionGroup::output), "Report as JSON, an array with one entry an input."};
+  JsonFlag json{in(OptionGroup::output), "Report as JSON: an array with one entry for each input."};
   RunFlags run{*this};
 };
 
-// Returns the ids of the methods that bench takes by default, extract::interpolant_methods(), separated by commas.
+// Returns the ids of bench's default methods, separated by commas: those that follow the interpolant.
 [[nodiscard]] std::string following_method_ids();
 
 struct BenchFlags : OptionSet {
@@ -76,7 +76,8 @@ struct BenchFlags : OptionSet {
                                   "--threads",
                                   "N,N,...",
                                   parse_thread_counts,
-                                  "Numbers of threads to compare (default: 1 and all). None above the machine's.",
+                                  "Numbers of threads to compare (default: 1 and all). Each at most the number of the "
+                                  "machine's threads.",
                                   About::extraction};
   Value<int> repeats{in(OptionGroup::run), "--repeats", "N", parse_repeats,
                      "Runs of each setting; the median counts (default: 5). A warm-up comes first."};
@@ -88,7 +89,7 @@ struct StabilityFlags : OptionSet {
 
   Values<std::string> cases{in(OptionGroup::input), "--case", "NAME", parse_text,
                             "Run this case only (default: all). Several times for several cases."};  // all if empty
-  Flag list{in(OptionGroup::output), "--list", "List the cases and what is extreme; run none."};
+  Flag list{in(OptionGroup::output), "--list", "List the cases and the extreme property of each; run none."};
   JsonFlag json{in(OptionGroup::output)};
   BackendsOption backends{in(OptionGroup::run), "cpu, and gpu where there is one"};
   DeviceFlags device{*this};

@@ -51,9 +51,9 @@ class GltfData {
   [[nodiscard]] GltfView view(std::uint64_t accessor, std::string_view type, std::uint64_t components);
 
   // Decodes a primitive that uses KHR_draco_mesh_compression, so that view() finds the values of its accessors. Does
-  // nothing and returns false for other primitives.
-  // Returns true if no two of its triangles share a vertex: vertex 3t + c is then corner c of triangle t, and the
-  // indices are not needed.
+  // nothing for other primitives, nor if the file also has the positions uncompressed.
+  // Returns true only for a decoded primitive of which no two triangles share a vertex: then vertex 3t + c is corner c
+  // of triangle t, and the indices are not needed.
   bool unpack_draco(const nlohmann::json& primitive);
   [[nodiscard]] bool is_unpacked(std::uint64_t accessor) const { return made_views_.contains(accessor); }
 

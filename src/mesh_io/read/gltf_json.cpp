@@ -91,7 +91,7 @@ std::uint64_t whole(const json& object, const char* key, std::optional<std::uint
   if (found == object.end() && missing) return *missing;
   if (found == object.end()) throw DamagedMesh(fmt::format("expected '{}' in {}, found none", key, shown(object)));
   if (!found->is_number_unsigned()) {
-    throw DamagedMesh(fmt::format("expected a whole number as '{}', found {}", key, shown(*found)));
+    throw DamagedMesh(fmt::format("expected a whole number as the value of '{}', found {}", key, shown(*found)));
   }
   return found->get<std::uint64_t>();
 }

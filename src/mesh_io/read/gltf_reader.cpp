@@ -74,7 +74,9 @@ class ModelReader {
  public:
   ModelReader(const MeshSource& source, std::string_view text, std::span<const std::byte> binary)
       : source_(source), binary_(binary), tree_(parse_json(text, source.memory)) {
-    if (!model_.is_object()) throw DamagedMesh("expected JSON in a glTF file, found something else");
+    if (!model_.is_object()) {
+      throw DamagedMesh("expected a JSON object in a glTF file, found invalid JSON or another value");
+    }
     surface_.y_up = true;
   }
 
@@ -375,7 +377,9 @@ class ModelReader {
     const GltfView places = data_->view(whole(*attributes, "POSITION"), "VEC3", 3);
     const bool is_quantized = places.component >= kGltfByte && places.component <= kGltfUnsignedShort;
     if (places.component != kGltfFloat && !(has_quantized_ && is_quantized)) {
-      throw DamagedMesh(fmt::format("expected positions of component type {}, found {}", kGltfFloat, places.component));
+      throw DamagedMesh(fmt::format(
+          "expected positions of component type {} (float; integers only if the file requires {}), found {}",
+          kGltfFloat, kQuantizationExtension, places.component));
     }
     const std::size_t first_vertex = surface_.positions.size();
     const std::size_t first_triangle = surface_.triangles.size();

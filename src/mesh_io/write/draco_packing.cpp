@@ -212,7 +212,10 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
     packed = attempt_packing(mesh, packing, input, DracoMethod::sequential);
   }
   if (!packed) return tl::unexpected(std::move(packed.error()));
-  if (!*packed) return fail(ErrorCode::output, "the mesh that Draco unpacks differs from the original mesh");
+  if (!*packed) {
+    return fail(ErrorCode::output,
+                "the check of the packed mesh failed: Draco unpacks it to a mesh that differs from the original");
+  }
   DracoPacked result = std::move(**packed);
   result.facts.used_sequential_method = used_sequential_method;
   result.facts.bytes_after = result.bytes.size();

@@ -50,9 +50,8 @@ struct BgeoFile {
 void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   const std::string name = bgeo_text(content, "the name of an attribute");
   if (name.size() > kMaxNameBytes) {
-    throw InvalidParticleFile(
-        fmt::format("expected a name of an attribute of at most {} bytes before byte {}, found {}", kMaxNameBytes,
-                    content.position(), name.size()));
+    throw InvalidParticleFile(fmt::format("the attribute name that ends at byte {} has {} bytes; expected at most {}",
+                                          content.position(), name.size(), kMaxNameBytes));
   }
   const std::size_t size = bgeo_whole(content, 2, "the size of an attribute");
   const std::uint32_t type = bgeo_whole(content, 4, "the type of an attribute");

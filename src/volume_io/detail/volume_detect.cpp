@@ -68,7 +68,8 @@ Result<DetectedFormat> chosen_format(const std::string& input, const std::string
   if (format == nullptr) return fail(ErrorCode::usage, fmt::format("{}: there is no volume format '{}'", input, id));
   const std::string& prefix = format->about().prefix;
   if (!prefix.empty()) {
-    return fail(ErrorCode::usage, fmt::format("{}: the format {} is for inputs named {}NAME", input, id, prefix));
+    return fail(ErrorCode::usage,
+                fmt::format("{}: the format {} reads only inputs whose names start with {}", input, id, prefix));
   }
   return DetectedFormat{format, {}};
 }

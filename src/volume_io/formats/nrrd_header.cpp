@@ -223,7 +223,9 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
       header.fields += line + '\n';
       continue;
     }
-    if (header.detached) return fail(ErrorCode::input, file.name() + ": two fields 'data file'");
+    if (header.detached) {
+      return fail(ErrorCode::input, file.name() + ": the header has more than one field 'data file'; expected one");
+    }
     header.detached = TRY(parse_data_files(file, lines, value));
     if (header.detached->several && !header.detached->pattern) return header;  // a LIST ends the header
   }

@@ -268,8 +268,11 @@ Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const N
         fmt::format("{}: expected a number of data files that divides the {} slices of the slowest axis, found {}",
                     file, slowest, found));
   }
-  return fail(ErrorCode::input, fmt::format("{}: expected {} data files (one per slice of the slow axes), found {}",
-                                            file, expected ? std::to_string(*expected) : "more than 2^64", found));
+  return fail(
+      ErrorCode::input,
+      fmt::format("{}: expected {} data files, one for each index along the axes that the files do not contain, "
+                  "found {}",
+                  file, expected ? std::to_string(*expected) : "more than 2^64", found));
 }
 
 // Returns the offset after `lines` line ends.

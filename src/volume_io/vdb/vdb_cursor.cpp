@@ -8,7 +8,8 @@ namespace isoextract::volume_io {
 
 void VdbCursor::seek(std::uint64_t position) {
   if (position > end_) {
-    throw InvalidVdb(fmt::format("a position refers to byte {}, the {} ends at {}", position, range_name(), end_));
+    throw InvalidVdb(fmt::format("a file offset points to byte {}, beyond the end of the {} at byte {}", position,
+                                 range_name(), end_));
   }
   if (position < begin_ || position > begin_ + length_) {
     window_.reset();

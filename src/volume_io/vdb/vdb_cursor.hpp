@@ -1,5 +1,5 @@
-// Reads a VDB file sequentially, with seeks, through a buffer (the window). Sizes in the file are not trusted: reading
-// past the end throws InvalidVdb.
+// Reads a VDB file through a buffer (the window). Reads advance the position; seek() sets it. Sizes in the file are not
+// trusted: reading past the end throws InvalidVdb.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace isoextract::volume_io {
 
-// Thrown while reading a VDB file and caught within this room: what is wrong with the file.
+// Thrown if a VDB file is damaged, and caught in volume_io. The text says what is wrong with the file.
 class InvalidVdb : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -37,14 +37,14 @@ class VdbReadError : public std::runtime_error {
 
 class VdbCursor {
  public:
-  // Reports bytes read as progress.
+  // Makes a cursor at the start of the file. Its reads report their bytes as progress of the file's context.
   explicit VdbCursor(const files::InputFile& file) : file_(file), end_(file.size()) {}
 
   [[nodiscard]] std::uint64_t size() const { return file_.size(); }
   [[nodiscard]] std::uint64_t position() const { return begin_ + at_; }
   void seek(std::uint64_t position);
-  // Limits seeking and reading to positions before `end`, at first the end of the file. If the cursor is already beyond
-  // it, seek next.
+  // Limits seeking and reading to positions before `end`, at first the end of the file. If the position is already
+  // beyond `end`, the next call must be seek().
   void set_end(std::uint64_t end) { end_ = end; }
 
   // Loads the next `count` bytes into the window, or all that remain. Throws VdbReadError if they cannot be read or the
@@ -52,8 +52,8 @@ class VdbCursor {
   void prepare(std::uint64_t count);
   [[nodiscard]] bool is_prepared(std::uint64_t count) const;
 
-  // Returns the next bytes. They stay valid until more is requested than the window holds, and for as long as anyone
-  // holds window().
+  // Returns the next bytes. They stay valid while anyone holds the window() that they lie in, else until a take(),
+  // prepare() or seek() beyond the window.
   [[nodiscard]] std::span<const std::byte> take(std::uint64_t count);
   [[nodiscard]] std::shared_ptr<const std::byte[]> window() const { return window_; }
 

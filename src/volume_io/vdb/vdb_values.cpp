@@ -189,8 +189,9 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
       packed.compressed ? static_cast<std::uint64_t>(size) : 0 - static_cast<std::uint64_t>(size);
   if (packed.compressed && length > max_chunk(expected)) {
     throw InvalidVdb(
-        fmt::format("expected a chunk of at most {} bytes for the {} bytes of values of the node at byte {}, found {}",
-                    max_chunk(expected), expected, packed.position, length));
+        fmt::format("the values of the node at byte {} have {} bytes; expected at most {} compressed bytes for them, "
+                    "found {}",
+                    packed.position, expected, max_chunk(expected), length));
   }
   if (!packed.compressed && length != expected) {
     throw InvalidVdb(fmt::format("expected {} bytes of uncompressed values of the node at byte {}, found {}", expected,

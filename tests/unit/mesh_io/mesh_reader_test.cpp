@@ -198,7 +198,8 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
   expect_error("a.gltf", replaced("\"count\":3", "\"count\":4"),
                "expected a buffer view with room for 4 values, found 36 bytes");
   expect_error("a.gltf", replaced("\"count\":3", "\"count\":18446744073709551615"), "expected a buffer view with room");
-  expect_error("a.gltf", replaced("\"count\":3", "\"count\":-3"), "expected a whole number as 'count', found -3");
+  expect_error("a.gltf", replaced("\"count\":3", "\"count\":-3"),
+               "expected a whole number as the value of 'count', found -3");
   expect_error("a.gltf", replaced("\"byteLength\":36}]", "\"byteOffset\":18446744073709551615,\"byteLength\":36}]"),
                "within a buffer");
   expect_error("a.gltf", replaced("\"byteLength\":36,\"uri\"", "\"byteLength\":37,\"uri\""),

@@ -120,7 +120,8 @@ TEST(NrrdReaderData, ReadsListsAndNumberedFiles) {
   expect_ramp<std::uint8_t>(must_read(folder / "down.nhdr"));
 
   write_bytes(folder / "few.nhdr", nrrd("data file: s%02d.raw 0 6 2\n", ""));
-  expect_in(refusal(folder / "few.nhdr").message, "expected 5 data files (one per slice of the slow axes), found 4");
+  expect_in(refusal(folder / "few.nhdr").message,
+            "expected 5 data files, one for each index along the axes that the files do not contain, found 4");
   write_bytes(folder / "none.nhdr", nrrd("", "").substr(0, nrrd("", "").size() - 1) + "data file: LIST\n");
   expect_in(refusal(folder / "none.nhdr").message, "found 0");
   write_bytes(folder / "s04.raw", "short");

@@ -268,7 +268,7 @@ TEST(VdbDamage, RejectsInconsistentTrees) {
        {"code of a leaf", with(good, code, '\x80'), "found 128"},
        {"other mask of a leaf", with(good, mask, '\1'), "differs from its mask"},
        {"chunk too long", with(packed, chunk - 8, std::int64_t{2} * 2048 + 513),
-        "expected a chunk of at most 4608 bytes"},
+        "expected at most 4608 compressed bytes"},
        {"plain chunk too short", with(packed, chunk - 8, std::int64_t{-2047}),
         "expected 2048 bytes of uncompressed values"},
        {"blosc: other size", with(packed, chunk + 4, 2044), "expected a blosc chunk of 2048 bytes"},
@@ -306,7 +306,7 @@ TEST(VdbDamage, RejectsMetadataPastTheEndOfTheGrid) {
   const std::size_t size = jump.find("int64", static_cast<std::size_t>(grid)) + 5;
   put(jump, size, std::uint32_t{300});
   put(jump, file.offsets + 16, static_cast<std::int64_t>(size + 100));
-  expect_all_refused("v.vdb", {{"passed over", jump, "the grid ends at"}});
+  expect_all_refused("v.vdb", {{"passed over", jump, "beyond the end of the grid at byte"}});
 }
 
 // One byte of the header tells whether the file has grid positions; a stream's placeholders must be ignored.
@@ -322,7 +322,7 @@ TEST(VdbDamage, IgnoresGridPositionsOfAStream) {
                      {{"buffers", with(stream, file.tile - 16, 2), "expected one buffer in a tree, found 2"},
                       {"code of a leaf", with(stream, file.code, '\x80'), "found 128"},
                       {"children", with(stream, file.tile - 4, 1000), "is damaged: "},
-                      {"tiles", with(stream, file.tile - 8, 0x7fffffff), "is damaged: a position refers to byte"}});
+                      {"tiles", with(stream, file.tile - 8, 0x7fffffff), "is damaged: a file offset points to byte"}});
 }
 
 TEST(VdbDamage, DetectsHalvesByMetadataOnly) {
