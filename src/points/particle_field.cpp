@@ -124,17 +124,22 @@ Result<void> check_options(const FieldOptions& options) {
         std::pair(options.spacing.value_or(1), "a spacing of the samples"),
         std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),
         std::pair(anisotropy.neighborhood, "a neighborhood radius in kernel supports"),
-        std::pair(anisotropy.k_s, "a scale k_s of anisotropic kernels"),
-        std::pair(anisotropy.k_n, "a scale k_n of kernels with few neighbors")}) {
+        std::pair(anisotropy.shortest, "a shortest axis of kernels in supports"),
+        std::pair(anisotropy.k_n, "a radius k_n of kernels with few neighbors in supports")}) {
     TRY(check_positive(value, what));
   }
-  if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
-    return fail(ErrorCode::usage, fmt::format("expected lambda, the smoothing of kernel centers, from 0 to 1, found {}",
-                                              anisotropy.lambda));
+  for (const auto& [value, what] :
+       {std::pair(anisotropy.shortest, "a shortest axis of kernels in supports"),
+        std::pair(anisotropy.k_n, "a radius k_n of kernels with few neighbors in supports")}) {
+    if (value > 1) return fail(ErrorCode::usage, fmt::format("expected {} of at most 1, found {}", what, value));
   }
-  if (!(std::isfinite(anisotropy.k_r) && anisotropy.k_r >= 1)) {
+  if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
     return fail(ErrorCode::usage,
-                fmt::format("expected k_r, the largest ratio of kernel axes, of at least 1, found {}", anisotropy.k_r));
+                fmt::format("expected lambda, how far kernel centers move, from 0 to 1, found {}", anisotropy.lambda));
+  }
+  if (!(std::isfinite(anisotropy.widest) && anisotropy.widest >= 1)) {
+    return fail(ErrorCode::usage,
+                fmt::format("expected axes along a surface of at least 1 kernel support, found {}", anisotropy.widest));
   }
   if (anisotropy.few < 0) {
     return fail(

@@ -22,14 +22,14 @@
 
 namespace isoextract::points {
 
-// Parameters of Method::anisotropic, named as by Yu and Turk; see make_anisotropic_kernels() for the equations.
+// Parameters of Method::anisotropic; see make_anisotropic_kernels() for the equations.
 struct AnisotropyOptions {
   double neighborhood = 2;  // above 0: radius within which neighbors count, in kernel supports
-  double lambda = 0.9;      // 0 to 1: how far kernel centers move toward the mean of their neighbors
-  double k_r = 4;           // at least 1: largest ratio of two axes of a kernel
-  double k_s = 1;           // above 0: axis length in the interior, in supports
-  double k_n = 0.5;         // above 0: axis length where there are few neighbors, in supports
-  int few = 25;             // N_eps: with at most this many neighbors, a kernel is a sphere of axis length k_n
+  double lambda = 1;        // 0 to 1: how far kernel centers move to the mean depth of their layer
+  double shortest = 0.7;    // above 0 and at most 1: shortest axis, in supports
+  double widest = 1.8;      // at least 1: length of the axes along a surface, in supports
+  double k_n = 0.5;         // above 0 and at most 1: axis length where there are few neighbors, in supports
+  int few = 25;             // at least 0: N_eps: with at most this many neighbors, a kernel is a ball of radius k_n
 
   friend bool operator==(const AnisotropyOptions&, const AnisotropyOptions&) = default;
 };

@@ -43,6 +43,14 @@ class ParticlesTest(ProgramTest):
     def mesh(self, name):
         return read_ply((self.folder / name).read_bytes())
 
+    def move_back(self, name, steps):
+        """Subtracts the steps from the vertices of an OBJ file."""
+        lines = (self.folder / name).read_text().splitlines()
+        for n, line in enumerate(lines):
+            if line.startswith("v "):
+                lines[n] = "v {!r} {!r} {!r}".format(*(float(c) - s for c, s in zip(line.split()[1:4], steps)))
+        (self.folder / name).write_text("\n".join(lines) + "\n")
+
     def report(self, *arguments):
         run = self.convert(*arguments, "--report", "report.json")
         return json.loads((self.folder / "report.json").read_text()), run
@@ -287,6 +295,24 @@ class ParticlesTest(ProgramTest):
         for axis in range(3):
             self.write_ply("a.ply", [p[axis:] + p[:axis] for p in ((0, STEP * i, STEP * j) for i in range(60) for j in range(60))])
             self.check_estimate("a.ply", "--radius", "0.25", "--cell-size", "0.3")
+
+    def test_the_surface_does_not_move_on_its_grid(self):
+        """The same particles, moved by parts of a cell, have the same surface, moved as far."""
+        chance = random.Random(5)
+        points = [[c + chance.uniform(-STEP / 8, STEP / 8) for c in p]
+                  for p in block(13) if math.dist(p, (6 * STEP,) * 3) < 6.2 * STEP]
+        points += [(STEP * i, STEP * j, -4 * STEP) for i in range(14) for j in range(14)]  # a sheet
+        radius = STEP / 2
+        for method in ("sph", "anisotropic"):
+            steps = [part * 0.75 * radius for part in (0.3, 0.45, 0.2)]
+            self.write_csv("a.csv", points)
+            self.write_csv("b.csv", [[c + s for c, s in zip(p, steps)] for p in points])
+            options = ("--particles", method, "--radius", radius, "--normals", "none")
+            self.convert("a.csv", *options, "-o", "a.obj")
+            self.convert("b.csv", *options, "-o", "b.obj")
+            self.move_back("b.obj", steps)
+            run = self.run_program("compare", "a.obj", "b.obj", "--json")
+            self.assertLess(json.loads(run.out)["rms"] / radius, 0.03, method)
 
     def test_one_particle(self):
         self.write_csv("one.csv", [(1, 2, 3)])

@@ -1,6 +1,7 @@
 #include "points/detail/anisotropy.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -11,14 +12,36 @@
 namespace isoextract::points {
 namespace {
 
-// Eigenvalue of (9) for constant density on all sides, in units of r^2.
+// Eigenvalue of (9) for constant density on all sides, and the mean of w there, in units of r.
 constexpr double kFullVariance = 0.15;
+constexpr double kMeanWeight = 0.5;
+// Shortest half axis of a kernel, in samples.
+constexpr double kMinHalfAxis = 3;
+// Range of 1 - s_3 / s_1 in which kernels widen.
+constexpr double kRound = 0.1;
+constexpr double kFlat = 0.7;
+// A layer: its radius and half its thickness, in supports.
+constexpr double kLayerRadius = 1.4;
+constexpr double kLayerDepth = 0.5;
+// Distance of a particle from the mean of its neighbors, in supports, up to which it is deep inside.
+constexpr double kDeepInside = 0.2;
 
 struct ShapedKernel {
-  glm::dvec3 center;
+  glm::vec3 to_mean;  // from the particle to the mean of its neighbors, in grid coordinates
   float weight;
   Ellipsoid shape;
 };
+
+// Returns the lengths of the axes in supports. `variances` are the eigenvalues of (9) in units of r^2, descending.
+glm::dvec3 axes_of(const glm::dvec3& variances, double neighbors, double support, const AnisotropyOptions& options) {
+  const double flatness = 1 - variances.z / std::max(variances.x, std::numeric_limits<double>::min());
+  const double wide = 1 + (options.widest - 1) * std::clamp((flatness - kRound) / (kFlat - kRound), 0.0, 1.0);
+  const double shortest = std::max(options.shortest, kMinHalfAxis / support);
+  const glm::dvec3 axes =
+      glm::max(wide / std::max(variances.x, std::numeric_limits<double>::min()) * variances, glm::dvec3(shortest));
+  const double narrow = std::min(neighbors / std::max(options.few, 1), variances.x / (options.k_n * kFullVariance));
+  return glm::mix(glm::dvec3(options.k_n), axes, std::clamp(narrow - 1, 0.0, 1.0));
+}
 
 // Returns the kernel of a spot from the moments about target t, which are in units of `radius`.
 ShapedKernel shape_of(const CellGrid& grid, std::size_t spot, const Moments& moments, std::size_t t, double radius,
@@ -31,25 +54,47 @@ ShapedKernel shape_of(const CellGrid& grid, std::size_t spot, const Moments& mom
   const double yz = sum(Moments::kYZ);
   const glm::dmat3 second(sum(Moments::kXX), xy, xz, xy, sum(Moments::kYY), yz, xz, yz, sum(Moments::kZZ));
   const SymmetricEigen eigen = symmetric_eigen(second / total - glm::outerProduct(mean, mean));
-  glm::dvec3 axes = options.k_s / kFullVariance * eigen.values;
   const auto members = static_cast<double>(grid.members(spot).size());
-  if (sum(Moments::kPoints) - members <= options.few || axes.x < options.k_n) {
-    axes = glm::dvec3(options.k_n);
-  } else {
-    axes = glm::max(axes, glm::dvec3(axes.x / options.k_r));
-  }
+  const glm::dvec3 axes = axes_of(eigen.values, (total - members) / kMeanWeight, support, options);
   const glm::dvec3 half = support * axes;
   glm::dmat3 form(0.0);
   for (int n = 0; n < 3; ++n) {
     form += glm::outerProduct(eigen.vectors[n], eigen.vectors[n]) / (half[n] * half[n]);
   }
   ShapedKernel kernel;
-  kernel.center = grid.place(spot) + options.lambda * radius * mean;
+  kernel.to_mean = glm::vec3(radius * mean);
   kernel.weight = static_cast<float>(members / (static_cast<double>(density) * axes.x * axes.y * axes.z));
   kernel.shape = {static_cast<float>(form[0][0]), static_cast<float>(form[1][0]), static_cast<float>(form[2][0]),
                   static_cast<float>(form[1][1]), static_cast<float>(form[2][1]), static_cast<float>(form[2][2]),
                   static_cast<float>(half.x)};
   return kernel;
+}
+
+// Returns the step from a spot to the mean depth of its layer. `to_mean` points from the spot into the body.
+glm::dvec3 step_to_layer(const CellGrid& grid, std::size_t spot, const glm::dvec3& to_mean, double support) {
+  const double length = glm::length(to_mean);
+  const double deep = kDeepInside * support;
+  if (!(length > deep)) return glm::dvec3(0.0);
+  const glm::dvec3 inward = to_mean / length;
+  const glm::dvec3 at = grid.place(spot);
+  const double radius = kLayerRadius * support;
+  double sum = 0;
+  double total = 0;
+  grid.for_each_spot_run(at - radius, at + radius, [&](std::size_t first, std::size_t last) {
+    for (std::size_t s = first; s != last; ++s) {
+      const glm::dvec3 d = (grid.place(s) - at) / radius;
+      const double depth = glm::dot(d, inward) * (kLayerRadius / kLayerDepth);
+      const double near = 1 - glm::dot(d, d);
+      const double level = 1 - depth * depth;
+      if (near <= 0 || level <= 0) continue;
+      const double w = near * near * level * level * static_cast<double>(grid.members(s).size());
+      sum += w * depth;
+      total += w;
+    }
+  });
+  // Grows from 0 at the border of "deep inside", so that there is no step.
+  const double share = std::min(1.0, length / deep - 1);
+  return inward * (share * sum / total * kLayerDepth * support);
 }
 
 }  // namespace
@@ -77,10 +122,8 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
               [&](const CellTargets& targets) {
                 for (std::size_t t = 0; t < targets.size; ++t) {
                   const std::size_t s = targets.first + t;
-                  const ShapedKernel kernel = shape_of(grid, s, moments, t, radius, support, densities[s], options);
-                  shaped->values[s] = kernel;
-                  centers->values[s] = kernel.center;
-                  reach = std::max(reach, static_cast<double>(kernel.shape.reach));
+                  shaped->values[s] = shape_of(grid, s, moments, t, radius, support, densities[s], options);
+                  reach = std::max(reach, static_cast<double>(shaped->values[s].shape.reach));
                 }
               });
         }
@@ -88,6 +131,16 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
         return reach;
       },
       [](double a, double b) { return std::max(a, b); });
+  TRY(context.check());
+  context.progress().begin("moving kernels", grid.size());
+  for_each_range(grid.size(), 512, [&](std::size_t begin, std::size_t end) {
+    if (context.cancelled()) return;
+    for (std::size_t s = begin; s != end; ++s) {
+      const glm::dvec3 to_mean(shaped->values[s].to_mean);
+      centers->values[s] = grid.place(s) + options.lambda * step_to_layer(grid, s, to_mean, support);
+    }
+    context.progress().advance(end - begin);
+  });
   TRY(context.check());
 
   kernels.grid = TRY(CellGrid::make(std::as_const(centers->values).span(), GridFrame{}, grid.side(),

@@ -1,24 +1,30 @@
-// Anisotropic kernels, one for each particle.
+// Anisotropic kernels, one for each particle: wide along the surface and short across it.
 //
-// J. Yu, G. Turk: Reconstructing surfaces of particle-based fluids using anisotropic kernels. ACM Transactions on
-// Graphics 32(1), 2013, section 4 (with the paper's equation numbers):
+// After J. Yu, G. Turk: Reconstructing surfaces of particle-based fluids using anisotropic kernels. ACM Transactions on
+// Graphics 32(1), 2013, section 4 (with the paper's equation numbers). h is the support of the kernel:
 //
-//   w_ij = 1 - (|x_i - x_j| / r)^3 if nearer than r, else 0          (11)
+//   w_ij = 1 - (|x_i - x_j| / r)^3 if nearer than r, else 0,  r = 2h (11)
 //   x_i^w = sum w_ij x_j / sum w_ij                                  (10)
-//   center of kernel i = (1 - lambda) x_i + lambda x_i^w             (6)
 //   C_i = sum w_ij (x_j - x_i^w)(x_j - x_i^w)^T / sum w_ij           (9)
-//   C_i = R diag(s_1, s_2, s_3) R^T, s_1 >= s_2 >= s_3               (12), (13)
-//   S = k_s diag(s_1, max(s_2, s_1 / k_r), max(s_3, s_1 / k_r)) with more than N_eps neighbors, else k_n I     (15)
-//   G_i = 1/h R S^-1 R^T,  W(d, G) = det(G) P(|G d|)                 (16), (8)
+//   C_i = R diag(s_1, s_2, s_3) R^T, s_1 >= s_2 >= s_3               (12)
+//   G_i = 1/h R A^-1 R^T,  W(d, G) = det(G) P(|G d|)                 (16), (8); P is the cubic spline
 //
-// P is the cubic spline and h its support. As in the paper r = 2h, so that a particle has enough neighbors: about 250
-// in a liquid and 50 in a one-layer sheet, with a support of four particle radii.
+// Differs from the paper in the axes A and in the centers, because the paper's draw every body in by about two particle
+// radii, and its axes of a quarter of the support show as rings on a grid of the usual cell size:
 //
-// In the paper k_s is a length^-2 in its own units, chosen so that |k_s C| is about 1 within the liquid. There
-// C = 0.15 r^2 I, from (9) with constant density. Here k_s is in units of 1 / (0.15 r^2), so 1 fits every unit.
+//   a_k = max(shortest, wide s_k / s_1),  wide = 1 + (widest - 1) clamp((1 - s_3 / s_1 - 0.1) / 0.6, 0, 1)
+//   A = diag(mix(k_n, a_k, t)),  t = clamp(min(n_i / N_eps, s_1 / (k_n 0.15 r^2)) - 1, 0, 1)
+//   center of kernel i = x_i + lambda z_i n_i
 //
-// Differs from the paper: if k_s s_1 is below k_n, the particle counts as having few neighbors. Otherwise a cluster
-// narrower than one particle's kernel, such as coincident particles, would have a degenerate shape.
+// n_i = sum over j != i of w_ij, twice: the number of neighbors for constant density. 0.15 r^2 is s_1 for constant
+// density on all sides. So an isolated particle, or a cluster narrower than a kernel, has a ball of radius k_n h, and
+// there is no step in between, which would show as flicker. shortest is at least 3 samples: shorter axes fall between
+// the samples.
+//
+// n_i is the direction of x_i^w - x_i, which is the inner normal near a surface, and z_i the mean depth along it of the
+// neighbors in the same layer (nearer than 1.4 h, less than half a support above or below). So a kernel moves to the
+// local surface of its layer, and convex and concave places keep their volume; the paper's centers move to x_i^w. Deep
+// inside (|x_i^w - x_i| below 0.2 h) centers stay.
 #pragma once
 
 #include <memory>
@@ -45,7 +51,8 @@ struct AnisotropicKernels {
   }
 };
 
-// Makes one kernel for each spot of `grid`. `densities` has one value per spot; `support` is in grid coordinates.
+// Makes one kernel for each spot of `grid`. `densities` has one value per spot; `support` is in grid coordinates, whose
+// unit is the spacing of the samples.
 [[nodiscard]] Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double support,
                                                                   const float* densities,
                                                                   const AnisotropyOptions& options,

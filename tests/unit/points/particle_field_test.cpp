@@ -106,12 +106,14 @@ TEST(AnisotropicField, MatchesTheEquations) {
     glm::dmat3 g;
     double volume;
   };
+  const double shortest = std::max(k.shortest, 3 * method_info(options.method).cell_size * kRadius / h);
   std::vector<Kernel> kernels;
   std::size_t flat = 0;
+  std::size_t between = 0;
+  std::size_t moved = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     double total = 0;
     glm::dvec3 mean(0);
-    int neighbors = -1;
     const auto w = [&](std::size_t j) {
       const double d = glm::length(positions[j] - positions[i]);
       return d < r ? 1 - std::pow(d / r, 3) : 0;
@@ -119,7 +121,6 @@ TEST(AnisotropicField, MatchesTheEquations) {
     for (std::size_t j = 0; j < positions.size(); ++j) {
       total += w(j);
       mean += w(j) * positions[j];
-      neighbors += static_cast<int>(glm::length(positions[j] - positions[i]) < r);
     }
     mean /= total;
     glm::dmat3 c(0.0);
@@ -127,17 +128,38 @@ TEST(AnisotropicField, MatchesTheEquations) {
       c += w(j) / total * glm::outerProduct(positions[j] - mean, positions[j] - mean);
     }
     const SymmetricEigen eigen = symmetric_eigen(c);
-    glm::dvec3 sigma = k.k_s / (0.15 * r * r) * eigen.values;
-    if (neighbors > k.few && sigma.x >= k.k_n) {
-      sigma = glm::max(sigma, glm::dvec3(sigma.x / k.k_r));
-      flat += static_cast<std::size_t>(sigma.z < 0.5 * sigma.x);
-    } else {
-      sigma = glm::dvec3(k.k_n);
+    const glm::dvec3 s = eigen.values;
+    glm::dvec3 axes(k.k_n);
+    const double full = std::min(2 * (total - 1) / k.few, s.x / (k.k_n * 0.15 * r * r));
+    if (full > 1) {
+      const double wide = 1 + (k.widest - 1) * std::clamp((1 - s.z / s.x - 0.1) / 0.6, 0.0, 1.0);
+      axes = glm::mix(axes, glm::max(wide * s / s.x, glm::dvec3(shortest)), std::min(full - 1, 1.0));
+      flat += static_cast<std::size_t>(axes.z < 0.5 * axes.x);
+      between += static_cast<std::size_t>(full < 2);
     }
     glm::dmat3 g(0.0);
-    for (int n = 0; n < 3; ++n) g += glm::outerProduct(eigen.vectors[n], eigen.vectors[n]) / (h * sigma[n]);
-    kernels.push_back({(1 - k.lambda) * positions[i] + k.lambda * mean, g, 1 / densities[i]});
+    for (int n = 0; n < 3; ++n) g += glm::outerProduct(eigen.vectors[n], eigen.vectors[n]) / (h * axes[n]);
+    glm::dvec3 center = positions[i];
+    const double length = glm::length(mean - positions[i]);
+    if (length > 0.2 * h) {
+      const glm::dvec3 inward = (mean - positions[i]) / length;
+      double depths = 0;
+      double weights = 0;
+      for (const glm::dvec3& p : positions) {
+        const glm::dvec3 d = p - positions[i];
+        const double depth = glm::dot(d, inward);
+        const double weight = std::pow(std::max(1 - glm::dot(d, d) / (1.96 * h * h), 0.0), 2) *
+                              std::pow(std::max(1 - depth * depth / (0.25 * h * h), 0.0), 2);
+        depths += weight * depth;
+        weights += weight;
+      }
+      center += k.lambda * std::min(length / (0.2 * h) - 1, 1.0) * depths / weights * inward;
+      moved += static_cast<std::size_t>(center != positions[i]);
+    }
+    kernels.push_back({center, g, 1 / densities[i]});
   }
+  EXPECT_GT(between, 3U);
+  EXPECT_GT(moved, 100U);
   EXPECT_GT(flat, 100U);
   expect_field(
       field_of(particles_at(positions), options),
@@ -345,8 +367,10 @@ TEST(ParticleField, RejectsInvalidOptions) {
   usage("smoothing length", [](FieldOptions& o) { o.smoothing_length = 0; });
   usage("weight above 0", [](FieldOptions& o) { o.weight = -0.1; });
   usage("lambda", [](FieldOptions& o) { o.anisotropy.lambda = 1.1; });
-  usage("k_r", [](FieldOptions& o) { o.anisotropy.k_r = 0.9; });
-  usage("k_s", [](FieldOptions& o) { o.anisotropy.k_s = 0; });
+  usage("along a surface", [](FieldOptions& o) { o.anisotropy.widest = 0.9; });
+  usage("shortest axis", [](FieldOptions& o) { o.anisotropy.shortest = 0; });
+  usage("shortest axis", [](FieldOptions& o) { o.anisotropy.shortest = 1.1; });
+  usage("k_n", [](FieldOptions& o) { o.anisotropy.k_n = 1.1; });
   usage("k_n", [](FieldOptions& o) { o.anisotropy.k_n = -1; });
   usage("N_eps", [](FieldOptions& o) { o.anisotropy.few = -1; });
   usage("neighborhood", [](FieldOptions& o) { o.anisotropy.neighborhood = 0; });
