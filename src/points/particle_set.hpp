@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,11 +23,19 @@ struct ParticleAttribute {
   std::optional<AttributeKind> kind = {};  // if the file specifies it
 };
 
+// One word per particle, such as the name of an element.
+struct ParticleWords {
+  std::string name;                // as in the file
+  std::vector<std::string> words;  // distinct, in the order of their first particle
+  Buffer<std::uint32_t> indices;   // into `words`, one for each particle
+};
+
 // Structure of arrays in file order.
 struct ParticleSet {
   std::string label;  // name for messages: the file, with the frame or part if any
   Buffer<glm::dvec3> positions;
   std::vector<ParticleAttribute> attributes;  // with unique names
+  std::vector<ParticleWords> words;           // attributes of words, for conditions
   Reservation memory;                         // for all arrays; made by the code that allocated them
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
