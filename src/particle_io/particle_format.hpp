@@ -15,14 +15,24 @@
 
 namespace isoextract::particle_io {
 
+// An attribute that a condition on the particles needs (points/selection_expression.hpp).
+struct AttributeOfCondition {
+  std::vector<std::string> names;  // reads the first one that exists
+  bool required = true;            // false: ignored if missing
+  std::string place;               // lines to add to the error if it is missing
+
+  friend bool operator==(const AttributeOfCondition&, const AttributeOfCondition&) = default;
+};
+
 // Selects the contents to read.
 struct ParticleReadOptions {
   std::optional<std::string> format;                  // id of a format; default: by content, then by extension
   std::optional<std::int64_t> frame;                  // for files with several frames, such as time steps; from 0
-  bool all_attributes = false;                        // read every numeric attribute; otherwise only those named below
+  bool all_attributes = false;                        // read every attribute; otherwise only those named below
   std::vector<std::string> attributes;                // names of quantities (ParticleQuantity::name) or columns
   std::vector<std::string> optional_attributes = {};  // more names, ignored if missing
   std::vector<std::string> first_scalar_of;           // names; reads the first that is a numeric scalar attribute
+  std::vector<AttributeOfCondition> condition = {};   // read as numbers or, if they are text, as words
   // The columns of x, y and z, by name or by number from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;
   std::optional<std::string> grid;  // name of a particle set, for formats with has_grids

@@ -28,6 +28,7 @@ struct ParticleWords {
   std::string name;                // as in the file
   std::vector<std::string> words;  // distinct, in the order of their first particle
   Buffer<std::uint32_t> indices;   // into `words`, one for each particle
+  bool too_many = false;           // more words than a reader keeps: `words` and `indices` are empty
 };
 
 // Structure of arrays in file order.

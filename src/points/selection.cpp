@@ -507,6 +507,7 @@ Result<ParticleSet> take_particles(const ParticleSet& particles, std::span<const
                                 values_at(attribute.values, attribute.components, indices), attribute.kind});
   }
   for (const ParticleWords& words : particles.words) {
+    if (words.too_many) continue;
     taken.words.push_back({words.name, words.words, values_at(words.indices, 1, indices)});
   }
   return taken;

@@ -416,7 +416,7 @@ std::vector<SelectionName> SelectionExpression::names() const {
     const SelectionOp next = i + 1 < steps_.size() ? steps_[i + 1].op : SelectionOp::both;
     const bool can_be_word =
         i > 0 && !step.component && (next == SelectionOp::equal || next == SelectionOp::not_equal);
-    names.push_back({meanings_of(step), !can_be_word});
+    names.push_back({meanings_of(step), !can_be_word, mark(step.place)});
   }
   return names;
 }

@@ -69,6 +69,7 @@ struct SelectionStep {
 struct SelectionName {
   std::vector<std::string> names;  // the first one that exists counts
   bool required = true;            // false: may be a word instead
+  std::string mark;                // SelectionExpression::mark() of its place
 };
 
 class SelectionExpression {

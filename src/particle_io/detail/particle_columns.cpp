@@ -33,16 +33,19 @@ bool is_position(const ColumnTuple& group, const std::array<std::size_t, 3>& pos
                              [&](std::size_t column) { return std::ranges::count(position, column) > 0; });
 }
 
-// Returns "the numeric attributes are density, velocity".
-std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
+// Returns "the numeric attributes are density, velocity"; with words, "the attributes are density, species".
+std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position,
+                           bool with_words = false) {
   std::string list;
   std::size_t named = 0;
   for (const ColumnTuple& group : table.groups) {
-    if (!table.columns[group.columns.front()].numeric || is_position(group, position)) continue;
+    if (is_position(group, position) || (!with_words && !table.columns[group.columns.front()].numeric)) continue;
     if (++named > kMaxListedNames) return list + ", ...";
-    list += fmt::format("{}{}", named == 1 ? "the numeric attributes are " : ", ", printable(group.name, 80));
+    list += fmt::format("{}{}", named == 1 ? with_words ? "the attributes are " : "the numeric attributes are " : ", ",
+                        printable(group.name, 80));
   }
-  return named > 0 ? list : "the file has no numeric attributes";
+  if (named > 0) return list;
+  return with_words ? "the file has no attributes" : "the file has no numeric attributes";
 }
 
 std::vector<std::string> column_names(const ParticleTable& table) {
@@ -132,6 +135,27 @@ void add_attribute(const ParticleTable& table, const ColumnTuple& attribute, Col
                 attribute_list(table, choice.position));
   if (std::ranges::count(choice.attributes, attribute.name, &ColumnTuple::name) > 0) return;
   choice.attributes.push_back(attribute);
+}
+
+// Chooses an attribute of a condition: as words if it is text that can be read so. Otherwise throws if it is not
+// numeric.
+void add_attribute_of_condition(const ParticleTable& table, const AttributeOfCondition& asked, ColumnChoice& choice) {
+  for (const std::string& name : asked.names) {
+    const auto attribute = find_attribute(table, name);
+    if (!attribute) continue;
+    const std::size_t column = attribute->columns.front();
+    if (table.columns[column].numeric || !table.has_words || attribute->columns.size() > 1) {
+      return add_attribute(table, *attribute, choice);
+    }
+    std::erase_if(choice.words, [&](const WordColumn& words) { return words.name == attribute->name; });
+    choice.words.push_back({attribute->name, column});
+    return;
+  }
+  if (!asked.required) return;
+  const std::string& name = asked.names.front();
+  throw InvalidParticleFile(fmt::format("there is no attribute '{}'{}{}", printable(name, 80),
+                                        did_you_mean(name, attribute_names(table)), asked.place),
+                            attribute_list(table, choice.position, true));
 }
 
 // "x [mm]" -> "x " and "mm"; also "x (mm)".
@@ -288,6 +312,8 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
       if (is_position(group, choice.position)) continue;
       if (columns[group.columns.front()].numeric) {
         choice.attributes.push_back(group);
+      } else if (table.has_words && group.columns.size() == 1) {
+        choice.words.push_back({group.name, group.columns.front(), false});
       } else {
         choice.notes.push_back({NoteId::data_left_out,
                                 fmt::format("the reader skips '{}', which has no numbers", printable(group.name, 80))});
@@ -315,6 +341,7 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
     if (std::ranges::count(choice.attributes, name, &ColumnTuple::name) == 0) choice.attributes.push_back(*found);
     break;
   }
+  for (const AttributeOfCondition& asked : options.condition) add_attribute_of_condition(table, asked, choice);
   return choice;
 }
 
@@ -349,7 +376,8 @@ points::ParticleSet make_particles(const Context& context, const std::string& la
   const auto numbers =
       std::accumulate(choice.attributes.begin(), choice.attributes.end(), std::uint64_t{0},
                       [](std::uint64_t sum, const ColumnTuple& group) { return sum + group.columns.size(); });
-  const auto bytes = checked_product(count, sizeof(glm::dvec3) + numbers * sizeof(float));
+  const auto bytes = checked_product(
+      count, sizeof(glm::dvec3) + numbers * sizeof(float) + choice.words.size() * sizeof(std::uint32_t));
   points::ParticleSet set;
   set.memory = must(context.reserve(bytes.value_or(~std::uint64_t{0}), fmt::format("{}: {} particles", label, count)));
   set.label = label;
@@ -358,6 +386,7 @@ points::ParticleSet make_particles(const Context& context, const std::string& la
     set.attributes.push_back(
         {group.name, group.columns.size(), Buffer<float>(count * group.columns.size()), group.kind});
   }
+  for (const WordColumn& words : choice.words) set.words.push_back({words.name, {}, Buffer<std::uint32_t>(count)});
   return set;
 }
 
@@ -378,8 +407,38 @@ std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& c
       sinks.push_back({columns[c], nullptr, set.attributes[a].values.data() + c, columns.size(), set.size()});
     }
   }
+  for (std::size_t w = 0; w < choice.words.size(); ++w) {
+    ColumnSink sink{.column = choice.words[w].column, .particles = set.size()};
+    sink.words = std::make_shared<WordIndexer>(set.words[w], choice.words[w].wanted);
+    sinks.push_back(std::move(sink));
+  }
   std::ranges::stable_sort(sinks, {}, &ColumnSink::column);
   return sinks;
+}
+
+void WordIndexer::put(std::size_t particle, std::string_view word) {
+  if (to_.too_many) return;
+  if (word != last_ || to_.words.empty()) {
+    last_ = word;
+    const auto [at, is_new] = indices_.try_emplace(last_, static_cast<std::uint32_t>(to_.words.size()));
+    last_index_ = at->second;
+    if (is_new) {
+      bytes_ += word.size();
+      to_.words.emplace_back(word);
+    }
+    if (to_.words.size() > kMaxDistinctWords || bytes_ > kMaxWordBytes) {
+      if (wanted_) {
+        throw InvalidParticleFile(
+            fmt::format("expected at most {} different words of {} bytes together in '{}', found more",
+                        kMaxDistinctWords, kMaxWordBytes, printable(to_.name, 80)));
+      }
+      to_.too_many = true;
+      to_.words.clear();
+      to_.indices = Buffer<std::uint32_t>();
+      return;
+    }
+  }
+  to_.indices[particle] = last_index_;
 }
 
 void deliver_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,

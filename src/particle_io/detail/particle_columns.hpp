@@ -6,10 +6,12 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "base/note.hpp"
@@ -42,6 +44,7 @@ struct ParticleTable {
   std::vector<ColumnTuple> groups;  // with unique names; each column belongs to one group
   // The position, if the format specifies it and the options do not.
   std::optional<std::array<std::size_t, 3>> position;
+  bool has_words = false;  // columns that are not numeric can be read as words: the file is text
 };
 
 // Adds a column for each component, and their group.
@@ -63,10 +66,20 @@ struct NameAndUnit {
 // unit and stays in the name: "v[x]". An ambiguous letter is a unit if the other components do not follow: "mass [g]".
 [[nodiscard]] std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers);
 
+// A column to read as words.
+struct WordColumn {
+  std::string name;
+  std::size_t column = 0;
+  bool wanted = true;  // false: more than kMaxDistinctWords words are no error
+};
+inline constexpr std::size_t kMaxDistinctWords = 65536;
+inline constexpr std::size_t kMaxWordBytes = std::size_t{16} << 20;  // of all distinct words of a column
+
 // The selected columns.
 struct ColumnChoice {
   std::array<std::size_t, 3> position{};
   std::vector<ColumnTuple> attributes;
+  std::vector<WordColumn> words;
   std::string length_unit;
   Notes notes;
 };
@@ -94,13 +107,31 @@ void check_count(const ContentReader& content, std::uint64_t count, std::uint64_
 
 [[noreturn]] void throw_particle_error(std::size_t particle, std::size_t particles);
 
-// Destination of one column's values; either doubles or floats is null.
+// Numbers the words of a column in the order of their first particle.
+class WordIndexer {
+ public:
+  WordIndexer(points::ParticleWords& to, bool wanted) : to_(to), wanted_(wanted) {}
+
+  // Beyond the limits throws InvalidParticleFile for a wanted column, and sets ParticleWords::too_many for others.
+  void put(std::size_t particle, std::string_view word);
+
+ private:
+  points::ParticleWords& to_;
+  bool wanted_;
+  std::size_t bytes_ = 0;
+  std::string last_;  // most words repeat
+  std::uint32_t last_index_ = 0;
+  std::unordered_map<std::string, std::uint32_t> indices_;
+};
+
+// Destination of one column's values; one of doubles, floats and words is set.
 struct ColumnSink {
   std::size_t column = 0;
   double* doubles = nullptr;
   float* floats = nullptr;
   std::size_t stride = 1;     // distance between consecutive particles
   std::size_t particles = 0;  // capacity
+  std::shared_ptr<WordIndexer> words = {};
 
   // Throws InvalidParticleFile beyond the last particle, so that a wrong count in a file cannot cause an overflow.
   void put(std::size_t particle, double value) const {
@@ -110,6 +141,10 @@ struct ColumnSink {
     } else {
       floats[particle * stride] = static_cast<float>(value);
     }
+  }
+  void put_word(std::size_t particle, std::string_view word) const {
+    if (particle >= particles) throw_particle_error(particle, particles);
+    words->put(particle, word);
   }
 };
 // Returns the destinations by column. They point into `set`, which must stay in place.

@@ -103,6 +103,10 @@ void deliver_row(const ContentReader& content, const ParticleTable& table, std::
                  std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals) {
   for (const ColumnSink& sink : sinks) {
     const std::string_view field = fields[sink.column];
+    if (sink.words) {
+      sink.put_word(particle, field);
+      continue;
+    }
     const auto value = field.empty()         ? std::numeric_limits<double>::quiet_NaN()
                        : decimals != nullptr ? decimals->number(field)
                                              : number_in(field);

@@ -233,6 +233,7 @@ CsvFile survey_csv(const files::InputFile& file) {
     mark_text_columns(csv.table, fields, commas);
   }
   group_by_names(csv.table);
+  csv.table.has_words = true;
   return csv;
 }
 

@@ -162,6 +162,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
   find_lammps_position(frame);
   if (frame.atoms > 0) mark_text_columns_ahead(content, frame.table);
   group_by_names(frame.table);
+  frame.table.has_words = true;
   frame.unit = length_unit_of(frame.units);
   return true;
 }

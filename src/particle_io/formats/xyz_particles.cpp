@@ -113,6 +113,7 @@ bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
   if (time) frame.name = fmt::format("time {}", printable(*time, 40));
   if (frame.atoms == 0) return true;
   frame.table = properties ? extended_table(content, *properties) : plain_table(content);
+  frame.table.has_words = true;
   return true;
 }
 

@@ -403,7 +403,7 @@ TEST(ParticlesNpy, RejectsPositionsThatAreNotNumbers) {
 TEST(ParticlesColumns, RejectFieldsOutsideTheirRecord) {
   points::ParticleSet set;
   set.positions = Buffer<glm::dvec3>(1);
-  const std::vector<particle_io::ColumnSink> sinks = particle_io::sinks_of(set, {{0, 1, 2}, {}, {}, {}});
+  const std::vector<particle_io::ColumnSink> sinks = particle_io::sinks_of(set, {{0, 1, 2}, {}, {}, {}, {}});
   const std::vector<std::byte> record(12);
   particle_io::RecordLayout layout{12, {}};
   for (std::size_t i = 0; i < 3; ++i)
