@@ -29,6 +29,20 @@ Result<void> check_method(const ParticleFlags& flags, points::Method method, boo
   return {};
 }
 
+// Joins the conditions of --select, --type and --species.
+std::optional<std::string> joined_conditions(const ParticleFlags& flags) {
+  std::vector<std::string> conditions;
+  for (const Value<std::string>* flag : {&flags.select, &flags.types, &flags.species}) {
+    if (flag->is_set()) conditions.push_back(**flag);
+  }
+  if (conditions.size() < 2) return conditions.empty() ? std::nullopt : std::optional(conditions.front());
+  std::string joined;
+  for (const std::string& condition : conditions) {
+    joined += fmt::format("{}({})", joined.empty() ? "" : " && ", condition);
+  }
+  return joined;
+}
+
 }  // namespace
 
 Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std::optional<extract::NanPolicy> nan,
@@ -49,6 +63,8 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   options.weight = flags.weight.value_or(options.weight);
   options.deposit = flags.deposit.value_or(options.deposit);
   options.columns = flags.columns;
+  options.stride = flags.stride.value_or(options.stride);
+  options.select = joined_conditions(flags);
   return options;
 }
 

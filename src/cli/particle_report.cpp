@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "base/stopwatch.hpp"
 #include "cli/remedies.hpp"
 #include "convert/json_values.hpp"
+#include "convert/particle_choice.hpp"
 #include "convert/particle_field.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
@@ -41,6 +43,32 @@ std::vector<AttributeRange> ranges_of(const std::vector<particle_io::ParticleQua
   return ranges;
 }
 
+std::vector<WordCounts> words_of_particles(const points::ParticleSet& particles) {
+  std::vector<WordCounts> all;
+  for (const points::ParticleWords& words : particles.words) {
+    WordCounts& found = all.emplace_back();
+    found.name = words.name;
+    for (const std::string& word : words.words) found.counts.emplace_back(word, 0);
+    for (const std::uint32_t index : words.indices) ++found.counts[index].second;
+    std::erase_if(found.counts, [](const auto& count) { return count.second == 0; });
+    found.words = found.counts.size();
+    std::ranges::stable_sort(found.counts, std::ranges::greater(), [](const auto& count) { return count.second; });
+    found.counts.resize(std::min(found.counts.size(), kShownWords));
+  }
+  return all;
+}
+
+// Returns "O 2000, H 1000".
+std::string words_text(const WordCounts& words) {
+  if (words.words == 0) return "words, too many to list";
+  std::string text;
+  for (const auto& [word, count] : words.counts) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", word.empty() ? "''" : printable(word, kShownName), count);
+  }
+  if (words.words > words.counts.size()) text += fmt::format(", and {} more", words.words - words.counts.size());
+  return text;
+}
+
 std::string range_text(const AttributeRange& range) {
   if (!range.read) return "no numbers";
   std::string text = range.min ? fmt::format("{:.6g} .. {:.6g}", *range.min, *range.max) : std::string("no values");
@@ -48,7 +76,8 @@ std::string range_text(const AttributeRange& range) {
   return text;
 }
 
-void add_attributes(NamedLines& lines, const std::vector<AttributeRange>& ranges) {
+void add_attributes(NamedLines& lines, const std::vector<AttributeRange>& ranges,
+                    const std::vector<WordCounts>& words) {
   lines.add("attributes", fmt::format("{}", ranges.size()));
   std::size_t width = 4;
   for (const AttributeRange& range : ranges) {
@@ -56,10 +85,12 @@ void add_attributes(NamedLines& lines, const std::vector<AttributeRange>& ranges
   }
   for (const AttributeRange& range : ranges) {
     const particle_io::ParticleQuantity& quantity = range.quantity;
+    const auto counts = std::ranges::find(words, quantity.name, &WordCounts::name);
     lines.plain(fmt::format(
         "    {:<{}}  {:<10}  {}{}", printable(quantity.name, kShownName), width,
         quantity.components == 1 ? quantity.type : fmt::format("{} x {}", quantity.type, quantity.components),
-        range_text(range), quantity.unit.empty() ? "" : fmt::format(" ({})", printable(quantity.unit, kShownName))));
+        counts != words.end() ? words_text(*counts) : range_text(range),
+        quantity.unit.empty() ? "" : fmt::format(" ({})", printable(quantity.unit, kShownName))));
   }
 }
 
@@ -97,6 +128,11 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   particle_io::ParticleFile& file = described->file;
   report.notes = file.notes;
   report.particles = file.particles.size();
+  if (const auto count = TRY(convert::keep_chosen(file.particles, asked.particles, context))) {
+    report.chosen = count->chosen;
+  }
+  report.words = words_of_particles(file.particles);
+  file.particles.words.clear();
   report.attributes = ranges_of(report.info.quantities, file.particles);
   std::erase_if(file.particles.attributes, [](const points::ParticleAttribute& attribute) {
     return std::ranges::find(points::kRadiusAttributes, attribute.name) == points::kRadiusAttributes.end();
@@ -121,7 +157,8 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
 
 void add_particles(NamedLines& lines, const ParticleReport& report) {
   lines.add("format", fmt::format("{}: {}", report.info.format, report.title));
-  lines.add("particles", fmt::format("{}", report.particles));
+  lines.add("particles", report.chosen ? fmt::format("{} of {} chosen", *report.chosen, report.particles)
+                                       : fmt::format("{}", report.particles));
   if (report.info.frames > 1) {
     lines.add("frames", fmt::format("{}, counted from 0; this report describes {}, choose another with --volume K",
                                     report.info.frames, report.frame.value_or(0)));
@@ -142,7 +179,7 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
               fmt::format("{:.6g}: fits the density of the particles; radii in the file or --radius R take precedence",
                           *report.statistics.suggested_radius));
   }
-  add_attributes(lines, report.attributes);
+  add_attributes(lines, report.attributes, report.words);
   add_field(lines, report);
 }
 
@@ -150,6 +187,7 @@ convert::Json json_of(const ParticleReport& report) {
   const points::ParticleBounds& bounds = report.statistics.bounds;
   convert::Json json{{"format", report.info.format},
                      {"count", report.particles},
+                     {"chosen", convert::optional_json(report.chosen)},
                      {"frames", report.info.frames},
                      {"frame", convert::optional_json(report.frame)},
                      {"frame_name", report.info.frame_name},
@@ -166,6 +204,12 @@ convert::Json json_of(const ParticleReport& report) {
   json["suggested_radius"] = convert::optional_json(report.statistics.suggested_radius);
   json["attributes"] = convert::Json::array();
   for (const AttributeRange& range : report.attributes) {
+    convert::Json counts = nullptr;
+    const auto words = std::ranges::find(report.words, range.quantity.name, &WordCounts::name);
+    if (words != report.words.end()) {
+      counts = convert::Json::array();
+      for (const auto& [word, count] : words->counts) counts.push_back({{"word", word}, {"count", count}});
+    }
     json["attributes"].push_back({{"name", range.quantity.name},
                                   {"type", range.quantity.type},
                                   {"components", range.quantity.components},
@@ -173,7 +217,8 @@ convert::Json json_of(const ParticleReport& report) {
                                   {"numeric", range.read},
                                   {"min", convert::optional_json(range.min)},
                                   {"max", convert::optional_json(range.max)},
-                                  {"not_finite", range.not_finite}});
+                                  {"not_finite", range.not_finite},
+                                  {"words", std::move(counts)}});
   }
   json["method"] = word_of(report.method);
   json["field"] = nullptr;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/context.hpp"
@@ -28,13 +29,23 @@ struct AttributeRange {
   std::optional<double> max;
 };
 
+// The words of an attribute, most frequent first.
+struct WordCounts {
+  std::string name;
+  std::uint64_t words = 0;                                    // distinct; 0 if there are more than a reader keeps
+  std::vector<std::pair<std::string, std::uint64_t>> counts;  // particles of a word: at most kShownWords
+};
+inline constexpr std::size_t kShownWords = 20;
+
 struct ParticleReport {
   particle_io::ParticleInfo info;
   std::string title;                  // of the format
   std::optional<std::int64_t> frame;  // the described frame, from 0; set if the user chose one or the file has several
   std::uint64_t particles = 0;
+  std::optional<std::uint64_t> chosen;  // of them, by a condition; the rest of the report is about these
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;
+  std::vector<WordCounts> words;
   points::Method method = points::Method::sph;
   std::optional<points::ParticleFieldStatistics> figures;  // of the field, made without points::FieldOptions::tile_iso
   std::optional<Error> no_field;                           // why the field could not be made

@@ -56,8 +56,12 @@ struct RadiusChoice {
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
 [[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian[:N], median, mean; N 1..64
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max
-[[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);         // NX,NY,NZ,D; a normal not 0
-[[nodiscard]] Result<std::array<std::string, 3>> parse_columns(std::string_view text);    // x=A,y=B,z=C in any order
+[[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);       // NX,NY,NZ,D; a normal not 0
+[[nodiscard]] Result<std::array<std::string, 3>> parse_columns(std::string_view text);  // x=A,y=B,z=C in any order
+// These three return a condition on particles (points/selection_expression.hpp).
+[[nodiscard]] Result<std::string> parse_selection(std::string_view text);                 // a condition
+[[nodiscard]] Result<std::string> parse_types(std::string_view text);                     // 2,3 or 1..3
+[[nodiscard]] Result<std::string> parse_species(std::string_view text);                   // O,H
 [[nodiscard]] Result<VolumeChoice> parse_volume(std::string_view text);                   // 0 or above, or all
 [[nodiscard]] Result<std::int64_t> parse_volume_number(std::string_view text);            // 0 or above
 [[nodiscard]] Result<volume_io::ComponentChoice> parse_component(std::string_view text);  // 0 or above, or length

@@ -52,6 +52,9 @@ auto members_of(const T& value) {
   } else if constexpr (kCount == 9) {
     const auto& [a, b, c, d, e, f, g, h, i] = value;
     return std::tie(a, b, c, d, e, f, g, h, i);
+  } else if constexpr (kCount == 12) {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
   } else {
     static_assert(kCount == 10);
     const auto& [a, b, c, d, e, f, g, h, i, j] = value;

@@ -61,7 +61,8 @@ constexpr auto words_of(EmptyPolicy /*type*/) {
 // How particles become the field that is extracted. Unused for volumes.
 struct ParticleOptions {
   static constexpr std::array kMembers{"expected",         "method", "radius",  "sequence_radius", "cell_size",
-                                       "smoothing_length", "weight", "deposit", "not_finite",      "columns"};
+                                       "smoothing_length", "weight", "deposit", "not_finite",      "columns",
+                                       "select",           "stride"};
 
   // Reads the input as particles even if it could be a volume too, and refuses a volume. If false, the input's content
   // decides.
@@ -77,6 +78,8 @@ struct ParticleOptions {
   points::Deposit deposit = points::Deposit::trilinear;
   points::NonFiniteParticles bad = points::NonFiniteParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1
+  std::optional<std::string> select;  // condition that particles have to fulfill (points/selection_expression.hpp)
+  std::uint64_t stride = 1;           // uses every stride-th of the particles that fulfill it, from the first on
 
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
 };

@@ -7,6 +7,7 @@
 
 #include "base/printable.hpp"
 #include "convert/attribute_source.hpp"
+#include "convert/particle_choice.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 #include "points/sphere_set.hpp"
@@ -109,6 +110,7 @@ particle_io::ParticleReadOptions particle_read_options(const SourceOptions& opti
     if (std::ranges::find(names, choice.from) == names.end()) names.push_back(choice.from);
   }
   read.columns = options.particles.columns;
+  read.condition = attributes_of_condition(options.particles);
   if (!options.particles.radius) {
     read.first_scalar_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
   }

@@ -9,6 +9,7 @@
 
 #include "base/parallel.hpp"
 #include "convert/attribute_volumes.hpp"
+#include "convert/particle_choice.hpp"
 #include "convert/particle_source.hpp"
 #include "field/statistics.hpp"
 #include "points/particle_statistics.hpp"
@@ -52,7 +53,8 @@ SourceOptions only_color(const ConversionJob& job) {
 }
 
 Result<std::optional<ValueRange>> range_of_particles(const SourceOptions& options, const Context& context) {
-  const auto file = TRY(particle_io::read_particles(options.input, particle_read_options(options, true), context));
+  auto file = TRY(particle_io::read_particles(options.input, particle_read_options(options, true), context));
+  TRY(keep_chosen(file.particles, options.particles, context));
   const auto found = TRY(find_attributes(file.particles, options.attributes, true));
   if (found.attributes.empty()) return std::nullopt;
   const points::ParticleAttribute& attribute = file.particles.attributes[found.attributes.front()];
@@ -137,7 +139,8 @@ Result<std::optional<ValueRange>> range_of_volume(const SourceOptions& options, 
 Result<FoundRadius> find_radius(const SourceOptions& options, const Context& context) {
   SourceOptions only_positions = options;
   only_positions.attributes.clear();
-  const auto file = TRY(particle_io::read_particles(options.input, particle_read_options(only_positions), context));
+  auto file = TRY(particle_io::read_particles(options.input, particle_read_options(only_positions), context));
+  TRY(keep_chosen(file.particles, options.particles, context));
   FoundRadius found;
   found.particles = file.particles.size();
   found.has_attribute = points::has_radius_attribute(file.particles);

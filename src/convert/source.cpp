@@ -12,6 +12,7 @@
 #include "base/printable.hpp"
 #include "convert/field_label.hpp"
 #include "convert/json_values.hpp"
+#include "convert/particle_choice.hpp"
 #include "convert/particle_field.hpp"
 #include "convert/stages/field_blur.hpp"
 #include "convert/stages/level_set_filter.hpp"
@@ -218,6 +219,9 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   const StageTime reading = watch.elapsed();
   for (const Note& text : file.notes) events.note(text);
   TRY(context.check());
+  const auto chosen = TRY(keep_chosen(file.particles, options.particles, context));
+  file.particles.words.clear();
+  if (chosen && chosen->chosen == 0) source.why_no_particles = why_none_chosen(*chosen, options.particles);
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
   auto made = TRY(make_particle_field(file.particles, options.particles, use.only_iso, context));
@@ -241,6 +245,8 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::spacing, figures.spacing},
        {Key::support, figures.support},
        {Key::particles, figures.particles},
+       {Key::chosen, chosen ? Value(chosen->chosen) : Value()},
+       {Key::chosen_of, chosen ? Value(chosen->of) : Value()},
        {Key::not_finite, figures.particles_dropped},
        {Key::left_out_inside, figures.particles_deep_inside},
        {Key::too_small, figures.particles_too_small},
@@ -258,7 +264,8 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
     events.note(prefixed(printable(file.particles.label) + ": ", text));
   }
   report = report_on(StageName::particles_to_field, field_label(made.field));
-  report.work = particle_facts(figures);
+  if (chosen) report.work.push_back(choice_fact(*chosen, options.particles));
+  for (WorkFact& fact : particle_facts(figures)) report.work.push_back(std::move(fact));
   events.end(report);
   source.field = std::move(made.field);
   tell_isos(std::nullopt, events, source);

@@ -34,12 +34,14 @@ struct Source {
   std::string label;              // name in messages
   bool empty = false;             // the input has no voxels or no particles
   bool of_particles = false;
+  std::string why_no_particles = {};  // set if a condition chose none
   // Set with SourceOptions::away_from_zero: the field's kind as read, which set_inside_side(0) restores.
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
 
   // Says why `empty` is set.
-  [[nodiscard]] const char* why_empty() const {
+  [[nodiscard]] std::string why_empty() const {
+    if (!why_no_particles.empty()) return why_no_particles;
     return of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
   }
 

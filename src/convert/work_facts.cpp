@@ -61,6 +61,14 @@ WorkFact attribute_fact(const VolumeAttribute& attribute) {
                                        : fmt::format("sparse samples of {}", field::sample_type_name(first.type())))};
 }
 
+WorkFact choice_fact(const ParticleCount& count, const ParticleOptions& options) {
+  std::string by = options.select ? fmt::format(" by the condition '{}'", printable(*options.select, 200)) : "";
+  if (options.stride > 1) by += fmt::format("{} one of every {}", by.empty() ? "," : " and", options.stride);
+  return {WorkTopic::particles_not_chosen, WorkDone::left_out, count.of - count.chosen, count.of,
+          fmt::format("{} of {} particles; {} of {} particles chosen{}", count.of - count.chosen, count.of,
+                      count.chosen, count.of, by)};
+}
+
 std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures) {
   std::vector<WorkFact> facts;
   const std::uint64_t all = figures.particles + figures.particles_dropped + figures.particles_too_small;

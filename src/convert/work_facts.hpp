@@ -11,6 +11,7 @@
 #include "base/enum_words.hpp"
 #include "convert/attribute_volumes.hpp"
 #include "convert/json_type.hpp"
+#include "convert/particle_choice.hpp"
 #include "extract/extractor.hpp"
 #include "points/particle_field.hpp"
 
@@ -25,6 +26,7 @@ enum class WorkTopic {
   places,
   samples,
   attributes,
+  particles_not_chosen,
   particles,
   particles_not_finite,
   particles_too_small,
@@ -51,6 +53,7 @@ constexpr auto words_of(WorkTopic /*type*/) {
                     Word{WorkTopic::places, "places"},
                     Word{WorkTopic::samples, "samples"},
                     Word{WorkTopic::attributes, "attributes"},
+                    Word{WorkTopic::particles_not_chosen, "particles_not_chosen"},
                     Word{WorkTopic::particles, "particles"},
                     Word{WorkTopic::particles_not_finite, "particles_not_finite"},
                     Word{WorkTopic::particles_too_small, "particles_too_small"},
@@ -118,6 +121,9 @@ struct WorkFact {
 
 // Returns a fact about an attribute that was read.
 [[nodiscard]] WorkFact attribute_fact(const VolumeAttribute& attribute);
+
+// Returns a fact about the particles that were not chosen.
+[[nodiscard]] WorkFact choice_fact(const ParticleCount& count, const ParticleOptions& options);
 
 // Returns facts about the field made from particles.
 [[nodiscard]] std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures);

@@ -36,7 +36,7 @@ struct ParticleSet {
   std::string label;  // name for messages: the file, with the frame or part if any
   Buffer<glm::dvec3> positions;
   std::vector<ParticleAttribute> attributes;  // with unique names
-  std::vector<ParticleWords> words;           // attributes of words, for conditions
+  std::vector<ParticleWords> words = {};      // attributes of words, for conditions
   Reservation memory;                         // for all arrays; made by the code that allocated them
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }

@@ -71,8 +71,8 @@ class Lexer {
     } else if (c == '=' || c == '&') {
       throw Fault{at_, fmt::format("expected '{0}{0}', found '{0}'", c)};
     } else {
-      throw Fault{at_, fmt::format("expected a name, a number or an operator, found '{}'",
-                                   printable(std::string_view(&c, 1)))};
+      throw Fault{
+          at_, fmt::format("expected a name, a number or an operator, found '{}'", printable(std::string_view(&c, 1)))};
     }
     at_ += token.text.size();
   }
@@ -167,8 +167,8 @@ class Parser {
    public:
     explicit Nested(Parser& parser) : parser_(parser) {
       if (++parser_.depth_ > kMaxSelectionDepth) {
-        throw Fault{parser_.token_.place, fmt::format("expected at most {} nested parentheses and signs, found more",
-                                                      kMaxSelectionDepth)};
+        throw Fault{parser_.token_.place,
+                    fmt::format("expected at most {} nested parentheses and signs, found more", kMaxSelectionDepth)};
       }
     }
     Nested(const Nested&) = delete;
@@ -395,8 +395,8 @@ class Parser {
 
 Result<SelectionExpression> SelectionExpression::parse(std::string_view text) {
   if (text.size() > kMaxSelectionBytes) {
-    return fail(ErrorCode::usage, fmt::format("expected a condition of at most {} bytes, found {}", kMaxSelectionBytes,
-                                              text.size()));
+    return fail(ErrorCode::usage,
+                fmt::format("expected a condition of at most {} bytes, found {}", kMaxSelectionBytes, text.size()));
   }
   SelectionExpression expression;
   expression.text_ = text;
@@ -414,8 +414,7 @@ std::vector<SelectionName> SelectionExpression::names() const {
     const SelectionStep& step = steps_[i];
     if (step.op != SelectionOp::name || axis_of(step)) continue;
     const SelectionOp next = i + 1 < steps_.size() ? steps_[i + 1].op : SelectionOp::both;
-    const bool can_be_word =
-        i > 0 && !step.component && (next == SelectionOp::equal || next == SelectionOp::not_equal);
+    const bool can_be_word = i > 0 && !step.component && (next == SelectionOp::equal || next == SelectionOp::not_equal);
     names.push_back({meanings_of(step), !can_be_word, mark(step.place)});
   }
   return names;
@@ -434,8 +433,8 @@ std::string SelectionExpression::mark(std::size_t place) const {
   while (!starts_character(last)) ++last;
   const std::string before = (first > 0 ? "..." : "") + printable(std::string_view(text_).substr(first, place - first));
   const std::string after = printable(std::string_view(text_).substr(place, last - place));
-  const auto columns = std::ranges::count_if(
-      before, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
+  const auto columns =
+      std::ranges::count_if(before, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
   return fmt::format("\n  {}{}{}\n  {}^", before, after, last < text_.size() ? "..." : "",
                      std::string(static_cast<std::size_t>(columns), ' '));
 }

@@ -1,11 +1,13 @@
-// The language of --select: a condition on the attributes and the position of a particle, such as `type == 2 && z > 10`.
+// The language of --select: a condition on the attributes and the position of a particle, such as `type == 2 && z >
+// 10`.
 //
 //   condition   or, ||; and, &&; not, !; comparisons == != < <= > >=; `in {O, H}`, `in 1..5`, `in {1, 4..6}`
 //   number      + - * /, abs, sqrt, min, max, |v| or length(v): the length of a vector, or the absolute value
 //   name        x, y, z: the position; others are attributes: type, v[0], v.x, `odd name`, 'odd name'
 //   word        bare or quoted, to the right of == and != or within {}, where the attribute on the left holds words
 //
-// `and` binds closer than `or`. Ranges include both ends. The names species, element and symbol mean the same attribute.
+// `and` binds closer than `or`. Ranges include both ends. The names species, element and symbol mean the same
+// attribute.
 #pragma once
 
 #include <cstddef>
@@ -56,12 +58,12 @@ struct SelectionItem {
 
 struct SelectionStep {
   SelectionOp op = SelectionOp::number;
-  std::size_t place = 0;                 // of its first byte in the text
-  double number = 0;                     // of SelectionOp::number
-  std::string word = {};                 // name, or number as written
-  bool bare = false;                     // a name without quotes
+  std::size_t place = 0;                      // of its first byte in the text
+  double number = 0;                          // of SelectionOp::number
+  std::string word = {};                      // name, or number as written
+  bool bare = false;                          // a name without quotes
   std::optional<std::size_t> component = {};  // of a name: v[1], v.y
-  std::string spelled = {};              // name with its component, as written
+  std::string spelled = {};                   // name with its component, as written
   std::vector<SelectionItem> items = {};
 };
 

@@ -159,6 +159,21 @@ struct ParticleFlags : OptionSet {
   Value<std::array<std::string, 3>> columns{*this, "--columns", "x=A,y=B,z=C", parse_columns,
                                             "Columns of a table that hold x, y and z. By name, or by number counted "
                                             "from 1. Default: as the file names them."};
+  Value<std::string> select{
+      *this, "--select", "CONDITION", parse_selection,
+      "Use only particles that fulfill a condition. Such as 'type == 2 && z > 10'. Names are x, y, z and attributes: "
+      "v[0] "
+      "or v.x is a component, |v| the length of a vector. Operators: == != < <= > >= + - * /, in {O, H}, in 1..5, and, "
+      "or, not, abs, sqrt, min, max. See docs/particles.md."};
+  Value<std::string> types{*this, "--type", "T,...", parse_types,
+                           "Use only particles of these types. The attribute 'type', as LAMMPS writes it; 1..3 is a "
+                           "range. Combines with --select and --species: particles have to fulfill all of them."};
+  Value<std::string> species{*this, "--species", "NAME,...", parse_species,
+                             "Use only particles of these species. The attribute species, element or symbol, "
+                             "whichever the file has; O,H for example."};
+  Value<std::uint64_t> stride{*this, "--stride", "N", parse_positive_count,
+                              "Use every N-th particle, from the first on. Of those that --select, --type and "
+                              "--species choose. The default radius fits the particles that are left."};
 };
 
 }  // namespace isoextract::cli

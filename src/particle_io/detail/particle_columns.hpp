@@ -112,7 +112,7 @@ class WordIndexer {
  public:
   WordIndexer(points::ParticleWords& to, bool wanted) : to_(to), wanted_(wanted) {}
 
-  // Beyond the limits throws InvalidParticleFile for a wanted column, and sets ParticleWords::too_many for others.
+  // Throws InvalidParticleFile beyond the limits if the column is wanted, else sets ParticleWords::too_many.
   void put(std::size_t particle, std::string_view word);
 
  private:

@@ -34,7 +34,9 @@ ConversionJob full_job() {
                           .weight = 0.3,
                           .deposit = points::Deposit::nearest,
                           .bad = points::NonFiniteParticles::skip,
-                          .columns = std::array<std::string, 3>{"x", "2", "z"}};
+                          .columns = std::array<std::string, 3>{"x", "2", "z"},
+                          .select = "type == 2",
+                          .stride = 3};
   job.source.attributes = {{.name = "heat",
                             .from = "b.vdb[temperature]",
                             .written = false,
@@ -87,7 +89,8 @@ TEST(ConversionJob, ListsEveryMemberInJson) {
   }
   EXPECT_EQ(full["particles"].dump(),
             R"({"expected":true,"method":"anisotropic","radius":0.025,"sequence_radius":0.0625,"cell_size":0.5,)"
-            R"("smoothing_length":1.2,"weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"]})");
+            R"("smoothing_length":1.2,"weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"],)"
+            R"("select":"type == 2","stride":3})");
   EXPECT_EQ(full["attributes"][0].dump(),
             R"({"name":"heat","from":"b.vdb[temperature]","written":false,"optional":true,"kind":"vector",)"
             R"("spacing":[1.0,2.0,3.0],"origin":[4.0,5.0,6.0],"no_data":-1.5,"volume":2,"component":1})");

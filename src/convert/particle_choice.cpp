@@ -1,0 +1,56 @@
+#include "convert/particle_choice.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "points/selection.hpp"
+
+namespace isoextract::convert {
+
+namespace {
+
+// Moves every stride-th index to the front, and returns their number.
+std::size_t every_nth(std::span<std::uint32_t> indices, std::uint64_t stride) {
+  if (stride >= indices.size()) return std::min<std::size_t>(indices.size(), 1);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < indices.size(); i += static_cast<std::size_t>(stride)) indices[kept++] = indices[i];
+  return kept;
+}
+
+}  // namespace
+
+std::vector<particle_io::AttributeOfCondition> attributes_of_condition(const ParticleOptions& options) {
+  std::vector<particle_io::AttributeOfCondition> attributes;
+  if (!options.select) return attributes;
+  const auto condition = points::SelectionExpression::parse(*options.select);
+  if (!condition) return attributes;  // keep_chosen() reports the error
+  for (points::SelectionName& name : condition->names()) {
+    attributes.push_back({std::move(name.names), name.required, std::move(name.mark)});
+  }
+  return attributes;
+}
+
+Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles, const ParticleOptions& options,
+                                                 const Context& context) {
+  if (!options.select && options.stride == 1) return std::nullopt;
+  // Without a condition, the indices are those of a condition that is always true.
+  const auto condition = TRY(points::SelectionExpression::parse(options.select.value_or("1 == 1")));
+  const auto indices = TRY(points::choose_particles(particles, condition, context));
+  const std::size_t count = every_nth(indices->values.span(), options.stride);
+  const ParticleCount counts{count, particles.size()};
+  if (counts.chosen < counts.of) {
+    particles = TRY(points::take_particles(particles, indices->values.span().first(count), context));
+  }
+  return counts;
+}
+
+std::string why_none_chosen(const ParticleCount& count, const ParticleOptions& options) {
+  return fmt::format("the condition '{}' chooses none of {} particles", printable(options.select.value_or(""), 200),
+                     count.of);
+}
+
+}  // namespace isoextract::convert

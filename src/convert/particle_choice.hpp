@@ -1,0 +1,34 @@
+// Chooses particles by the condition and the stride of a job (points/selection.hpp).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "particle_io/particle_format.hpp"
+#include "points/particle_set.hpp"
+
+namespace isoextract::convert {
+
+struct ParticleCount {
+  std::uint64_t chosen = 0;
+  std::uint64_t of = 0;  // particles read
+};
+
+// Returns the attributes that the condition of the options needs; none without a condition.
+[[nodiscard]] std::vector<particle_io::AttributeOfCondition> attributes_of_condition(const ParticleOptions& options);
+
+// Removes the particles for which the condition is false, and thins the others by ParticleOptions::stride. Returns the
+// counts, nullopt without a condition and with a stride of 1. Fails with
+// ErrorCode::usage if the condition has an error, and as points::choose_particles() does.
+[[nodiscard]] Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles,
+                                                               const ParticleOptions& options, const Context& context);
+
+// Returns "the condition 'type == 9' chooses none of 1000 particles".
+[[nodiscard]] std::string why_none_chosen(const ParticleCount& count, const ParticleOptions& options);
+
+}  // namespace isoextract::convert
