@@ -13,8 +13,6 @@
 namespace isoextract::points {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
 // Attributes: type 0 to 9, t 0.1 * type, v = (type, 2, -type), hole NaN for odd particles, species O, H, H, O, H, H...
 ParticleSet sample_particles(std::size_t count) {
   ParticleSet set;
@@ -33,7 +31,7 @@ ParticleSet sample_particles(std::size_t count) {
     set.attributes[2].values[3 * i] = type;
     set.attributes[2].values[3 * i + 1] = 2;
     set.attributes[2].values[3 * i + 2] = -type;
-    set.attributes[3].values[i] = i % 2 == 1 ? kNan : 1;
+    set.attributes[3].values[i] = i % 2 == 1 ? std::numeric_limits<float>::quiet_NaN() : 1;
     set.attributes[4].values[i] = static_cast<float>(i);
     set.words[0].indices[i] = i % 3 == 0 ? 0 : 1;
   }
@@ -279,7 +277,7 @@ TEST(Selection, SurvivesAnyText) {
     for (unsigned k = 0; k <= count; ++k) text += parts[engine() % parts.size()] + (engine() % 3 == 0 ? " " : "");
     const auto indices = chosen(set, text);
     if (indices) ++valid;
-    if (!indices) EXPECT_FALSE(indices.error().message.empty());
+    EXPECT_TRUE(indices || !indices.error().message.empty());
   }
   EXPECT_GT(valid, 20U);
 }
