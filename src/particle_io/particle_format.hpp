@@ -19,7 +19,7 @@ namespace isoextract::particle_io {
 struct AttributeOfCondition {
   std::vector<std::string> names;  // reads the first one that exists
   bool required = true;            // false: ignored if missing
-  std::string place;               // lines to add to the error if it is missing
+  std::string place;               // lines to add to the hint if it is missing
 
   friend bool operator==(const AttributeOfCondition&, const AttributeOfCondition&) = default;
 };

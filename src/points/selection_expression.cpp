@@ -403,7 +403,7 @@ Result<SelectionExpression> SelectionExpression::parse(std::string_view text) {
   try {
     expression.steps_ = Parser(expression.text_).whole();
   } catch (const Fault& found) {
-    return fail(ErrorCode::usage, found.message + expression.mark(found.place));
+    return fail(ErrorCode::usage, found.message, expression.mark(found.place));
   }
   return expression;
 }
@@ -435,7 +435,7 @@ std::string SelectionExpression::mark(std::size_t place) const {
   const std::string after = printable(std::string_view(text_).substr(place, last - place));
   const auto columns =
       std::ranges::count_if(before, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
-  return fmt::format("\n  {}{}{}\n  {}^", before, after, last < text_.size() ? "..." : "",
+  return fmt::format("look at this place:\n    {}{}{}\n    {}^", before, after, last < text_.size() ? "..." : "",
                      std::string(static_cast<std::size_t>(columns), ' '));
 }
 

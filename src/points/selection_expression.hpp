@@ -76,7 +76,7 @@ struct SelectionName {
 
 class SelectionExpression {
  public:
-  // Fails with ErrorCode::usage; the message shows the place below the text. Fails so as well for texts of more than
+  // Fails with ErrorCode::usage; the hint shows the place. Fails so as well for texts of more than
   // kMaxSelectionBytes and for conditions nested deeper than kMaxSelectionDepth.
   [[nodiscard]] static Result<SelectionExpression> parse(std::string_view text);
 
@@ -85,7 +85,7 @@ class SelectionExpression {
   [[nodiscard]] std::vector<SelectionName> names() const;
   // Returns the operations in postfix order: operands before their operation.
   [[nodiscard]] const std::vector<SelectionStep>& steps() const { return steps_; }
-  // Returns two lines, to follow a message: the text around the place, and a caret below the place.
+  // Returns a hint of three lines: the second is the text around the place, the third has a caret below the place.
   [[nodiscard]] std::string mark(std::size_t place) const;
 
  private:

@@ -109,13 +109,13 @@ class ChoiceTest(ProgramTest):
 
     def test_errors_point_at_the_place(self):
         dump = self.write_dump("both.dump")
-        for condition, code, told in (
-                ("type = 1", 1, "--select: expected '==', found '='\n  type = 1\n       ^"),
-                ("tpye == 1", 2, "there is no attribute 'tpye' (did you mean 'type'?)\n  tpye == 1\n  ^"),
-                ("x > 1 && element > 2", 2,
-                 "expected a number, found 'element', which holds words\n  x > 1 && element > 2\n           ^"),
-                ("type == O", 2, "there is no attribute 'O'\n  type == O\n          ^")):
-            self.refuse(code, told, dump, "--select", condition, "-o", "out.ply")
+        for condition, code, told, place in (
+                ("type = 1", 1, "--select: expected '==', found '='", 5),
+                ("tpye == 1", 2, "there is no attribute 'tpye' (did you mean 'type'?)", 0),
+                ("x > 1 && element > 2", 2, "expected a number, found 'element', which holds words", 9),
+                ("type == O", 2, "there is no attribute 'O'", 8)):
+            run = self.refuse(code, told, dump, "--select", condition, "-o", "out.ply")
+            self.assertIn(f"look at this place:\n    {condition}\n    {' ' * place}^\n", run.err)
         self.refuse(1, "--species", dump, "--species", "O,,H", "-o", "out.ply")
         self.refuse(1, "--type", dump, "--type", "1..", "-o", "out.ply")
         self.refuse(1, "particles", "demo:sphere", "--select", "x > 1", "--iso", "0", "-o", "out.ply")

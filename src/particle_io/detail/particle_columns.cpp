@@ -153,9 +153,9 @@ void add_attribute_of_condition(const ParticleTable& table, const AttributeOfCon
   }
   if (!asked.required) return;
   const std::string& name = asked.names.front();
-  throw InvalidParticleFile(fmt::format("there is no attribute '{}'{}{}", printable(name, 80),
-                                        did_you_mean(name, attribute_names(table)), asked.place),
-                            attribute_list(table, choice.position, true));
+  throw InvalidParticleFile(
+      fmt::format("there is no attribute '{}'{}", printable(name, 80), did_you_mean(name, attribute_names(table))),
+      fmt::format("{}; {}", attribute_list(table, choice.position, true), asked.place));
 }
 
 // "x [mm]" -> "x " and "mm"; also "x (mm)".

@@ -51,9 +51,9 @@ class Binder {
   using Kind = Operand::Kind;
   using Op = SelectionInstruction::Op;
 
-  [[noreturn]] void fail_at(const SelectionStep& step, const std::string& message, Hint hint = {}) const {
-    throw Error{ErrorCode::input, fmt::format("{}: {}{}", particles_.label, message, condition_.mark(step.place)),
-                std::move(hint)};
+  [[noreturn]] void fail_at(const SelectionStep& step, const std::string& message, const std::string& hint = {}) const {
+    throw Error{ErrorCode::input, fmt::format("{}: {}", particles_.label, message),
+                fmt::format("{}{}{}", hint, hint.empty() ? "" : "; ", condition_.mark(step.place))};
   }
 
   [[noreturn]] void wants(const Operand& operand, std::string_view expected) const {
