@@ -93,7 +93,7 @@ TEST(Selection, ChoosesWhatTheConditionSays) {
       {"element in {O, 'Si', type}", [](std::size_t i) { return i % 3 == 0; }},
       {"species == x", [](std::size_t) { return false; }},
       {"symbol == type or species == 12", [](std::size_t) { return false; }},
-      {"x == type", [](std::size_t i) { return i == 0; }},
+      {"x == type", [](std::size_t i) { return i == 0 || i == 5; }},
   };
   for (const auto& [text, is] : cases) {
     const auto indices = chosen(set, text);
@@ -264,7 +264,8 @@ class RandomCondition {
 TEST(Selection, AgreesWithANaiveEvaluation) {
   const ParticleSet set = sample_particles(1100);
   for (unsigned seed = 0; seed < 400; ++seed) {
-    const auto [text, value] = RandomCondition(set, seed).condition(5);
+    RandomCondition random(set, seed);  // its functions refer to it
+    const auto [text, value] = random.condition(5);
     const auto indices = chosen(set, text);
     ASSERT_TRUE(indices) << text << ": " << indices.error().message;
     EXPECT_EQ(*indices, where(set, value)) << text;
