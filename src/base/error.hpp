@@ -95,6 +95,8 @@ enum class Setting {
   particle_method,
   radius,
   cell_size,
+  simulation_box,
+  periodic_edges,
   // The surface
   iso,
   region,

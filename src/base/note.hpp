@@ -17,6 +17,7 @@ enum class NoteId {
   // Input
   assumed_columns,
   axes_dropped,
+  box_ignored,
   data_left_out,
   decimal_commas,
   extra_bytes,
@@ -51,6 +52,7 @@ enum class NoteId {
   no_data,
   particle_radius,
   particles_left_out,
+  periodic_box,
   region_at_samples,
   sparse_made_dense,
   voxel_size,
@@ -95,6 +97,7 @@ constexpr auto words_of(NoteId /*type*/) {
   return std::array{
       Word{NoteId::assumed_columns, "assumed-columns"},
       Word{NoteId::axes_dropped, "axes-dropped"},
+      Word{NoteId::box_ignored, "box-ignored"},
       Word{NoteId::data_left_out, "data-left-out"},
       Word{NoteId::decimal_commas, "decimal-commas"},
       Word{NoteId::extra_bytes, "extra-bytes"},
@@ -128,6 +131,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::no_data, "no-data"},
       Word{NoteId::particle_radius, "particle-radius"},
       Word{NoteId::particles_left_out, "particles-left-out"},
+      Word{NoteId::periodic_box, "periodic-box"},
       Word{NoteId::region_at_samples, "region-at-samples"},
       Word{NoteId::sparse_made_dense, "sparse-made-dense"},
       Word{NoteId::voxel_size, "voxel-size"},

@@ -15,6 +15,7 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
   if (output.triangles == 0) return "empty";
   std::vector<std::string> at_boundary;
   bool at_clip = false;
+  bool is_periodic = false;
   bool closed = output.open_edges.value_or(0) == 0;
   std::uint64_t hole_cells = 0;
   // Keyed by field and iso value, since the components of a surface can be several meshes.
@@ -29,11 +30,14 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
       at_boundary.push_back(fmt::format("{}{}", of_one_field ? "" : surface.first + " iso ", surface.second.text()));
     }
     at_clip = at_clip || cut_at_clip;
+    is_periodic = is_periodic || end.periodic;
     hole_cells += end.hole_cells;
   }
   std::string text = closed ? "closed" : "open";
   if (!closed && !at_boundary.empty()) {
-    text += job.source.roi ? " at the boundary of --roi" : " at the data boundary";
+    const std::string_view box = " at the faces of the periodic box";
+    text += job.source.roi ? " at the boundary of --roi" : is_periodic ? box : " at the data boundary";
+    if (job.source.roi && is_periodic) text += " or" + std::string(box);
     if (at_boundary.size() < surfaces.size()) {
       text += fmt::format(" {}{}", of_one_field ? "at iso " : "of ", fmt::join(at_boundary, ", "));
     }

@@ -13,6 +13,8 @@ constexpr std::array kGuide{
     NoteGuide{assumed_columns, "The file does not name its columns, so the reader takes the first three as x, y and z.",
               "Name the columns with --columns x=A,y=B,z=C, or add a header line to the file."},
     NoteGuide{axes_dropped, "The array has axes of length 1, which the reader drops.", ""},
+    NoteGuide{box_ignored, "The reader cannot use the box of the simulation that the file states.",
+              "Correct the box in the file."},
     NoteGuide{data_left_out,
               "The file has data that the program does not use, such as lines and points of a mesh, or text columns of "
               "particles.",
@@ -91,6 +93,10 @@ constexpr std::array kGuide{
     NoteGuide{particles_left_out,
               "The surface omits particles whose positions are not finite, or whose radii are too small for the cells.",
               "Repair the positions in the file. For small radii give a smaller --cell-size or a larger --radius."},
+    NoteGuide{periodic_box,
+              "The file says that the box of the simulation is periodic: particles near a face continue the surface at "
+              "the opposite face, and the surface ends at the faces of the box.",
+              "Give --periodic none to treat the particles as they are."},
     NoteGuide{region_at_samples,
               "The faces of the region are between samples or oblique to the axes, so the surface ends at samples near "
               "them.",

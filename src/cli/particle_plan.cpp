@@ -65,6 +65,12 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   options.columns = flags.columns;
   options.stride = flags.stride.value_or(options.stride);
   options.select = joined_conditions(flags);
+  convert::BoxOptions& box = options.simulation_box;
+  box = {.bounds = flags.box, .periodic = flags.periodic, .unwrap = flags.unwrap};
+  if (box.unwrap && box.is_periodic()) {
+    return refuse_usage("--unwrap and --periodic contradict each other: unwrapped particles belong to no period",
+                        "leave one of them out");
+  }
   return options;
 }
 

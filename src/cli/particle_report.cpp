@@ -15,6 +15,7 @@
 #include "convert/particle_field.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
+#include "convert/simulation_box.hpp"
 #include "points/sphere_set.hpp"
 
 namespace isoextract::cli {
@@ -133,6 +134,8 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   }
   report.words = words_of_particles(file.particles);
   file.particles.words.clear();
+  TRY(convert::apply_box_options(asked.particles.simulation_box, file.particles));
+  report.box = file.particles.box;
   report.attributes = ranges_of(report.info.quantities, file.particles);
   std::erase_if(file.particles.attributes, [](const points::ParticleAttribute& attribute) {
     return std::ranges::find(points::kRadiusAttributes, attribute.name) == points::kRadiusAttributes.end();
@@ -141,7 +144,8 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   report.method = asked.particles.method;
   asked.particles.bad = points::NonFiniteParticles::skip;
   Stopwatch making;
-  auto made = convert::make_particle_field(file.particles, asked.particles, std::nullopt, context);
+  auto made = convert::make_particle_field(file.particles, asked.particles, std::nullopt, convert::filter_reach(asked),
+                                           context);
   if (!made) {
     if (made.error().code == ErrorCode::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());
@@ -166,6 +170,10 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
   if (!report.info.frame_name.empty()) lines.add("frame", printable(report.info.frame_name, kShownName));
   const points::ParticleBounds& bounds = report.statistics.bounds;
   if (bounds.finite > 0) lines.add("bounds", convert::box_text(bounds.box));
+  if (report.box) {
+    lines.add("box", points::box_text(*report.box));
+    lines.add("periodic", points::periodic_text(*report.box));
+  }
   if (!report.info.length_unit.empty()) lines.add("unit", printable(report.info.length_unit, kShownName));
   if (bounds.not_finite > 0) {
     lines.add("not finite", fmt::format("{} particles; skip them with --nan outside", bounds.not_finite));
@@ -196,6 +204,13 @@ convert::Json json_of(const ParticleReport& report) {
                      {"not_finite", bounds.not_finite},
                      {"read_seconds", report.read_seconds}};
   json["bounds"] = bounds.finite > 0 ? convert::json_of(bounds.box) : convert::Json(nullptr);
+  json["box"] = nullptr;
+  if (report.box) {
+    const auto& [origin, edges, periodic] = *report.box;
+    json["box"] = {{"origin", convert::json_of(origin)},
+                   {"edges", {convert::json_of(edges[0]), convert::json_of(edges[1]), convert::json_of(edges[2])}},
+                   {"periodic", periodic}};
+  }
   json["neighbours"] = nullptr;
   if (const auto& neighbors = report.statistics.neighbors) {
     json["neighbours"] = {

@@ -43,6 +43,7 @@ struct ParticleReport {
   std::optional<std::int64_t> frame;  // the described frame, from 0; set if the user chose one or the file has several
   std::uint64_t particles = 0;
   std::optional<std::uint64_t> chosen;  // of them, by a condition; the rest of the report is about these
+  std::optional<points::SimulationBox> box;
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;
   std::vector<WordCounts> words;

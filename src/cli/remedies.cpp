@@ -44,6 +44,8 @@ SettingWords setting_words(Setting setting) {
     case Setting::particle_method:
       return {{"--particles METHOD"}, ", such as --particles sph, to take the rows of an array for particles"};
     case Setting::radius: return {{"--radius R"}, ", in the units of the file"};
+    case Setting::simulation_box: return {{"--box X0,Y0,Z0,X1,Y1,Z1"}, ""};
+    case Setting::periodic_edges: return {{"--periodic x,y,z"}, ""};
     case Setting::cell_size: return {{"--cell-size C"}, ""};
     case Setting::demo_fields: return {{"'isoextract help demo'"}, " for the demo fields and their keys"};
     case Setting::iso: return {{"--iso V"}, ""};

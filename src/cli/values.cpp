@@ -350,6 +350,21 @@ Result<convert::ClipPlane> parse_clip_plane(std::string_view text) {
   return convert::ClipPlane{normal, (*numbers)[3]};
 }
 
+Result<std::array<bool, 3>> parse_periodic(std::string_view text) {
+  std::array<bool, 3> periodic{};
+  if (text == "none") return periodic;
+  for (std::string_view rest = text;;) {
+    const std::string_view word = rest.substr(0, rest.find(','));
+    const std::size_t axis = std::string_view("xyz").find(word);
+    if (word.size() != 1 || axis == std::string_view::npos || periodic[axis]) {
+      return expected_found("some of x,y,z, or none", text);
+    }
+    periodic[axis] = true;
+    if (word.size() == rest.size()) return periodic;
+    rest.remove_prefix(word.size() + 1);
+  }
+}
+
 Result<field::Box> parse_box(std::string_view text) {
   const auto numbers = numbers_in(text, 6);
   if (!numbers) return expected_found("six numbers X0,Y0,Z0,X1,Y1,Z1", text);

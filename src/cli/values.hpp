@@ -54,8 +54,9 @@ struct RadiusChoice {
 [[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);         // NX,NY,NZ or NXxNYxNZ, above 0
 [[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);   // as dims or one for all, 2 or above
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
-[[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian[:N], median, mean; N 1..64
-[[nodiscard]] Result<field::Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max
+[[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);    // gaussian[:N], median, mean; N 1..64
+[[nodiscard]] Result<std::array<bool, 3>> parse_periodic(std::string_view text);  // x,y,z, some of them, or none
+[[nodiscard]] Result<field::Box> parse_box(std::string_view text);                // X0,Y0,Z0,X1,Y1,Z1, min <= max
 [[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);       // NX,NY,NZ,D; a normal not 0
 [[nodiscard]] Result<std::array<std::string, 3>> parse_columns(std::string_view text);  // x=A,y=B,z=C in any order
 // These three return a condition on particles (points/selection_expression.hpp).

@@ -309,7 +309,7 @@ class Conversion {
     Surface surface{.asked = asked.asked,
                     .id = asked.id,
                     .mesh = std::move(extraction->mesh),
-                    .end = {.at_border = stats.meets_boundary && !options.cap, .hole_cells = stats.hole_cells},
+                    .end = open_boundary_of(stats, options, source_),
                     .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
     const StageContext stage{job_, source_, facts(), context_};
     outcome_.bytes_uploaded += stats.device ? stats.device->bytes_uploaded : 0;

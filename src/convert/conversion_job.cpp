@@ -52,13 +52,16 @@ auto members_of(const T& value) {
   } else if constexpr (kCount == 9) {
     const auto& [a, b, c, d, e, f, g, h, i] = value;
     return std::tie(a, b, c, d, e, f, g, h, i);
-  } else if constexpr (kCount == 12) {
-    const auto& [a, b, c, d, e, f, g, h, i, j, k, l] = value;
-    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
-  } else {
-    static_assert(kCount == 10);
+  } else if constexpr (kCount == 13) {
+    const auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
+  } else if constexpr (kCount == 10) {
     const auto& [a, b, c, d, e, f, g, h, i, j] = value;
     return std::tie(a, b, c, d, e, f, g, h, i, j);
+  } else {
+    static_assert(kCount == 11);
+    const auto& [a, b, c, d, e, f, g, h, i, j, k] = value;
+    return std::tie(a, b, c, d, e, f, g, h, i, j, k);
   }
 }
 
@@ -78,6 +81,7 @@ struct JobJson {
   static Json of(const glm::dvec3& v) { return json_of(v); }
   static Json of(const std::array<std::string, 3>& texts) { return texts; }
   static Json of(const std::array<double, 2>& range) { return range; }
+  static Json of(const std::array<bool, 3>& flags) { return flags; }
   static Json of(const field::Box& box) { return json_of(box); }
   static Json of(const IsoChoice& choice) { return json_of(choice); }
 

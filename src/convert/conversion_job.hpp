@@ -58,11 +58,26 @@ constexpr auto words_of(EmptyPolicy /*type*/) {
                     Word{EmptyPolicy::write, "write"}};
 }
 
+// The box of a particle simulation. Unset members are as the file says.
+struct BoxOptions {
+  static constexpr std::array kMembers{"bounds", "periodic", "unwrap"};
+
+  std::optional<field::Box> bounds;
+  // Along which edges the box is periodic. If the file says nothing and `bounds` is set: along all.
+  std::optional<std::array<bool, 3>> periodic;
+  bool unwrap = false;  // moves particles by their image flags, so that bodies cut by the box are whole
+
+  // Returns whether the options request a periodic box.
+  [[nodiscard]] bool is_periodic() const { return periodic && ((*periodic)[0] || (*periodic)[1] || (*periodic)[2]); }
+
+  friend bool operator==(const BoxOptions&, const BoxOptions&) = default;
+};
+
 // How particles become the field that is extracted. Unused for volumes.
 struct ParticleOptions {
-  static constexpr std::array kMembers{"expected",         "method", "radius",  "sequence_radius", "cell_size",
-                                       "smoothing_length", "weight", "deposit", "not_finite",      "columns",
-                                       "select",           "stride"};
+  static constexpr std::array kMembers{"expected",         "method", "radius",        "sequence_radius", "cell_size",
+                                       "smoothing_length", "weight", "deposit",       "not_finite",      "columns",
+                                       "select",           "stride", "simulation_box"};
 
   // Reads the input as particles even if it could be a volume too, and refuses a volume. If false, the input's content
   // decides.
@@ -80,6 +95,7 @@ struct ParticleOptions {
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1
   std::optional<std::string> select;  // condition that particles have to fulfill (points/selection_expression.hpp)
   std::uint64_t stride = 1;           // uses every stride-th of the particles that fulfill it, from the first on
+  BoxOptions simulation_box;
 
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
 };

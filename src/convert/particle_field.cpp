@@ -27,11 +27,14 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
     asked.method = is_smooth ? volume_io::SphereMethod::smooth : volume_io::SphereMethod::spheres;
     asked.radius = figures.radius;
     asked.radii = spheres.radii();
+    asked.images = spheres.images();
     asked.search_radius = figures.support;
     asked.voxel = figures.spacing;
     auto field = volume_io::rasterize_spheres(spheres.particles(), asked, context);
     if (!field) return tl::unexpected(std::move(field.error()));
     made.field = std::move(field->field);
+    made.field.index_to_world.offset += spheres.origin();
+    made.region = spheres.region();
     figures.particles_too_small = field->left_out;
     figures.particles -= field->left_out;
     const auto& samples = std::get<field::SparseSamples>(made.field.samples);
@@ -54,8 +57,9 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
 }  // namespace
 
 Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles, const ParticleOptions& options,
-                                                  std::optional<double> only_iso, const Context& context) {
-  const points::FieldOptions asked = field_options(options, only_iso);
+                                                  std::optional<double> only_iso, int margin, const Context& context) {
+  points::FieldOptions asked = field_options(options, only_iso);
+  asked.margin = margin;
   const bool is_level_set = points::method_info(asked.method).kind == field::FieldKind::level_set;
   auto made =
       TRY(is_level_set ? make_level_set(particles, asked, context) : points::make_field(particles, asked, context));
@@ -76,6 +80,11 @@ Result<points::ParticleField> make_particle_field(const points::ParticleSet& par
              "the field omits {} particles with a radius below {:.3g} sample spacings, which could fall between "
              "samples",
              figures.particles_too_small, figures.least_radius)});
+  }
+  if (made.region) {
+    // The samples beyond the box repeat those in it.
+    field::IndexBox& active = std::get<field::SparseSamples>(made.field.samples).active_box;
+    active = {glm::max(active.min, made.region->min), glm::min(active.max, made.region->max)};
   }
   return made;
 }

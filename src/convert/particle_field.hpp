@@ -11,12 +11,14 @@
 namespace isoextract::convert {
 
 // Makes the field by points::make_field() or, for level sets, by points::make_spheres() and
-// volume_io::rasterize_spheres(); fails as they do. `only_iso` is FieldOptions::tile_iso; level sets ignore it.
+// volume_io::rasterize_spheres(); fails as they do. `only_iso` is FieldOptions::tile_iso and `margin` is
+// FieldOptions::margin; level sets ignore them.
 //
 // For level sets, leaves out and counts spheres too small to be sampled (ParticleFieldStatistics::particles_too_small),
 // and fails with ErrorCode::input if all are too small.
 [[nodiscard]] Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles,
                                                                 const ParticleOptions& options,
-                                                                std::optional<double> only_iso, const Context& context);
+                                                                std::optional<double> only_iso, int margin,
+                                                                const Context& context);
 
 }  // namespace isoextract::convert

@@ -8,6 +8,7 @@
 #include "base/printable.hpp"
 #include "convert/attribute_source.hpp"
 #include "convert/particle_choice.hpp"
+#include "convert/simulation_box.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 #include "points/sphere_set.hpp"
@@ -111,6 +112,11 @@ particle_io::ParticleReadOptions particle_read_options(const SourceOptions& opti
   }
   read.columns = options.particles.columns;
   read.condition = attributes_of_condition(options.particles);
+  if (options.particles.simulation_box.unwrap) {
+    for (const char* flag : kImageFlags) {
+      if (std::ranges::find(read.attributes, flag) == read.attributes.end()) read.attributes.emplace_back(flag);
+    }
+  }
   if (!options.particles.radius) {
     read.first_scalar_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
   }

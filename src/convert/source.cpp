@@ -14,12 +14,14 @@
 #include "convert/json_values.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/particle_field.hpp"
+#include "convert/simulation_box.hpp"
 #include "convert/stages/field_blur.hpp"
 #include "convert/stages/level_set_filter.hpp"
 #include "convert/stages/mesh_clip.hpp"
 #include "field/distinct_values.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
+#include "points/simulation_box.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -209,6 +211,14 @@ std::string stem_of_file(const std::string& input) {
   return path.stem().string();
 }
 
+// Returns the figures of a box, or null.
+Value box_figures(const std::optional<points::SimulationBox>& box) {
+  if (!box) return {};
+  return Figures{{Key::origin, Value(box->origin)},
+                 {Key::edges, Value::List{box->edges[0], box->edges[1], box->edges[2]}},
+                 {Key::periodic, Value(box->periodic)}};
+}
+
 // Runs two stages: reads particles, and makes a field from them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
@@ -222,9 +232,19 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   const auto chosen = TRY(keep_chosen(file.particles, options.particles, context));
   file.particles.words.clear();
   if (chosen && chosen->chosen == 0) source.why_no_particles = why_none_chosen(*chosen, options.particles);
+  TRY(apply_box_options(options.particles.simulation_box, file.particles));
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
-  auto made = TRY(make_particle_field(file.particles, options.particles, use.only_iso, context));
+  auto made = TRY(make_particle_field(file.particles, options.particles, use.only_iso, filter_reach(options), context));
+  if (made.region && options.resamples()) {
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: a periodic box does not allow resampling, because a whole number of cells has to fill the box",
+                    printable(file.particles.label)),
+        {{Remedy::change, Setting::cell_size},
+         {Remedy::set, Setting::periodic_edges, "none to convert the particles without periods"}});
+  }
+  source.period = made.region;
   made.field.name = stem_of_file(files::input_label(options.input));
   made.field.length_unit = file.length_unit;
   made.field.creator = std::move(file.creator);
@@ -252,13 +272,22 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::too_small, figures.particles_too_small},
        {Key::radius_attribute, figures.radius_attribute.empty() ? Value() : Value(figures.radius_attribute)},
        {Key::bricks_stored, figures.bricks_stored},
-       {Key::bricks_inside, figures.inside_tiles}},
+       {Key::bricks_inside, figures.inside_tiles},
+       {Key::simulation_box, box_figures(file.particles.box)}},
       watch.elapsed());
   events.end(report);
   if (figures.particles_dropped > 0) {
     events.note({NoteId::particles_left_out,
                  fmt::format("{}: the conversion left out {} particles whose positions are not finite",
                              printable(file.particles.label), figures.particles_dropped)});
+  }
+  const bool tells_periods = figures.particles > 0 && !options.particles.simulation_box.periodic;
+  if (tells_periods && file.particles.box && file.particles.box->is_periodic()) {
+    events.note(
+        {NoteId::periodic_box,
+         fmt::format("{}: the box is periodic along {}, so the surface continues from each face to the opposite "
+                     "one",
+                     printable(file.particles.label), points::periodic_text(*file.particles.box))});
   }
   for (const Note& text : made.field.notes) {
     events.note(prefixed(printable(file.particles.label) + ": ", text));
@@ -361,6 +390,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   source.placement = placed.placement;
   source.output_from_index = placed.output_from_index;
   source.region = placed.region;
+  if (source.period) source.region = TRY(common_region(*source.period, placed.region, source.label));
   std::vector<ClipPlane> planes = options.clip;
   planes.insert(planes.end(), placed.cuts.begin(), placed.cuts.end());
   source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, planes);

@@ -28,6 +28,7 @@ struct Source {
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
+  std::optional<field::IndexBox> period;  // for particles in a periodic box: the samples of one period
   // clip_surface() cuts the surface to the inside of these half-spaces, in output coordinates.
   std::vector<mesh::HalfSpace> clip;
   std::vector<ResolvedIso> isos;  // one for each requested iso value

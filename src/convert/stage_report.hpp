@@ -41,7 +41,7 @@ namespace isoextract::convert {
   NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) NAME(cap_vertices) NAME(cavity) \
   NAME(changed) NAME(changed_components) NAME(chosen) NAME(chosen_of) NAME(closed) NAME(closed_form) NAME(component_table) NAME(components) \
   NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) NAME(degrees) \
-  NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(error) NAME(euler) \
+  NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(edges) NAME(error) NAME(euler) \
   NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) NAME(found_by) \
   NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
   NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) NAME(length_unit) \
@@ -49,10 +49,10 @@ namespace isoextract::convert {
   NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
   NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
-  NAME(outside) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) \
+  NAME(outside) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) NAME(periodic) \
   NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
   NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
-  NAME(samples) NAME(scale) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \
+  NAME(samples) NAME(scale) NAME(simulation_box) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \
   NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(time_step) NAME(to_unit) \
   NAME(too_small) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \
   NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) NAME(unreached) NAME(upper) \
@@ -157,6 +157,7 @@ void set(Figures& figures, Key key, Value value);
 // Where a surface has boundary edges, as far as extraction and clipping tell.
 struct OpenBoundary {
   bool at_border = false;        // at the data boundary or at the region's sides
+  bool periodic = false;         // the region ends at the faces of a periodic box
   bool cut = false;              // at a clip plane, and not capped
   bool counted = false;          // clipped without caps: only WrittenOutput::open_edges tells whether it is open
   std::uint64_t hole_cells = 0;  // cells left out because of NaN samples

@@ -4,22 +4,61 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "base/parallel.hpp"
 #include "field/samples.hpp"
 #include "points/cell_grid.hpp"
+#include "points/detail/box_samples.hpp"
 #include "points/detail/cubic_spline.hpp"
 #include "points/detail/nearest_tree.hpp"
+#include "points/detail/periodic_images.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/particle_statistics.hpp"
 
 namespace isoextract::points {
 namespace {
 
+// The particles and, in a periodic box, their images, which have other coordinates than the world.
+class SourcePoints {
+ public:
+  static Result<SourcePoints> make(const ParticleSet& particles, double support, const Context& context) {
+    SourcePoints points;
+    points.positions_ = particles.positions.span();
+    points.support_ = support;
+    if (!(particles.box && particles.box->is_periodic())) return points;
+    points.box_ = TRY(BoxSamples::make(*particles.box, support, particles.label));
+    // Kernels reach a support far, and the neighbors that make their densities as far again.
+    points.images_ = TRY(with_images(points.positions_, *points.box_, points.box_->extent_of_ball(2),
+                                     Coordinates::cartesian, context, particles.label));
+    points.positions_ = points.images_->positions();
+    points.support_ = 1;
+    return points;
+  }
+
+  [[nodiscard]] std::span<const glm::dvec3> positions() const { return positions_; }
+  // Returns the support of the kernels in the coordinates of the positions.
+  [[nodiscard]] double support() const { return support_; }
+  [[nodiscard]] std::size_t particle(std::size_t point) const {
+    return images_ ? images_->sources->values[point] : point;
+  }
+  // Returns a vertex in the coordinates of the positions.
+  [[nodiscard]] glm::dvec3 place_of(const glm::dvec3& vertex) const {
+    return box_ ? box_->cartesian_from_index() * box_->wrapped_index(vertex) : vertex;
+  }
+
+ private:
+  std::span<const glm::dvec3> positions_;
+  double support_ = 0;
+  std::optional<BoxSamples> box_;
+  std::optional<ParticleImages> images_;
+};
+
 // Returns the attribute of each spot: the mean over its particles.
-Result<std::shared_ptr<ReservedBuffer<float>>> average_by_spot(const CellGrid& grid, const ParticleAttribute& attribute,
+Result<std::shared_ptr<ReservedBuffer<float>>> average_by_spot(const CellGrid& grid, const SourcePoints& points,
+                                                               const ParticleAttribute& attribute,
                                                                const Context& context, const std::string& what) {
   auto made = make_reserved_buffer<float>(grid.size() * attribute.components, context, what);
   if (!made) return made;
@@ -27,8 +66,8 @@ Result<std::shared_ptr<ReservedBuffer<float>>> average_by_spot(const CellGrid& g
     for (std::size_t s = begin; s != end; ++s) {
       for (std::size_t c = 0; c < attribute.components; ++c) {
         double sum = 0;
-        for (const std::uint32_t particle : grid.members(s)) {
-          sum += static_cast<double>(attribute.values[particle * attribute.components + c]);
+        for (const std::uint32_t point : grid.members(s)) {
+          sum += static_cast<double>(attribute.values[points.particle(point) * attribute.components + c]);
         }
         (*made)->values[s * attribute.components + c] =
             static_cast<float>(sum / static_cast<double>(grid.members(s).size()));
@@ -64,7 +103,8 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
                 fmt::format("expected a particle radius and a smoothing length above 0, found {} and {}", radius,
                             smoothing_length));
   }
-  const std::span<const glm::dvec3> positions = particles.positions.span();
+  const auto points = TRY(SourcePoints::make(particles, support, context));
+  const std::span<const glm::dvec3> positions = points.positions();
   const ParticleBounds bounds = measure_bounds(positions);
   if (bounds.finite == 0 && !vertices.empty()) {
     return fail(ErrorCode::input, particles.label + ": expected particles with attributes, found none");
@@ -82,7 +122,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   }
   if (vertices.empty()) return result;
 
-  const GridFrame frame{bounds.box.min / 2.0 + bounds.box.max / 2.0, support};
+  const GridFrame frame{bounds.box.min / 2.0 + bounds.box.max / 2.0, points.support()};
   const glm::dvec3 half = frame(bounds.box.max);
   if (!(std::max({half.x, half.y, half.z}) < field::kMaxSparseIndex)) {
     return fail(ErrorCode::input, fmt::format("{}: the particles are too far apart for kernels with a reach of {}",
@@ -92,7 +132,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   auto densities = TRY(compute_spot_densities(grid, 1, context, particles.label));
   std::vector<std::shared_ptr<ReservedBuffer<float>>> means;
   for (const std::size_t a : attributes) {
-    auto made = TRY(average_by_spot(grid, particles.attributes[a], context, what));
+    auto made = TRY(average_by_spot(grid, points, particles.attributes[a], context, what));
     means.push_back(std::move(made));
   }
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(vertices.size(), context, what));
@@ -104,7 +144,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
     std::vector<double> sums(components);
     for (std::size_t v = begin; v != end; ++v) {
       // Vertices beyond the reach of every kernel are excluded first: their cell coordinates could overflow an int.
-      const glm::dvec3 p = frame(vertices[v]);
+      const glm::dvec3 p = frame(points.place_of(vertices[v]));
       const bool near = glm::all(glm::lessThan(glm::abs(p), half + 1.5));
       double total = 0;
       std::ranges::fill(sums, 0.0);
@@ -139,7 +179,8 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   for_each_range(vertices.size(), 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v != end; ++v) {
       if (flags->values[v] == 0) continue;
-      const std::size_t nearest = tree.nearest(vertices[v], NearestTree::Same::counts).point;
+      const std::size_t nearest =
+          points.particle(tree.nearest(points.place_of(vertices[v]), NearestTree::Same::counts).point);
       for (std::size_t a = 0; a < attributes.size(); ++a) {
         const std::size_t width = result.attributes[a].components;
         std::copy_n(particles.attributes[attributes[a]].values.data() + nearest * width, width,

@@ -34,6 +34,8 @@ struct SampledAttributes {
 // constant attribute stays constant and no result leaves the range of its attribute. `radius` (world units) and
 // `smoothing_length` (in radii) are as in FieldOptions. Always uses isotropic kernels, even for Method::anisotropic.
 //
+// In a periodic box (ParticleSet::box), kernels reach across its faces.
+//
 // `attributes` are indices into particles.attributes; `vertices` are finite, in world units. Skips particles at
 // non-finite positions; a non-finite attribute value makes all vertices within its kernel non-finite. The result is
 // bit-identical for any number of threads.

@@ -10,10 +10,12 @@
 #include "points/cell_grid.hpp"
 #include "points/detail/anisotropy.hpp"
 #include "points/detail/ball_kernels.hpp"
+#include "points/detail/box_samples.hpp"
 #include "points/detail/field_lengths.hpp"
 #include "points/detail/kernel_bricks.hpp"
 #include "points/detail/neighbor_batches.hpp"
 #include "points/detail/particle_radii.hpp"
+#include "points/detail/periodic_images.hpp"
 #include "points/detail/sparse_bricks.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/detail/weight_bricks.hpp"
@@ -77,16 +79,53 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
            usual ? fmt::format("{:.6g} fits the density of the particles", *usual) : ""));
 }
 
-Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,
-                                         BrickCounts& counts, const Context& context, const std::string& label) {
-  auto densities = TRY(compute_spot_densities(grid, support, context, label));
-  float* const values = densities->values.data();
+// The particles that make the field.
+struct UsedParticles {
+  std::span<const glm::dvec3> positions;  // not finite for particles left out
+  std::span<const float> radii;           // one per particle if they have unlike radii that the method uses, else empty
+  double median_radius = 0;               // of `radii`
+  double support = 0;                     // of a kernel in samples; with `radii` that of the median radius
+  double reach = 0;                       // of the largest kernel, in samples
+
+  [[nodiscard]] CellGrid::Coinciding coinciding() const {
+    return radii.empty() ? CellGrid::Coinciding::merged : CellGrid::Coinciding::apart;
+  }
+};
+
+// Where the samples of a periodic box are.
+struct PeriodicParticles {
+  BoxSamples box;
+  std::size_t originals;  // points with a lower index are particles, others their images
+};
+
+// With `periodic`, `grid` and `used` have images, and `grid` is in Cartesian coordinates of the box (BoxSamples).
+Result<field::SparseSamples> sum_kernels(const CellGrid& grid, const UsedParticles& used, const FieldOptions& options,
+                                         const PeriodicParticles* periodic, BrickCounts& counts, const Context& context,
+                                         const std::string& label) {
   std::optional<double> iso = options.tile_iso;
   if (iso && *iso >= kInside) iso.reset();
+  const auto first_point = [&](std::size_t spot) { return grid.members(spot)[0]; };
+  const auto fill = [&](const KernelSet& kernels, const auto& point_of) -> Result<field::SparseSamples> {
+    if (periodic == nullptr) {
+      return fill_bricks(KernelBricks(kernels), iso, kInside, std::nullopt, counts, context, label);
+    }
+    const auto repeated = TRY(repeat_kernels(
+        kernels, [&](std::size_t kernel) { return point_of(kernel) < periodic->originals; }, periodic->box,
+        options.margin, context, label));
+    return fill_bricks(KernelBricks(repeated.set()), iso, kInside, needed_samples(periodic->box, options.margin),
+                       counts, context, label);
+  };
+  if (!used.radii.empty()) {
+    const auto kernels =
+        TRY(BallKernels::make(grid, used.radii, used.support / used.median_radius, used.reach, context, label));
+    return fill(kernels.set(), first_point);
+  }
+  auto densities = TRY(compute_spot_densities(grid, used.support, context, label));
+  float* const values = densities->values.data();
   if (options.method == Method::anisotropic) {
-    auto kernels = TRY(make_anisotropic_kernels(grid, support, values, options.anisotropy, context, label));
+    auto kernels = TRY(make_anisotropic_kernels(grid, used.support, values, options.anisotropy, context, label));
     densities.reset();
-    return fill_bricks(KernelBricks(kernels.set()), iso, kInside, counts, context, label);
+    return fill(kernels.set(), [&](std::size_t kernel) { return first_point(kernels.grid.members(kernel)[0]); });
   }
   // m / rho_j W(0): the spot's members divided by its density relative to an isolated particle.
   for_each_range(grid.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -94,19 +133,58 @@ Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, c
       values[s] = static_cast<float>(grid.members(s).size()) / values[s];
     }
   });
-  return fill_bricks(KernelBricks({&grid, values, nullptr, nullptr, support}), iso, kInside, counts, context, label);
+  return fill({&grid, values, nullptr, nullptr, used.support}, first_point);
 }
 
-// Does the same for particles with unlike radii. `support` is that of the median radius.
-Result<field::SparseSamples> sum_balls(const CellGrid& grid, const ParticleRadii& radii, double support,
-                                       const FieldOptions& options, BrickCounts& counts, const Context& context,
-                                       const std::string& label) {
-  const double of_unit = support / radii.median;
-  const auto kernels =
-      TRY(BallKernels::make(grid, radii.attribute->values.span(), of_unit, of_unit * radii.max, context, label));
-  std::optional<double> iso = options.tile_iso;
-  if (iso && *iso >= kInside) iso.reset();
-  return fill_bricks(KernelBricks(kernels.set()), iso, kInside, counts, context, label);
+// Makes the samples of particles without a periodic box, and sets their place in `result`.
+Result<field::SparseSamples> fill_open_space(const ParticleSet& particles, const UsedParticles& used,
+                                             const ParticleBounds& bounds, const FieldOptions& options,
+                                             BrickCounts& counts, const Context& context, ParticleField& result) {
+  const ParticleFieldStatistics& figures = result.figures;
+  const bool weighs = options.method == Method::weight;
+  auto frame = TRY(index_frame(particles, bounds, figures.spacing, weighs ? 1 : used.reach));
+  auto grid = TRY(CellGrid::make(used.positions, frame, weighs ? 1 : std::max(used.support, 2.0), used.coinciding(),
+                                 context, particles.label));
+  result.field.index_to_world = {glm::dmat3(figures.spacing), frame.origin};
+  if (weighs) {
+    return fill_bricks(WeightBricks(grid, options.deposit, options.weight), std::nullopt, kInside, std::nullopt, counts,
+                       context, particles.label);
+  }
+  TRY(check_crowding(particles, grid, options, used.reach, figures, context));
+  return sum_kernels(grid, used, options, nullptr, counts, context, particles.label);
+}
+
+// Does the same for particles in a periodic box, and sets the region.
+Result<field::SparseSamples> fill_periodic_box(const ParticleSet& particles, const UsedParticles& used,
+                                               const FieldOptions& options, BrickCounts& counts, const Context& context,
+                                               ParticleField& result) {
+  const ParticleFieldStatistics& figures = result.figures;
+  const PeriodicParticles periodic{TRY(BoxSamples::make(*particles.box, figures.spacing, particles.label)),
+                                   used.positions.size()};
+  const BoxSamples& box = periodic.box;
+  result.region = box.region();
+  result.field.index_to_world = box.world_from_index();
+  if (options.method == Method::weight) {
+    const auto all = TRY(with_images(used.positions, box, reach_of_images(glm::dvec3(1), options.margin),
+                                     Coordinates::index, context, particles.label));
+    const auto grid = TRY(CellGrid::make(all.positions(), GridFrame{}, 2, used.coinciding(), context, particles.label));
+    return fill_bricks(WeightBricks(grid, options.deposit, options.weight), std::nullopt, kInside,
+                       needed_samples(box, options.margin), counts, context, particles.label);
+  }
+  // Two supports more than the neighborhood reaches, so that the kernels of neighbors are right, too.
+  const double neighbors =
+      options.method == Method::anisotropic ? std::max(1.0, options.anisotropy.neighborhood) + 2 : 1;
+  const auto all = TRY(with_images(used.positions, box, box.extent_of_ball(neighbors * used.reach),
+                                   Coordinates::cartesian, context, particles.label));
+  const auto grid = TRY(CellGrid::make(all.positions(), GridFrame{}, std::max(used.support, 2.0), used.coinciding(),
+                                       context, particles.label));
+  TRY(check_crowding(particles, grid, options, used.reach, figures, context));
+  const auto radii = TRY(make_reserved_buffer<float>(used.radii.empty() ? 0 : all.positions().size(), context,
+                                                     particles.label + ": radii of particles"));
+  for (std::size_t i = 0; i < radii->values.size(); ++i) radii->values[i] = used.radii[all.sources->values[i]];
+  UsedParticles repeated = used;
+  repeated.radii = std::as_const(radii->values).span();
+  return sum_kernels(grid, repeated, options, &periodic, counts, context, particles.label);
 }
 
 }  // namespace
@@ -179,35 +257,31 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
     figures.radius_attribute = radii->attribute->name;
   }
   TRY(resolve_lengths(particles, options, figures, context));
-  const double support = figures.support / figures.spacing;
-  const bool weighs = options.method == Method::weight;
-  const bool is_mixed = radii && radii->min < radii->max && options.method == Method::sph;
-  const double reach = is_mixed ? support * (radii->max / radii->median) : support;
-  const double smallest = radii ? radii->median / support : 0;  // its kernel reaches one sample far
+  UsedParticles used;
+  used.positions = positions;
+  used.support = figures.support / figures.spacing;
+  used.reach = used.support;
   LargeEnough large;
-  if (is_mixed && radii->min < smallest) {
-    large = TRY(leave_out_small(positions, radii->attribute->values.span(), smallest, context, particles.label));
-    figures.particles_too_small = large.too_small;
-    figures.least_radius = smallest / figures.spacing;
-    figures.particles -= large.too_small;
-  }
-  auto frame = TRY(index_frame(particles, bounds, figures.spacing, weighs ? 1 : reach));
-  auto grid = TRY(CellGrid::make(
-      large.positions ? large.positions->values.span() : positions, frame, weighs ? 1 : std::max(support, 2.0),
-      is_mixed ? CellGrid::Coinciding::apart : CellGrid::Coinciding::merged, context, particles.label));
-  if (!weighs) {
-    TRY(check_crowding(particles, grid, options, reach, figures, context));
+  if (radii && radii->min < radii->max && options.method == Method::sph) {
+    used.radii = radii->attribute->values.span();
+    used.median_radius = radii->median;
+    used.reach *= radii->max / radii->median;
+    const double smallest = radii->median / used.support;  // its kernel reaches one sample far
+    if (radii->min < smallest) {
+      large = TRY(leave_out_small(positions, used.radii, smallest, context, particles.label));
+      used.positions = std::as_const(large.positions->values).span();
+      figures.particles_too_small = large.too_small;
+      figures.least_radius = smallest / figures.spacing;
+      figures.particles -= large.too_small;
+    }
   }
   BrickCounts counts;
-  auto samples = TRY(weighs ? fill_bricks(WeightBricks(grid, options.deposit, options.weight), std::nullopt, kInside,
-                                          counts, context, particles.label)
-                     : is_mixed ? sum_balls(grid, *radii, support, options, counts, context, particles.label)
-                                : sum_kernels(grid, support, options, counts, context, particles.label));
+  const bool is_periodic = particles.box && particles.box->is_periodic();
+  result.field.samples = TRY(is_periodic ? fill_periodic_box(particles, used, options, counts, context, result)
+                                         : fill_open_space(particles, used, bounds, options, counts, context, result));
   figures.bricks_stored = counts.bricks_stored;
   figures.inside_tiles = counts.inside_tiles;
   figures.particles_deep_inside = counts.particles_deep_inside;
-  result.field.index_to_world = {glm::dmat3(figures.spacing), frame.origin};
-  result.field.samples = std::move(samples);
   return result;
 }
 

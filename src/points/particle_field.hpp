@@ -7,6 +7,9 @@
 // Samples lie at world coordinates that are multiples of the spacing, as exactly as double allows. So all frames of a
 // sequence with the same spacing share one grid.
 //
+// In a periodic box (ParticleSet::box), the samples are aligned with the box instead: see ParticleField::region.
+// Kernels reach across its faces, and particles outside of it are moved into it by whole periods.
+//
 // The field is bit-identical for any number of threads and any instruction set.
 #pragma once
 
@@ -57,6 +60,10 @@ struct FieldOptions {
   AnisotropyOptions anisotropy;
   NonFiniteParticles bad = NonFiniteParticles::error;
 
+  // For a periodic box: how many more samples outside the region have the periodic continuation than an extraction
+  // needs, for filters of the field; 0 or more.
+  int margin = 0;
+
   // The iso value of the later extraction. If given, a tile of value 1 replaces each brick that is deep inside: all
   // its samples and those of its 26 neighbors are proved to be above this iso value. The surface at this iso value
   // stays bit-identical. Do not set it if the field is resampled, coarsened or extracted
@@ -86,6 +93,12 @@ struct ParticleFieldStatistics {
 
 struct ParticleField {
   field::ScalarField field;  // has the particles' name and the format "particles"
+  // Set for a periodic box: the samples of one period, from 0 to the number of cells along each periodic edge; all
+  // indices along other edges. Sample 0 lies at the origin of the box, and the sample axes are parallel to its edges.
+  // The spacing along a periodic edge is adjusted so that a whole number of cells, at least 4, fills it; so the last
+  // samples repeat the first ones. Extract only from the cells in this region. Stored samples outside the region have
+  // the periodic continuation of the field.
+  std::optional<field::IndexBox> region;
   ParticleFieldStatistics figures;
 };
 
@@ -97,6 +110,7 @@ struct ParticleField {
 // - if no radius is given and none can be derived,
 // - if particles are too far apart or too far from 0 for the spacing,
 // - if the field needs 2^31 bricks or more,
+// - if a periodic box has too many samples, or kernels reach across it too many times,
 // - if the radius is so large that a particle has more than 32,768 neighbors on average; with unlike radii, within the
 //   reach of the largest one,
 // - if a radius of the attribute is negative or not finite.

@@ -12,6 +12,7 @@
 #include "base/attribute_kind.hpp"
 #include "base/buffer.hpp"
 #include "base/memory_budget.hpp"
+#include "points/simulation_box.hpp"
 
 namespace isoextract::points {
 
@@ -38,6 +39,7 @@ struct ParticleSet {
   std::vector<ParticleAttribute> attributes;  // with unique names
   std::vector<ParticleWords> words = {};      // attributes of words, for conditions
   Reservation memory;                         // for all arrays; made by the code that allocated them
+  std::optional<SimulationBox> box = {};      // valid (SimulationBox::is_valid()); particles can lie outside of it
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };

@@ -1,11 +1,17 @@
 #include "points/sphere_set.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/finite.hpp"
+#include "points/detail/box_samples.hpp"
 #include "points/detail/field_lengths.hpp"
 #include "points/detail/particle_radii.hpp"
+#include "points/detail/periodic_images.hpp"
 
 namespace isoextract::points {
 namespace {
@@ -34,9 +40,85 @@ Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& partic
   return kept;
 }
 
+// Returns the spacing nearest to `spacing` of which all periodic edges are multiples, to a millionth of it.
+std::optional<double> common_spacing(const SimulationBox& box, double spacing) {
+  constexpr double kRounding = 1e-6;
+  constexpr int kTried = 64;  // numbers of cells on either side of the nearest one
+  const auto is_used = [&](int k) { return box.periodic[static_cast<std::size_t>(k)]; };
+  const int first = is_used(0) ? 0 : is_used(1) ? 1 : 2;
+  const double length = box.edges[first][first];
+  const double nearest = std::max(4.0, std::round(length / spacing));
+  for (int n = 0; n <= 2 * kTried; ++n) {
+    const double cells = nearest + (n % 2 == 0 ? n / 2 : -(n + 1) / 2);
+    if (cells < 4) continue;
+    const double tried = length / cells;
+    bool fits = true;
+    for (int k = first + 1; k < 3; ++k) {
+      const double other = box.edges[k][k] / tried;
+      fits = fits && (!is_used(k) || (other > 3.5 && std::abs(other - std::round(other)) < kRounding));
+    }
+    if (fits) return tried;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool has_radius_attribute(const ParticleSet& particles) { return radius_attribute(particles) != nullptr; }
+
+// Uses samples at multiples of the spacing from the origin of the box, as OpenVDB has them.
+Result<void> SphereSet::repeat(const SimulationBox& box, const FieldOptions& options, const Context& context) {
+  const std::string label = particles().label;
+  const auto refused = [&](const std::string& expected) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: the method {} needs a periodic box with {}; found the box {}, periodic along {}",
+                            label, method_info(options.method).title, expected, box_text(box), periodic_text(box)),
+                {{"choose another method"},
+                 {Remedy::set, Setting::periodic_edges, "none to convert the particles without periods"}});
+  };
+  if (!box.is_upright() || box.edges[0].x < 0 || box.edges[1].y < 0 || box.edges[2].z < 0) {
+    return refused("edges along the axes");
+  }
+  const auto spacing = common_spacing(box, figures_.spacing);
+  if (!spacing) return refused("edges that are multiples of one sample spacing");
+  figures_.spacing = *spacing;
+  const auto samples = TRY(BoxSamples::make(box, *spacing, label));
+  const double common = figures_.radius;
+  const double largest = radii_.empty() ? common : static_cast<double>(*std::ranges::max_element(radii_));
+  // A sample depends on the particles within the support and on their neighbors; the narrow band is 3 samples wide.
+  const double reach = (largest + 2 * figures_.support) / *spacing + 3;
+  const auto all =
+      TRY(with_images(particles().positions.span(), samples, reach_of_images(glm::dvec3(reach), options.margin),
+                      Coordinates::cartesian, context, label));
+  const std::size_t originals = particles().size();
+  const auto radius_of = [&](std::size_t i) { return radii_.empty() ? common : static_cast<double>(radii_[i]); };
+  const auto is_kept = [&](std::size_t place) {
+    return place < originals || radius_of(all.sources->values[place]) >= kMinSphereRadius * *spacing;
+  };
+  std::size_t count = 0;
+  for (std::size_t place = 0; place < all.positions().size(); ++place) count += is_kept(place) ? 1 : 0;
+  auto memory = TRY(context.reserve(count * sizeof(glm::dvec3), label + ": positions of particles"));
+  auto repeated = std::make_shared<ParticleSet>();
+  repeated->label = label;
+  repeated->positions = Buffer<glm::dvec3>(count);
+  repeated->memory = std::move(memory);
+  auto radii = TRY(make_reserved_buffer<float>(radii_.empty() ? 0 : count, context, label + ": radii of particles"));
+  std::size_t next = 0;
+  for (std::size_t place = 0; place < all.positions().size(); ++place) {
+    if (!is_kept(place)) continue;
+    if (!radii_.empty()) radii->values[next] = radii_[all.sources->values[place]];
+    repeated->positions[next++] = *spacing * all.positions()[place];
+  }
+  kept_ = std::move(repeated);
+  if (!radii_.empty()) {
+    radii_ = std::as_const(radii->values).span();
+    kept_radii_ = std::move(radii);
+  }
+  region_ = samples.region();
+  origin_ = box.origin;
+  images_ = count - originals;
+  return {};
+}
 
 Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
   TRY(check_options(options));
@@ -58,6 +140,9 @@ Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions&
     spheres.kept_radii_ = std::move(radii);
   }
   TRY(resolve_lengths(particles, options, figures, context));
+  if (particles.box && particles.box->is_periodic()) {
+    TRY(spheres.repeat(*particles.box, options, context));
+  }
   return spheres;
 }
 

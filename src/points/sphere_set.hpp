@@ -23,14 +23,24 @@ inline constexpr std::array<std::string_view, 2> kRadiusAttributes{"pscale", "ra
 // Refers to the particle set it was made from, which must outlive it.
 class SphereSet {
  public:
-  // Returns the particles at finite positions; without attributes if some were dropped.
+  // Returns the particles at finite positions; without attributes if some were dropped. In a periodic box: relative to
+  // its origin, moved into the box, without attributes, and followed by images().
   [[nodiscard]] const ParticleSet& particles() const { return kept_ ? *kept_ : *all_; }
   // Returns one radius per particle; empty if all have ParticleFieldStatistics::radius.
   [[nodiscard]] std::span<const float> radii() const { return radii_; }
+  // Returns the samples of one period, as ParticleField::region, for a periodic box. Sample 0 lies at its origin, and
+  // the spacing is that of figures().
+  [[nodiscard]] const std::optional<field::IndexBox>& region() const { return region_; }
+  // Returns the origin of the coordinates of particles() in the world.
+  [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
+  // Returns how many of the last particles are periodic images. Spheres too small to be sampled have none.
+  [[nodiscard]] std::uint64_t images() const { return images_; }
   // Returns the figures known before the field exists: the counts of bricks, tiles and too small particles are 0.
   [[nodiscard]] const ParticleFieldStatistics& figures() const { return figures_; }
 
  private:
+  [[nodiscard]] Result<void> repeat(const SimulationBox& box, const FieldOptions& options, const Context& context);
+
   friend Result<SphereSet> make_spheres(const ParticleSet&, const FieldOptions&, const Context&);
   explicit SphereSet(const ParticleSet& all) : all_(&all) {}
 
@@ -38,18 +48,24 @@ class SphereSet {
   std::shared_ptr<const ParticleSet> kept_;  // set if particles were dropped
   std::shared_ptr<const ReservedBuffer<float>> kept_radii_;
   std::span<const float> radii_;
+  std::optional<field::IndexBox> region_;
+  glm::dvec3 origin_{0.0};
+  std::uint64_t images_ = 0;
   ParticleFieldStatistics figures_;
 };
 
 // Takes the radii from FieldOptions::radius, else from an attribute of kRadiusAttributes, else from the particle
 // distances. Lengths given in radii (spacing; for Method::smooth the support, twice the smoothing length) refer to the
-// median radius. The result is the same for any number of threads.
+// median radius. In a periodic box, the spacing is adjusted so that a whole number of cells fills each periodic edge.
+// The result is the same for any number of threads.
 //
 // Fails with ErrorCode::usage as check_options() does, and if the spacing of Method::smooth exceeds its support. Fails
 // with ErrorCode::input if a position is not finite (NonFiniteParticles::error), if there are 2^32 particles or more,
 // and if no radius is given and none can be derived. Also fails with ErrorCode::input if a particle at a finite
 // position has a radius that is negative or not finite. Fails in the same way if the sample spacing is 0 (the median
-// radius is 0), or if spacing or support is not finite. Fails as Context::reserve() and Context::check() do.
+// radius is 0), or if spacing or support is not finite. Fails in the same way if the box is periodic and has edges that
+// are not parallel to the axes, or periodic edges that are no multiples of one spacing. Fails as Context::reserve() and
+// Context::check() do.
 [[nodiscard]] Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options,
                                              const Context& context);
 

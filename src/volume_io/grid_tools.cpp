@@ -228,7 +228,7 @@ Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, cons
     field.notes.push_back(
         {NoteId::particles_left_out,
          fmt::format("the surface leaves out {} of {} particles, whose radius is less than {:g} voxels", left_out,
-                     particles.size(), options.least_radius)});
+                     particles.size() - options.images, options.least_radius)});
   }
   return SphereField{std::move(field), left_out};
 }

@@ -33,6 +33,7 @@ struct SphereOptions {
   field::FieldKind kind = field::FieldKind::level_set;
   double radius = 0;             // of every particle, in world units, if `radii` is empty
   std::span<const float> radii;  // one per particle, in world units
+  std::uint64_t images = 0;      // how many of the last particles are periodic images, which notes do not count
   double search_radius = 0;      // smooth method: reach of a particle in world units
   double voxel = 0;              // spacing of the samples; one of them is at the world's origin
   double half_band = 3;          // width of the narrow band on either side of the surface, in voxels; 2 to 1000

@@ -22,6 +22,13 @@ extract::ExtractOptions extract_options_of(const ConversionJob& job, const Sourc
   return options;
 }
 
+OpenBoundary open_boundary_of(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
+                              const Source& source) {
+  return {.at_border = stats.meets_boundary && !options.cap,
+          .periodic = source.period.has_value(),
+          .hole_cells = stats.hole_cells};
+}
+
 Result<void> tell(const StageReport& report, Events& events) {
   const bool tells = report.time || !report.entries.empty() || !report.work.empty() || report.output;
   if (tells) events.end(report);

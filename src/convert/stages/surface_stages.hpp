@@ -51,6 +51,10 @@ struct StageContext {
 // Returns the options to extract the surface of `source` at an iso value for `job`.
 [[nodiscard]] extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso);
 
+// Returns where the surface that was just extracted has boundary edges.
+[[nodiscard]] OpenBoundary open_boundary_of(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
+                                            const Source& source);
+
 // Returns the report of the surface that was just extracted.
 [[nodiscard]] StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                                             const Surface& surface, const StageContext& stage, const StageTime& time);

@@ -390,6 +390,16 @@ points::ParticleSet make_particles(const Context& context, const std::string& la
   return set;
 }
 
+void set_box(const points::SimulationBox& box, ParticleFile& file) {
+  if (box.is_valid()) {
+    file.particles.box = box;
+  } else if (box.is_periodic()) {
+    file.notes.push_back({NoteId::box_ignored,
+                          "the reader ignores the periodic box of the file: it has no volume, or an "
+                          "edge that is not finite"});
+  }
+}
+
 void throw_particle_error(std::size_t particle, std::size_t particles) {
   throw InvalidParticleFile(fmt::format("expected {} particles, found values of particle {}", particles, particle + 1));
 }

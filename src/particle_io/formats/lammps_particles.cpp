@@ -16,18 +16,12 @@
 namespace isoextract::particle_io {
 namespace {
 
-struct LammpsBox {
-  glm::dvec3 low{0};
-  glm::dmat3 edges{1};  // columns: the three edges of the box
-  bool is_known = false;
-};
-
 struct LammpsFrame {
   std::uint64_t begin = 0;  // position of its first byte in the content
   std::string step;
   std::string units;
   std::uint64_t atoms = 0;
-  LammpsBox box;
+  std::optional<points::SimulationBox> box;  // as in the file, possibly without a volume
   ParticleTable table;
   std::string unit;  // unit of lengths
 };
@@ -53,8 +47,8 @@ std::string_view line_of(ContentReader& content, std::string_view what) {
 }
 
 // Reads three lines of bounds, with tilt factors if the title names them. The bounds are those of the axis-aligned box
-// around the parallelepiped.
-LammpsBox read_lammps_box(ContentReader& content, std::span<const std::string_view> title) {
+// around the parallelepiped. The last three words of the title are the boundaries: "pp" is a periodic edge.
+points::SimulationBox read_lammps_box(ContentReader& content, std::span<const std::string_view> title) {
   // "ITEM: BOX BOUNDS xy xz yz pp pp pp"; with "abc origin" the edges are given directly.
   const bool is_general = title.size() > 3 && title[3] == "abc";
   const bool is_tilted = title.size() > 3 && title[3] == "xy";
@@ -70,12 +64,13 @@ LammpsBox read_lammps_box(ContentReader& content, std::span<const std::string_vi
       row[i] = *value;
     }
   }
-  LammpsBox box;
-  box.is_known = true;
+  points::SimulationBox box;
+  for (std::size_t edge = 0; edge < 3; ++edge)
+    box.periodic[edge] = title.size() > 5 && title[title.size() - 3 + edge] == "pp";
   if (is_general) {
     for (int edge = 0; edge < 3; ++edge) {
       box.edges[edge] = {rows[edge][0], rows[edge][1], rows[edge][2]};
-      box.low[edge] = rows[edge][3];
+      box.origin[edge] = rows[edge][3];
     }
     return box;
   }
@@ -86,7 +81,7 @@ LammpsBox read_lammps_box(ContentReader& content, std::span<const std::string_vi
   const double x_high = rows[0][1] - std::max({0.0, xy, xz, xy + xz});
   const double y_low = rows[1][0] - std::min(0.0, yz);
   const double y_high = rows[1][1] - std::max(0.0, yz);
-  box.low = {x_low, y_low, rows[2][0]};
+  box.origin = {x_low, y_low, rows[2][0]};
   box.edges[0] = {x_high - x_low, 0, 0};
   box.edges[1] = {xy, y_high - y_low, 0};
   box.edges[2] = {xz, yz, rows[2][1] - rows[2][0]};
@@ -96,11 +91,12 @@ LammpsBox read_lammps_box(ContentReader& content, std::span<const std::string_vi
 using AxisNames = std::array<std::string_view, 3>;
 // Positions that are fractions of the box's edges.
 constexpr std::array<AxisNames, 2> kScaledNames{{{"xs", "ys", "zs"}, {"xsu", "ysu", "zsu"}}};
+// All names of positions, in order of precedence.
+constexpr std::array<AxisNames, 4> kAxisNames{{{"x", "y", "z"}, {"xu", "yu", "zu"}, kScaledNames[0], kScaledNames[1]}};
 
 // Finds the columns of the position.
 void find_lammps_position(LammpsFrame& frame) {
-  constexpr std::array<AxisNames, 4> kNames{{{"x", "y", "z"}, {"xu", "yu", "zu"}, kScaledNames[0], kScaledNames[1]}};
-  for (const AxisNames& names : kNames) {
+  for (const AxisNames& names : kAxisNames) {
     std::array<std::size_t, 3> position{};
     std::size_t found = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -211,16 +207,16 @@ void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std:
     if (axes[k]) ++times[*axes[k]];
   }
   if (times == std::array{0, 0, 0}) return;
-  const LammpsBox& box = frame.box;
-  if (!box.is_known)
+  if (!frame.box)
     throw InvalidParticleFile("expected 'ITEM: BOX BOUNDS' before positions that are fractions of the box");
+  const points::SimulationBox& box = *frame.box;
   const auto axis_of = [&](std::size_t k) { return static_cast<glm::length_t>(*axes[k]); };
   if (times == std::array{1, 1, 1}) {
     for (glm::dvec3& p : positions) {
       glm::dvec3 f(0);
       for (glm::length_t k = 0; k < 3; ++k) f[axis_of(static_cast<std::size_t>(k))] = p[k];
       const glm::dvec3 offset = box.edges[0] * f.x + box.edges[1] * f.y + box.edges[2] * f.z;
-      const glm::dvec3 place = box.low + offset;
+      const glm::dvec3 place = box.origin + offset;
       for (glm::length_t k = 0; k < 3; ++k) p[k] = place[axis_of(static_cast<std::size_t>(k))];
     }
     return;
@@ -238,9 +234,18 @@ void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std:
     for (glm::length_t k = 0; k < 3; ++k) {
       if (!axes[static_cast<std::size_t>(k)]) continue;
       const glm::length_t axis = axis_of(static_cast<std::size_t>(k));
-      p[k] = box.low[axis] + edges[axis][axis] * p[k];
+      p[k] = box.origin[axis] + edges[axis][axis] * p[k];
     }
   }
+}
+
+// Returns whether the columns of a position are coordinates or fractions along x, y and z, in this order.
+bool is_in_axis_order(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto is_column = [&](const AxisNames& names) { return names[k] == table.columns[position[k]].name; };
+    if (std::ranges::none_of(kAxisNames, is_column)) return false;
+  }
+  return true;
 }
 
 class LammpsParticles final : public ParticleFormat {
@@ -290,6 +295,7 @@ class LammpsParticles final : public ParticleFormat {
     result.length_unit = frame.unit;
     result.time_step = frame.step;
     result.notes = choice.notes;
+    if (frame.box && is_in_axis_order(frame.table, choice.position)) set_box(*frame.box, result);
     return result;
   }
 

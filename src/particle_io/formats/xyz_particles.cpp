@@ -1,7 +1,7 @@
 // XYZ: frames of a count, a comment, and one line per atom.
 // - Plain: a line is the name of an element and x, y, z, or those three alone. Numbers after them have no names.
 // - Extended: the comment describes the columns (Properties=species:S:1:pos:R:3:...;
-//   https://github.com/libAtoms/extxyz). The lattice is ignored.
+//   https://github.com/libAtoms/extxyz) and the box: Lattice="ax ay az bx by bz cx cy cz", pbc="T T F", Origin="x y z".
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -18,7 +18,9 @@ struct XyzFrame {
   std::uint64_t begin = 0;  // position of its first byte in the content
   std::uint64_t atoms = 0;
   std::string name;
-  ParticleTable table;  // without columns if there are no atoms
+  ParticleTable table;                       // without columns if there are no atoms
+  std::optional<points::SimulationBox> box;  // as in the file, possibly without a volume
+  bool box_is_unclear = false;               // the comment has a lattice that cannot be read
 };
 
 constexpr std::string_view kProperties = "Properties=";
@@ -32,6 +34,48 @@ std::optional<std::string_view> value_of_key(std::string_view comment, std::stri
     return value.substr(0, value.find_first_of(" \t"));
   }
   return std::nullopt;
+}
+
+// Returns the words of a list in one of the two notations: "1 0 0", or "[1, 0, 0]" with inner brackets too.
+std::vector<std::string_view> list_words(std::string_view list) {
+  std::vector<std::string_view> words;
+  constexpr std::string_view kBetween = " \t,[]";
+  for (std::size_t at = list.find_first_not_of(kBetween); at != std::string_view::npos;) {
+    const std::size_t end = std::min(list.find_first_of(kBetween, at), list.size());
+    words.push_back(list.substr(at, end - at));
+    at = list.find_first_not_of(kBetween, end);
+  }
+  return words;
+}
+
+// Returns the three or nine numbers of a list; nothing if the list differs.
+template <std::size_t N>
+std::optional<std::array<double, N>> numbers_of_list(std::string_view list) {
+  const auto words = list_words(list);
+  std::array<double, N> numbers{};
+  if (words.size() != N) return std::nullopt;
+  for (std::size_t n = 0; n < N; ++n) {
+    const auto number = number_in(words[n]);
+    if (!number) return std::nullopt;
+    numbers[n] = *number;
+  }
+  return numbers;
+}
+
+// Sets the frame's box. All edges are periodic unless the comment says otherwise.
+void read_lattice(std::string_view comment, XyzFrame& frame) {
+  const auto lattice = value_of_key(comment, "Lattice=");
+  if (!lattice) return;
+  const auto edges = numbers_of_list<9>(*lattice);
+  const auto origin = numbers_of_list<3>(value_of_key(comment, "Origin=").value_or("0 0 0"));
+  const auto flags = list_words(value_of_key(comment, "pbc=").value_or("T T T"));
+  frame.box_is_unclear = !edges || !origin || flags.size() != 3;
+  if (frame.box_is_unclear) return;
+  points::SimulationBox& box = frame.box.emplace();
+  for (int n = 0; n < 9; ++n) box.edges[n / 3][n % 3] = (*edges)[static_cast<std::size_t>(n)];
+  box.origin = {(*origin)[0], (*origin)[1], (*origin)[2]};
+  constexpr std::array<std::string_view, 5> kTrue{"T", "True", "true", "TRUE", "1"};
+  for (std::size_t k = 0; k < 3; ++k) box.periodic[k] = std::ranges::find(kTrue, flags[k]) != kTrue.end();
 }
 
 // "species:S:1:pos:R:3"
@@ -111,6 +155,7 @@ bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
   const auto properties = value_of_key(*comment, kProperties);
   const auto time = value_of_key(*comment, "Time=");
   if (time) frame.name = fmt::format("time {}", printable(*time, 40));
+  read_lattice(*comment, frame);
   if (frame.atoms == 0) return true;
   frame.table = properties ? extended_table(content, *properties) : plain_table(content);
   frame.table.has_words = true;
@@ -196,6 +241,12 @@ class XyzParticles final : public ParticleFormat {
       if (frames > 1) throw_frame_error(options, frames);
     }
     result.notes = choice.notes;
+    if (frame.box && choice.position == frame.table.position) set_box(*frame.box, result);
+    if (frame.box_is_unclear) {
+      result.notes.push_back({NoteId::box_ignored,
+                              "the reader ignores the box of the file: expected nine numbers in Lattice, three in "
+                              "Origin and three words in pbc"});
+    }
     return result;
   }
 

@@ -121,6 +121,11 @@ Result<void> check_rings(int rings, const Context& context, const std::string& l
   return {};
 }
 
+// Returns whether the brick at `origin` has a sample in the box.
+bool overlaps(const field::IndexBox& box, const glm::ivec3& origin) {
+  return glm::all(glm::lessThanEqual(origin, box.max)) && glm::all(glm::lessThanEqual(box.min, origin + (kSide - 1)));
+}
+
 struct OwnedBricks {
   Buffer<float> values;
   Reservation memory;
@@ -129,7 +134,8 @@ struct OwnedBricks {
 }  // namespace
 
 Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optional<double> iso, double inside,
-                                         BrickCounts& counts, const Context& context, const std::string& label) {
+                                         const std::optional<field::IndexBox>& needed, BrickCounts& counts,
+                                         const Context& context, const std::string& label) {
   const std::string what = fmt::format("{}: the bricks around {} particles", label, source.grid().size());
   const int rings = static_cast<int>(std::ceil(source.reach() / kSide));
   TRY(check_rings(rings, context, label));
@@ -137,7 +143,9 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
   if (bricks) bricks = dilated((*bricks)->values.span(), rings, context, what);
   if (bricks) {
     bricks = bricks_where(
-        *bricks, "finding bricks", [&](const glm::ivec3& origin) { return source.touches(origin); }, context, what);
+        *bricks, "finding bricks",
+        [&](const glm::ivec3& origin) { return (!needed || overlaps(*needed, origin)) && source.touches(origin); },
+        context, what);
   }
   if (!bricks) return tl::unexpected(bricks.error());
   BrickList deep;

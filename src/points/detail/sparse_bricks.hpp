@@ -59,10 +59,13 @@ struct BrickCounts {
 // then at least eight samples away from any sample not above iso. So the surface at `iso` stays bit-identical, as
 // vertices and gradients use samples at most two steps from a crossed cell.
 //
+// If `needed` is given, computes only bricks that have a sample in it.
+//
 // Nonzero samples and tiles are the active voxels. Fails as Context::reserve() does, if more bricks are needed than
 // block indices can number, and if the context is cancelled.
 [[nodiscard]] Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optional<double> iso,
-                                                       double inside, BrickCounts& counts, const Context& context,
+                                                       double inside, const std::optional<field::IndexBox>& needed,
+                                                       BrickCounts& counts, const Context& context,
                                                        const std::string& label);
 
 }  // namespace isoextract::points

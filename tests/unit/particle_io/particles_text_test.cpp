@@ -271,6 +271,32 @@ TEST(ParticlesLammps, ReadsTriclinicBoxes) {
                    {{1, 2, 3}});
 }
 
+TEST(ParticlesLammps, ReadsTheBoxOfTheSimulation) {
+  const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\n";
+  const std::string atoms = "ITEM: ATOMS x y z vx\n1 2 3 4\n";
+  const auto box_of = [&](const std::string& box, std::optional<std::array<std::string, 3>> columns = std::nullopt) {
+    particle_io::ParticleReadOptions options;
+    options.columns = std::move(columns);
+    return must_read_particles({"a.dump", head + box + atoms}, options).particles.box;
+  };
+  const std::string tilted = "ITEM: BOX BOUNDS xy xz yz pp ff pp\n7 14 -1\n20 25.5 -2\n30 36 0.5\n";
+  const std::string general = "ITEM: BOX BOUNDS abc origin pp pm sf\n4 0 0 10\n-1 5 0 20\n-2 0.5 6 30\n";
+  const glm::dmat3 edges(4, 0, 0, -1, 5, 0, -2, 0.5, 6);
+  EXPECT_EQ(box_of(tilted), (points::SimulationBox{{10, 20, 30}, edges, {true, false, true}}));
+  EXPECT_EQ(box_of(general), (points::SimulationBox{{10, 20, 30}, edges, {true, false, false}}));
+  const std::string upright = "ITEM: BOX BOUNDS pp pp pp\n2 6\n10 14\n-3 1\n";
+  const points::SimulationBox cube{{2, 10, -3}, glm::dmat3(4), {true, true, true}};
+  EXPECT_EQ(box_of(upright), cube);
+  EXPECT_EQ(box_of(upright, {{"x", "y", "z"}}), cube);
+  EXPECT_EQ(box_of(upright, {{"x", "z", "y"}}), std::nullopt);
+  EXPECT_EQ(box_of(upright, {{"x", "y", "vx"}}), std::nullopt);
+  // Old dumps do not say whether the box is periodic.
+  EXPECT_EQ(box_of("ITEM: BOX BOUNDS\n2 6\n10 14\n-3 1\n")->periodic, (std::array{false, false, false}));
+  for (const char* none : {"2 6\n10 14\n-3 -3\n", "2 6\n10 nan\n-3 1\n", "2 6\n10 1e999\n-3 1\n"}) {
+    EXPECT_EQ(box_of(std::string("ITEM: BOX BOUNDS pp pp pp\n") + none), std::nullopt) << none;
+  }
+}
+
 TEST(ParticlesLammps, ScalesSelectedColumns) {
   const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\n";
   const std::string upright = head + "ITEM: BOX BOUNDS pp pp pp\n2 6\n10 14\n-3 1\n";
