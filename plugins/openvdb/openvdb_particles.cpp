@@ -28,6 +28,16 @@ struct Opened {
   std::vector<isoextract_particle_quantity> quantities;
 };
 
+// Blender's liquid caches store flags of particles as 16-bit integers ("int32_trnc"), a type that OpenVDB defines and
+// does not register.
+void register_attribute_types() {
+  using Truncated = points::TypedAttributeArray<std::int32_t, points::TruncateCodec>;
+  [[maybe_unused]] static const bool is_done = [] {
+    if (!Truncated::isRegistered()) Truncated::registerType();
+    return true;
+  }();
+}
+
 // Calls use(Value{}, components) for a numeric attribute type; returns false for all others.
 template <class F>
 bool visit_attribute(const std::string& type, F&& use) {
@@ -150,6 +160,7 @@ Opened& opened_of(const isoextract_particle_file* file) { return *static_cast<Op
 
 int open(const char* path, const char* grid, std::uint64_t frame, isoextract_particle_file* file) {
   return catch_exceptions([&] {
+    register_attribute_types();
     *file = {};
     file->frames = 1;
     file->frame_name = file->length_unit = "";

@@ -172,8 +172,9 @@ Result<void> check_stdout(const convert::ConversionJob& job) {
   return fail(ErrorCode::usage,
               fmt::format("stdout is a terminal, and {} is binary data",
                           meshes != nullptr ? mesh_io::mesh_format_info(meshes->format).name
-                          : job.writes<convert::PictureFileOptions>() != nullptr ? kPictureFormat
-                                                                                 : kFieldFormat),
+                          : job.writes<convert::PictureFileOptions>() != nullptr
+                              ? kPictureFormat
+                              : word_of(job.writes<convert::FieldFileOptions>()->format)),
               "redirect stdout to a file or a pipe");
 }
 

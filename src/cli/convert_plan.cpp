@@ -32,7 +32,7 @@ Result<mesh_io::MeshFormat> plan_format(const ConvertFlags& flags) {
   if (!flags.output || is_folder(*flags.output)) return mesh_io::MeshFormat::glb;
   if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
   return format_of_path(*flags.output, "choose the format with --format",
-                        ", .png for a picture, or .vdb for the field itself");
+                        ", .png for a picture, or .vdb, .nrrd, .npy or .vti for the field itself");
 }
 
 Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFormat format) {
@@ -84,7 +84,7 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
   };
   const std::array<OfOneGrid, 7> of_one_grid{
       OfOneGrid{flags.labels.has_value(), "--labels needs one label map"},
-      OfOneGrid{job.writes<convert::FieldFileOptions>() != nullptr, "a .vdb output holds one grid"},
+      OfOneGrid{job.writes<convert::FieldFileOptions>() != nullptr, "a field as output is one grid"},
       OfOneGrid{flags.placement.center,
                 "--center moves each grid by the center of its own samples, which shifts the "
                 "grids against each other"},
@@ -152,7 +152,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   job.file = convert::MeshFileOptions{format};
   TRY(plan_vertices(flags, isos.size(), job));
   job.file = convert::MeshFileOptions{format, flags.ascii, TRY(plan_packing(flags, format))};
-  if (as_field) job.file = convert::FieldFileOptions{flags.half};
+  if (const auto field = field_format(flags)) job.file = convert::FieldFileOptions{flags.half, *field};
   if (picture) job.file = *picture;
 
   auto placement =

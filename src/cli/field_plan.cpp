@@ -1,5 +1,6 @@
 #include "cli/field_plan.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
@@ -8,16 +9,23 @@
 #include "cli/plan_parts.hpp"
 
 namespace isoextract::cli {
-bool writes_field(const ConvertFlags& flags) {
-  if (flags.format) return !flags.format->mesh && !flags.format->picture;
-  return flags.output && extension_of(*flags.output) == fmt::format(".{}", kFieldFormat);
+std::optional<volume_io::VolumeFileFormat> field_format(const ConvertFlags& flags) {
+  if (flags.format) return flags.format->field;
+  if (!flags.output) return std::nullopt;
+  const auto format = volume_io::volume_file_format_by_path(*flags.output);
+  return format && std::ranges::find(kFieldFormats, *format) != kFieldFormats.end() ? format : std::nullopt;
 }
 
 Result<void> check_field_options(const ConvertFlags& flags) {
-  if (!writes_field(flags)) {
+  const auto format = field_format(flags);
+  if (!format) {
     if (!flags.half) return {};
     return refuse_usage("--half applies to a stored field, but the output is a mesh",
-                        "give an output name that ends in .vdb");
+                        "give an output name that ends in .vdb or .npy");
+  }
+  if (flags.half && !volume_io::can_store(*format, field::SampleType::f16)) {
+    return refuse_usage(fmt::format("--half does not work with {}, which has no 16-bit floats", word_of(*format)),
+                        "use .vdb or .npy, or leave --half out");
   }
   std::vector<std::string_view> given;
   for (const Option* option : flags.set_about(About::surface)) given.push_back(option->name());

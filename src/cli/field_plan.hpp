@@ -1,21 +1,25 @@
 // Checks the options of outputs that hold the field itself instead of its surfaces, and the filters.
 #pragma once
 
-#include <string>
-#include <string_view>
+#include <array>
+#include <optional>
 
 #include "base/error.hpp"
 #include "cli/options.hpp"
+#include "volume_io/volume_writer.hpp"
 
 namespace isoextract::cli {
 
-inline constexpr std::string_view kFieldFormat = "vdb";  // also the extension, without its dot
+// Formats of the field itself; their words are also the extensions, without the dot.
+inline constexpr std::array kFieldFormats{volume_io::VolumeFileFormat::vdb, volume_io::VolumeFileFormat::nrrd,
+                                          volume_io::VolumeFileFormat::npy, volume_io::VolumeFileFormat::vti};
 
-// Returns whether the output is the field: by --format, or else by the extension of -o.
-[[nodiscard]] bool writes_field(const ConvertFlags& flags);
+// Returns the format of the field if the output is the field itself: by --format, or else by the extension of -o.
+[[nodiscard]] std::optional<volume_io::VolumeFileFormat> field_format(const ConvertFlags& flags);
+[[nodiscard]] inline bool writes_field(const ConvertFlags& flags) { return field_format(flags).has_value(); }
 
 // Fails with ErrorCode::usage if the output is the field and an option needs a surface (About::surface, --nan hole,
-// {iso} in -o), or if it is a mesh or picture and --half is given.
+// {iso} in -o), and if --half is given for a file that cannot hold it.
 [[nodiscard]] Result<void> check_field_options(const ConvertFlags& flags);
 
 // Fails with ErrorCode::usage if --filter, which needs a level set, is given with a --particles method that makes

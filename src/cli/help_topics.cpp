@@ -78,7 +78,10 @@ HelpTopic formats_topic() {
   }
   HelpBlock field{
       "isoextract can also write the field itself, after resampling and filters. A field needs no iso value.",
-      {{std::string(kFieldFormat), "OpenVDB, one grid of floats, or with --half of 16-bit ones"}}};
+      {{"vdb", "OpenVDB, one grid of floats, or with --half of 16-bit ones"},
+       {"nrrd", "NRRD with the transform, dense, in the type of the samples"},
+       {"npy", "NumPy array [z, y, x], dense; without spacing and origin; 16-bit floats with --half"},
+       {"vti", "VTK image data with appended raw samples, dense"}}};
   topic.blocks = {std::move(read), std::move(particles), std::move(written), std::move(field)};
   return topic;
 }

@@ -158,6 +158,11 @@ constexpr std::array kGuide{
     NoteGuide{one_camera,
               "The first picture sets the camera of all pictures, or each picture has its own; the note says which.",
               "Give --camera and --look-at."},
+    NoteGuide{placement_not_stored,
+              "The format of the written field has no room for its spacing and origin, or for the side of a level set.",
+              "When you read the file, give --spacing, --origin and --inside below with the values in the note. NRRD "
+              "stores the "
+              "placement, and .vdb the side as well."},
     NoteGuide{renamed_meshes, "The name of a mesh is not UTF-8.", ""},
     NoteGuide{rounded_positions, "float32 cannot tell apart all vertices this far from the origin.",
               "Use --center, or move the volume nearer to the origin."},

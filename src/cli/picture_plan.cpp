@@ -41,7 +41,7 @@ std::string cameras_note(const convert::PictureFileOptions& picture) {
 }
 
 std::string_view other_extension(const ConvertFlags& flags) {
-  if (writes_field(flags)) return kFieldFormat;
+  if (const auto field = field_format(flags)) return word_of(*field);
   return writes_picture(flags) ? kPictureFormat : std::string_view();
 }
 

@@ -102,7 +102,7 @@ class Conversion {
 
   // Runs before the input is read, so that missing tools are reported at once.
   Result<void> open_tools() {
-    return volume_io::check_grid_tools(job_.outputs.empty() ? source_.label : job_.outputs.front().path);
+    return check_field_tools(job_, job_.outputs.empty() ? source_.label : job_.outputs.front().path);
   }
 
   Result<void> write_samples(const OutputFileJob& output) {

@@ -26,6 +26,7 @@
 #include "render/camera.hpp"
 #include "volume_io/grid_tools.hpp"
 #include "volume_io/volume_reader.hpp"
+#include "volume_io/volume_writer.hpp"
 
 namespace isoextract::convert {
 
@@ -177,11 +178,12 @@ struct MeshFileOptions {
   friend bool operator==(const MeshFileOptions&, const MeshFileOptions&) = default;
 };
 
-// Writes the field itself as an OpenVDB file. The outputs then have no iso values, and mesh options have no effect.
+// Writes the field itself. The outputs then have no iso values, and mesh options have no effect.
 struct FieldFileOptions {
-  static constexpr std::array kMembers{"half"};
+  static constexpr std::array kMembers{"half", "format"};
 
-  bool as_half = false;  // stores 16-bit floats
+  bool as_half = false;                                                   // stores 16-bit floats; vdb and npy only
+  volume_io::VolumeFileFormat format = volume_io::VolumeFileFormat::vdb;  // not raw
 
   friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
 };

@@ -6,6 +6,7 @@
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
+#include "field/resample.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
 
@@ -45,6 +46,15 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   return most;
 }
 
+// Returns the memory of the samples, and of what is made of them for the file: a tree, or dense samples.
+std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::VolumeFileFormat format) {
+  const ConversionSize size = size_of_samples(field);
+  if (format == volume_io::VolumeFileFormat::vdb) return size.sample_bytes + size.samples * 2 * sizeof(float);
+  if (std::holds_alternative<field::DenseSamples>(field.samples)) return size.sample_bytes;
+  const glm::u64vec3 dims(field::resampled_box(field).dims());
+  return size.sample_bytes + size.lookup_bytes + dims.x * dims.y * dims.z * field::sample_size(field.type());
+}
+
 // Returns the estimated memory of the surfaces of one grid.
 Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid,
                                      const MemoryBudget& memory) {
@@ -53,10 +63,8 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   const auto source = TRY(open_source(with_grid(job.source, grid), use_of(job), context, unheard));
   // Making a field from particles takes more memory than keeping it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
-  if (job.writes<FieldFileOptions>() != nullptr) {
-    // The tree to write, and the samples that it is made from.
-    const ConversionSize size = size_of_samples(source.field);
-    most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
+  if (const auto* file = job.writes<FieldFileOptions>()) {
+    most = std::max(most, kProgramBytes + field_file_bytes(source.field, file->format));
   }
   for (const ResolvedIso& iso : source.isos) {
     // For labels, 0.5 estimates the surface around all of them together.

@@ -24,7 +24,7 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   const SimplifyChoice simplify = job.edits.simplify.value_or(SimplifyChoice());
   json["simplify"] = simplify.within ? Json(simplify_bound_text(*simplify.within)) : Json(nullptr);
   json["triangles"] = simplify.triangles ? Json(triangle_count_text(*simplify.triangles)) : Json(nullptr);
-  if (job.writes<FieldFileOptions>() != nullptr) json["format"] = "vdb";
+  if (const auto* file = job.writes<FieldFileOptions>()) json["format"] = word_of(file->format);
   if (job.writes<PictureFileOptions>() != nullptr) json["format"] = "png";
   json["memory_limit"] = memory_limit;
   return json;

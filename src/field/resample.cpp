@@ -378,13 +378,6 @@ IndexBox box_in_background(const SparseSamples& sparse) {
   return {box.min - 1, box.max + 1};
 }
 
-// Returns the box of samples that the new grid covers: all dense samples, or box_in_background() of sparse ones.
-IndexBox resampled_box(const ScalarField& field) {
-  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
-  if (sparse == nullptr) return field.extents();
-  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) { return box_in_background<T>(*sparse); });
-}
-
 std::string dims_text(const glm::i64vec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
 // Reserves the memory of the weights, unless it is negligible beside any grid.
@@ -459,6 +452,12 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
 }
 
 }  // namespace
+
+IndexBox resampled_box(const ScalarField& field) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return field.extents();
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) { return box_in_background<T>(*sparse); });
+}
 
 Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
                              NanHandling nan, const Context& context) {

@@ -64,6 +64,10 @@ enum class NanHandling {
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
                                            ResampleKernel kernel, NanHandling nan, const Context& context);
 
+// Returns the box of samples that resample() covers: all samples of a dense field. May read all samples of a sparse
+// field.
+[[nodiscard]] IndexBox resampled_box(const ScalarField& field);
+
 // Returns a resolution whose steps are about `voxel_size` (edge lengths in world units, along the axes of the field).
 // Rounds the number of steps in the box of resample() to a whole number, so that nothing is cut off. May read all
 // samples of a sparse field to find its box.

@@ -20,6 +20,8 @@ const std::vector<const ParticleFormat*>& particle_formats() {
         &npy_particles(),     //
         &xyz_particles(),     //
         &csv_particles(),     //
+        &gro_particles(),     //
+        &pdb_particles(),     //
     };
     for (const auto& plugin : plugins) {
       const auto same = [&](const ParticleFormat* format) { return format->about().id == plugin->about().id; };

@@ -17,6 +17,7 @@
 #include "base/version.hpp"
 #include "files/output_file.hpp"
 #include "files/record_stream.hpp"
+#include "particle_io/write/structured_writers.hpp"
 #include "volume_io/npy_text.hpp"
 
 namespace isoextract::particle_io {
@@ -38,14 +39,14 @@ Result<void> check_names(const std::string& file, const ParticleSet& particles) 
     return fail(ErrorCode::output, fmt::format("{}: expected at most {} particle attributes, found {}", file,
                                                kMostAttributes, particles.attributes.size()));
   }
-  std::set<std::string, std::less<>> taken{"x", "y", "z", "pos", "position"};
+  std::set<std::string, std::less<>> taken{"x", "y", "z", "p", "pos", "points", "position"};
   for (const ParticleAttribute& attribute : particles.attributes) {
     if (!is_plain_name(attribute.name) || !taken.insert(to_lower(attribute.name)).second) {
       return fail(
           ErrorCode::output,
           fmt::format(
-              "{}: expected a unique attribute name of at most {} letters, digits and underscores (not x, y, z, "
-              "pos or position), found '{}'",
+              "{}: expected a unique attribute name of at most {} letters, digits and underscores (not x, y, z, p, "
+              "pos, points or position), found '{}'",
               file, kMostLetters, printable(attribute.name, 2 * kMostLetters)));
     }
   }
@@ -148,6 +149,19 @@ Result<void> write_text_rows(const ParticleSet& particles, files::OutputFile& fi
   });
 }
 
+Result<void> write_content(files::OutputFile& file, const ParticleSet& particles, ParticleFileFormat format) {
+  switch (format) {
+    case ParticleFileFormat::ply: TRY(file.write(std::string_view(ply_header(particles)))); break;
+    case ParticleFileFormat::npy: TRY(file.write(std::string_view(npy_particle_header(particles)))); break;
+    case ParticleFileFormat::xyz:
+      TRY(file.write(std::string_view(xyz_header(particles))));
+      return write_text_rows(particles, file);
+    case ParticleFileFormat::bgeo: return write_bgeo(file, particles);
+    case ParticleFileFormat::vtu: return write_vtu(file, particles);
+  }
+  return write_binary_rows(particles, file);
+}
+
 }  // namespace
 
 std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path) {
@@ -162,14 +176,8 @@ Result<std::uint64_t> write_particles(const std::filesystem::path& path, const P
                                       ParticleFileFormat format) {
   TRY(check_names(printable(path.string()), particles));
   auto file = TRY(files::OutputFile::create(path));
-  const bool is_text = format == ParticleFileFormat::xyz;
-  const std::string header = is_text                             ? xyz_header(particles)
-                             : format == ParticleFileFormat::ply ? ply_header(particles)
-                                                                 : npy_particle_header(particles);
-  auto written = file.write(std::string_view(header));
-  if (written) written = is_text ? write_text_rows(particles, file) : write_binary_rows(particles, file);
-  if (written) written = file.commit();
-  if (!written) return tl::unexpected(written.error());
+  TRY(write_content(file, particles, format));
+  TRY(file.commit());
   return file.bytes_written();
 }
 

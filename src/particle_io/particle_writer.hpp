@@ -13,13 +13,16 @@ namespace isoextract::particle_io {
 
 // Writes positions as float64 and attributes as float32, so that read_particles() returns the same numbers.
 enum class ParticleFileFormat {
-  ply,  // binary: x, y, z; NAME, or NAME_x, NAME_y, NAME_z for three components, or NAME_0, NAME_1, ...
-  npy,  // structured array: position (3), and each attribute with its components
-  xyz,  // extended XYZ, text: pos, and each attribute
+  ply,   // binary: x, y, z; NAME, or NAME_x, NAME_y, NAME_z for three components, or NAME_0, NAME_1, ...
+  npy,   // structured array: position (3), and each attribute with its components
+  xyz,   // extended XYZ, text: pos, and each attribute
+  bgeo,  // Houdini geometry since version 12, binary: P, and each attribute with its kind
+  vtu,   // VTK unstructured grid, appended raw: a vertex cell per particle
 };
 constexpr auto words_of(ParticleFileFormat /*type*/) {
   return std::array{Word{ParticleFileFormat::ply, "ply"}, Word{ParticleFileFormat::npy, "npy"},
-                    Word{ParticleFileFormat::xyz, "xyz"}};
+                    Word{ParticleFileFormat::xyz, "xyz"}, Word{ParticleFileFormat::bgeo, "bgeo"},
+                    Word{ParticleFileFormat::vtu, "vtu"}};
 }
 
 // Returns the format for a file's extension, ignoring case.
@@ -30,7 +33,7 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
 // attribute name
 // - has characters other than A to Z, a to z, digits and underscores,
 // - is empty or longer than 40 characters,
-// - equals another attribute's name or one of x, y, z, pos and position, ignoring case.
+// - equals another attribute's name or one of x, y, z, p, pos, points and position, ignoring case.
 [[nodiscard]] Result<std::uint64_t> write_particles(const std::filesystem::path& path,
                                                     const points::ParticleSet& particles, ParticleFileFormat format);
 

@@ -18,12 +18,27 @@ tl::unexpected<Error> cannot_hold(const std::filesystem::path& path, VolumeFileF
   return fail(ErrorCode::output, fmt::format("{}: {} files cannot store {}", path.string(), word_of(format), what));
 }
 
-Result<std::string> header_of(const std::filesystem::path& path, const field::ScalarField& field,
-                              const field::DenseSamples& samples, VolumeFileFormat format) {
-  if (format == VolumeFileFormat::npy) return npy_header(samples);
-  if (format != VolumeFileFormat::nrrd) return "";
-  if (samples.type == field::SampleType::f16) return cannot_hold(path, format, "16-bit floats");
-  return nrrd_header(field, samples);
+// The text before and after the samples.
+struct Surroundings {
+  std::string header;
+  std::string_view trailer = {};
+};
+
+Result<Surroundings> surroundings_of(const std::filesystem::path& path, const field::ScalarField& field,
+                                     const field::DenseSamples& samples, VolumeFileFormat format) {
+  if (!can_store(format, samples.type)) return cannot_hold(path, format, "16-bit floats");
+  switch (format) {
+    case VolumeFileFormat::npy: return Surroundings{npy_header(samples)};
+    case VolumeFileFormat::nrrd: return Surroundings{nrrd_header(field, samples)};
+    case VolumeFileFormat::vti:
+      if (!has_perpendicular_axes(field.index_to_world)) {
+        return cannot_hold(path, format, "axes that are not perpendicular");
+      }
+      return Surroundings{vti_header(field, samples), kVtiTrailer};
+    case VolumeFileFormat::raw:
+    case VolumeFileFormat::vdb: break;
+  }
+  return Surroundings{};
 }
 
 }  // namespace
@@ -35,6 +50,10 @@ std::optional<VolumeFileFormat> volume_file_format_by_path(const std::filesystem
   return value_of<VolumeFileFormat>(extension.substr(1));
 }
 
+bool can_store(VolumeFileFormat format, field::SampleType type) {
+  return type != field::SampleType::f16 || (format != VolumeFileFormat::nrrd && format != VolumeFileFormat::vti);
+}
+
 Result<std::uint64_t> write_volume(const std::filesystem::path& path, std::span<const field::ScalarField> fields,
                                    VolumeFileFormat format, const Context& context) {
   if (format == VolumeFileFormat::vdb) return write_vdb(path, fields, context);
@@ -43,12 +62,13 @@ Result<std::uint64_t> write_volume(const std::filesystem::path& path, std::span<
   const auto* samples = std::get_if<field::DenseSamples>(&field.samples);
   if (samples == nullptr) return cannot_hold(path, format, "sparse fields");
   if (!field.scale.is_identity()) return cannot_hold(path, format, "a value scale (slope and intercept)");
-  const auto header = TRY(header_of(path, field, *samples, format));
+  const auto around = TRY(surroundings_of(path, field, *samples, format));
   auto file = TRY(files::OutputFile::create(path));
-  TRY(file.write(header));
+  TRY(file.write(around.header));
   const std::span bytes(static_cast<const std::byte*>(samples->data),
                         samples->count() * field::sample_size(samples->type));
   TRY(file.write(bytes));
+  TRY(file.write(around.trailer));
   TRY(check_mapping_intact(field));
   const std::uint64_t count = file.bytes_written();
   TRY(file.commit());

@@ -1,5 +1,7 @@
 """Tables as spreadsheets write them: semicolons, decimal commas, byte order marks, a line that tells the separator."""
 
+import json
+
 from support import ProgramTest, main
 
 POINTS = [(0.5 * (i % 3), 0.5 * (i // 3 % 3), 0.5 * (i // 9)) for i in range(27)]
@@ -49,6 +51,25 @@ class SpreadsheetsTest(ProgramTest):
         run = self.convert("point.csv", "--radius", "0.4", "-o", "text.ply")
         self.assertNotIn("commas", run.err)
         self.assertEqual((self.folder / "text.ply").read_bytes(), (self.folder / "point.ply").read_bytes())
+
+    def test_headers_of_houdini(self):
+        """Components behind a point, nothing or in brackets; semicolons and decimal commas."""
+        points = [tuple(f"{value:g}" for value in point) for point in POINTS]
+        self.write("plain.csv", "x,y,z\n" + "".join(",".join(point) + "\n" for point in points))
+        self.convert("plain.csv", "--radius", "0.4", "-o", "plain.ply")
+        for number, names in enumerate((("P.x", "P.y", "P.z", "Cd.r", "Cd.g", "Cd.b"), ("Px", "Py", "Pz", "Cd[r]", "Cd[g]", "Cd[b]"),
+                                        ("P[x]", "P[y]", "P[z]", "Cd_r", "Cd_g", "Cd_b"))):
+            for separator in (",", ";"):
+                rows = [separator.join((*point, "0.25", "0.5", "1")) for point in points]
+                if separator == ";":
+                    rows = [row.replace(".", ",") for row in rows]
+                self.write("h.csv", "\n".join((separator.join(names), *rows)) + "\n")
+                self.convert("h.csv", "--radius", "0.4", "-o", f"{number}.ply")
+                self.assertEqual((self.folder / f"{number}.ply").read_bytes(), (self.folder / "plain.ply").read_bytes(), names)
+                (attribute,) = json.loads(self.convert("info", "h.csv", "--json").text)[0]["particles"]["attributes"]
+                self.assertEqual((attribute["name"], attribute["components"]), ("Cd", 3))
+        self.write("h.csv", "P.x;P.y;P.z;m\n1.000,5;0;0;1\n")
+        self.assert_fails(2, self.run_program("h.csv", "--radius", "0.4", "-o", "h.ply"), "line 2: expected a number as 'P.x', found '1.000,5'")
 
     def test_particles_with_two_decimal_marks(self):
         for rows, found in (("0,5;0;0\n1.5;0;0\n", "line 3: expected a number as 'x', with the same decimal mark as the numbers before"),

@@ -257,6 +257,8 @@ void write_particles(const fs::path& root) {
   seed("lammps_tilted", "lammps",
        "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n8 15 1\n20 25.5 -2\n"
        "30 36 0.5\nITEM: ATOMS xs ys zs id\n0.5 0.25 0.75 1\n");
+  seed("gro", "gro", std::string(kGromacs));
+  seed("pdb", "pdb", std::string(kProteinDataBank));
   seed("csv", "csv", "\xEF\xBB\xBFid;x [mm];y [mm];z [mm];\"a \"\"b\"\r\n1;2;3;4;\"q\"\r\n2;;1e400;nan;-1\r\n");
   seed("csv_words", "csv", "# x y z\n1 2 3\n4 5 6\n");
 }

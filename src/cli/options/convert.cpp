@@ -13,7 +13,9 @@ std::vector<Choice<OutputFormat>> output_formats() {
     formats.push_back({std::string(info.name), {info.format}});
   }
   formats.push_back({std::string(kPictureFormat), {std::nullopt, true}});
-  formats.push_back({std::string(kFieldFormat), {}});
+  for (const volume_io::VolumeFileFormat format : kFieldFormats) {
+    formats.push_back({std::string(word_of(format)), {std::nullopt, false, format}});
+  }
   return formats;
 }
 

@@ -42,10 +42,11 @@ struct ColorFlag {
 [[nodiscard]] Result<ColorFlag> parse_color(std::string_view text);
 [[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);  // A[,B...], above 0, at most 1
 
-// Kind of the output -o: a mesh format or, without one, a picture of the meshes or the field itself as an OpenVDB file.
+// Kind of the output -o: a mesh format or, without one, a picture of the meshes or the field itself.
 struct OutputFormat {
   std::optional<mesh_io::MeshFormat> mesh;
   bool picture = false;
+  std::optional<volume_io::VolumeFileFormat> field = {};
 };
 [[nodiscard]] std::vector<Choice<OutputFormat>> output_formats();
 
@@ -182,8 +183,9 @@ struct ConvertFlags : OptionSet {
   Value<std::string> output{
       everyday(only_convert(OptionGroup::output)), "-o,--output", "FILE", parse_text,
       "File to write; its extension chooses the format. Default: the input's name with .glb, in the current folder; "
-      "input from stdin needs a name. - is stdout and needs --format. .vdb writes the field itself, resampled and "
-      "filtered, as an OpenVDB file: it needs no --iso and takes no options of surfaces. .png draws the surfaces. "
+      "input from stdin needs a name. - is stdout and needs --format. .vdb, .nrrd, .npy and .vti write the "
+      "field itself, resampled and filtered: it needs no --iso and takes no options of surfaces. .png draws the "
+      "surfaces. "
       "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file; {piece} for the "
       "number of a body, with --split-components. A file gets its name when it is complete. A killed run may leave a "
       "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};
@@ -210,7 +212,7 @@ struct ConvertFlags : OptionSet {
                             "Point that the camera of a picture looks at. In the coordinates of the surfaces. Default: "
                             "their center. With the distance of --camera all frames of a sequence have one camera.",
                             About::picture};
-  Flag half{only_convert(OptionGroup::output), "--half", "Store a field as 16-bit floats, in half the space."};
+  Flag half{only_convert(OptionGroup::output), "--half", "Store a field as 16-bit floats (.vdb, .npy)."};
   Value<std::string> report{everyday(only_convert(OptionGroup::output)), "--report", "FILE", parse_text,
                             "Write a JSON report of the conversion. It has options, input, time and memory of each "
                             "stage, what was left out, and the facts of each mesh, which take time and memory of their "

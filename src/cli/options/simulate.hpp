@@ -95,7 +95,7 @@ struct WaterFlags : OptionSet {
                                      simulate::kDefaultFlowDiv)};
   SequenceFlags sequence{
       *this, kWaterExample,
-      "The extension, .nrrd, .npy, .raw or .vdb, chooses the format. '-' is stdout and needs --format. "
+      "The extension, .nrrd, .npy, .raw, .vdb or .vti, chooses the format. '-' is stdout and needs --format. "
       "'{grid}' stands for terrain or water, where --what writes both into files of their own.",
       true};
   Value<volume_io::VolumeFileFormat> format{in(OptionGroup::output), "--format",
@@ -153,9 +153,9 @@ struct JetFlags : OptionSet {
   Value<std::uint64_t> iterations{
       in(OptionGroup::simulation), "--iterations", "N", parse_positive_count,
       fmt::format("Solver iterations per step (default: {}). More of them compress the liquid less.", jet_.iterations)};
-  SequenceFlags sequence{*this, kJetExample,
-                         "The extension, .ply, .npy or .xyz, chooses the format. '-' is stdout and needs --format.",
-                         false};
+  SequenceFlags sequence{
+      *this, kJetExample,
+      "The extension, .ply, .npy, .xyz, .bgeo or .vtu, chooses the format. '-' is stdout and needs --format.", false};
   Value<particle_io::ParticleFileFormat> format{in(OptionGroup::output), "--format",
                                                 "Format of the output, whatever the extension."};
   RunFlags run{*this};

@@ -90,6 +90,14 @@ constexpr std::array<std::string_view, 14> kPositionNames{
     "x y z",      "position", "positions", "pos",      "points", "point",  "coordinates",
     "coordinate", "coords",   "coord",     "location", "centre", "center", kHoudiniPosition};
 
+bool is_called(std::string_view group, std::string_view position_name) {
+  return position_name == kHoudiniPosition ? group == position_name : to_lower(group) == position_name;
+}
+
+bool is_position_name(std::string_view name) {
+  return std::ranges::any_of(kPositionNames, [&](std::string_view known) { return is_called(name, known); });
+}
+
 std::array<std::size_t, 3> find_position(const ParticleTable& table, const ParticleReadOptions& options) {
   if (options.columns) {
     std::array<std::size_t, 3> position{};
@@ -100,8 +108,7 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
   if (table.position) return *table.position;
   for (const std::string_view name : kPositionNames) {
     for (const ColumnTuple& group : table.groups) {
-      const bool is_called_so = name == kHoudiniPosition ? group.name == name : to_lower(group.name) == name;
-      if (group.columns.size() != 3 || !is_called_so) continue;
+      if (group.columns.size() != 3 || !is_called(group.name, name)) continue;
       return {group.columns[0], group.columns[1], group.columns[2]};
     }
   }
@@ -175,7 +182,7 @@ std::string_view without_spaces_behind(std::string_view text) {
   return text;
 }
 
-// Suffixes of components: digits or these letters. Colors only in brackets: "Cd[r]".
+// Suffixes of components: digits or these letters. Colors only in brackets or after a separator: "Cd[r]", "Cd.r".
 enum class ComponentNames { digits, axes, colors };
 constexpr std::string_view kAxes = "xyz";
 constexpr std::string_view kColors = "rgba";
@@ -192,18 +199,20 @@ std::optional<Component> component_of(std::string_view name) {
   const auto brackets = split_brackets(name);
   std::string_view stem = name.substr(0, name.size() - 1);
   char last = name.back();
+  bool is_apart = brackets.has_value();
   if (brackets) {
     if (brackets->inside.size() != 1) return std::nullopt;
     stem = without_spaces_behind(brackets->before);
     last = brackets->inside.front();
   } else if (!stem.empty() && kBetween.find(stem.back()) != std::string_view::npos) {
     stem.remove_suffix(1);
+    is_apart = !stem.empty();
   }
   const std::string letter = to_lower({&last, 1});
   if (const std::size_t axis = kAxes.find(letter); axis != std::string_view::npos) {
     return Component{stem, axis, ComponentNames::axes};
   }
-  if (const std::size_t channel = kColors.find(letter); brackets && channel != std::string_view::npos) {
+  if (const std::size_t channel = kColors.find(letter); is_apart && channel != std::string_view::npos) {
     return Component{stem, channel, ComponentNames::colors};
   }
   if (is_digit(last) && !stem.empty()) {
@@ -243,8 +252,11 @@ void add_tuple(ParticleTable& table, const std::string& name, const std::string&
 void group_by_names(ParticleTable& table) {
   const std::vector<ParticleColumn>& columns = table.columns;
   for (std::size_t first = 0; first < columns.size();) {
+    // Columns of a position stay together, so that the error names the one that is not numeric.
+    const auto start = component_of(columns[first].name);
+    const bool is_whole = start && is_position_name(start->stem);
     const std::size_t count = count_components(first, [&](std::size_t column) -> std::string_view {
-      if (column >= columns.size() || columns[column].numeric != columns[first].numeric) return {};
+      if (column >= columns.size() || (!is_whole && columns[column].numeric != columns[first].numeric)) return {};
       return columns[column].name;
     });
     ColumnTuple group{columns[first].name, {}};

@@ -100,6 +100,8 @@ class ParticleFormat {
 [[nodiscard]] const ParticleFormat& npy_particles();
 [[nodiscard]] const ParticleFormat& xyz_particles();
 [[nodiscard]] const ParticleFormat& csv_particles();
+[[nodiscard]] const ParticleFormat& gro_particles();
+[[nodiscard]] const ParticleFormat& pdb_particles();
 
 // Returns all formats; plug-ins last.
 [[nodiscard]] const std::vector<const ParticleFormat*>& particle_formats();

@@ -91,6 +91,13 @@ void split_words(std::string_view line, std::vector<std::string_view>& words) {
   }
 }
 
+std::string_view fixed_field(std::string_view line, std::size_t first, std::size_t count) {
+  std::string_view field = first < line.size() ? line.substr(first, count) : std::string_view();
+  while (!field.empty() && field.front() == ' ') field.remove_prefix(1);
+  while (!field.empty() && field.back() == ' ') field.remove_suffix(1);
+  return field;
+}
+
 void words_of_row(const ContentReader& content, std::string_view line, std::size_t count,
                   std::vector<std::string_view>& words) {
   split_words(line, words);

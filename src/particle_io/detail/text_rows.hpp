@@ -36,6 +36,10 @@ void split_words(std::string_view line, std::vector<std::string_view>& words);
 void words_of_row(const ContentReader& content, std::string_view line, std::size_t count,
                   std::vector<std::string_view>& words);
 
+// Returns the characters [first, first + count) of a line with fixed columns, without blanks around them; those that
+// the line has.
+[[nodiscard]] std::string_view fixed_field(std::string_view line, std::size_t first, std::size_t count);
+
 // Delivers the numbers of a row to particle `particle`. An empty field is NaN. Without `decimals`, only decimal points
 // are accepted. Throws InvalidParticleFile.
 void deliver_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,

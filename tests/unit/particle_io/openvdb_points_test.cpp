@@ -93,6 +93,31 @@ TEST(OpenVdbPoints, ReadsPositionsAndAttributes) {
   EXPECT_EQ(seen.size(), places.size());
 }
 
+// As Blender's liquid caches store flags.
+TEST(OpenVdbPoints, ReadsTruncatedIntegers) {
+  NEEDS_OPENVDB_PLUGIN();
+  namespace points = openvdb::points;
+  using Truncated = points::TypedAttributeArray<std::int32_t, points::TruncateCodec>;
+  const TempFolder folder;
+  const auto places = some_places();
+  const auto grid = point_grid("drops", places, 0.5);
+  Truncated::registerType();
+  points::appendAttribute<std::int32_t, points::TruncateCodec>(grid->tree(), "flags", -3);
+  for (auto leaf = grid->tree().beginLeaf(); leaf; ++leaf) {
+    points::AttributeWriteHandle<std::int32_t> flags(leaf->attributeArray("flags"));
+    const points::AttributeHandle<std::int32_t> id(leaf->constAttributeArray("id"));
+    for (openvdb::Index i = 0; i < id.size(); ++i) flags.set(i, id.get(i) - 100);
+  }
+  write_vdb(folder / "p.vdb", {grid});
+  Truncated::unregisterType();  // as in a process that reads the file
+  const auto read = try_points(folder / "p.vdb", with_all());
+  ASSERT_TRUE(read) << read.error().message;
+  const auto& id = attribute_named(read->particles, "id").values;
+  const auto& flags = attribute_named(read->particles, "flags").values;
+  ASSERT_EQ(flags.size(), places.size());
+  for (std::size_t i = 0; i < flags.size(); ++i) EXPECT_EQ(flags[i], id[i] - 100);
+}
+
 TEST(OpenVdbPoints, OffersThePositionAsAttribute) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;

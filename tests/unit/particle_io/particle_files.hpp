@@ -256,6 +256,21 @@ inline constexpr std::string_view kLammpsDump =
     "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n-1 9\n0 20\n0 10\n"
     "ITEM: ATOMS id xs ys zs\n3 0.5 0.25 1\n1 0 0 0\n2 1.5 -0.5 0.125\n";
 
+inline constexpr std::string_view kGromacs =
+    "Water in a box, t= 0.5\n    3\n"
+    "    1SOL     OW    1   1.000   2.000   3.000 -1.0000  0.0000  1.0000\n"
+    "    1SOL    HW1    2   4.000   5.000   6.000 -2.0000  0.0000  2.0000\n"
+    "    2SOL     OW    3   7.000   8.000   9.500  0.2500  0.0000  0.0000\n   9.00000   9.00000   9.00000\n"
+    "More digits, t= 1.5\n1\n    1SOL     OW    1   7.00000   8.00000   9.50000\n   9.00000   9.00000   9.00000\n";
+
+inline constexpr std::string_view kProteinDataBank =
+    "HEADER    MADE BY HAND\nCRYST1   30.000   30.000   30.000  90.00  90.00  90.00 P 1           1\nMODEL        1\n"
+    "ATOM      1  N   ALA A   1       1.000   2.000   3.000  1.00 20.50           N  \n"
+    "ANISOU    1  N   ALA A   1     2406   1892   1614    198    519   -328       N  \n"
+    "HETATM    2 CL    CL B   2       4.000   5.000   6.000  0.50  0.00          CL  \n"
+    "ATOM  *****  HG11VAL A  -3       7.000   8.000   9.500\nTER\nENDMDL\nMODEL        2\n"
+    "ATOM      1  CA  ALA A   1       7.000   8.000   9.500  1.00 20.50\nENDMDL\nEND\n";
+
 inline constexpr std::string_view kExtendedXyz =
     "2\nLattice=\"5 0 0 0 5 0 0 0 5\" Properties=species:S:1:pos:R:3:forces:R:3:tag:I:1:fixed:L:1 Time=0.5\n"
     "Si 1 2 3 -1 0 1 7 T\nSi 4 5 6 -2 0 2 8 F\n1\nProperties=species:S:1:pos:R:3\nO 7 8 9.5\n";

@@ -38,15 +38,11 @@ points::ParticleSet some_particles(std::size_t count) {
   return set;
 }
 
-const char* extension_of(ParticleFileFormat format) {
-  return format == ParticleFileFormat::ply ? "ply" : format == ParticleFileFormat::npy ? "npy" : "xyz";
-}
+std::string extension_of(ParticleFileFormat format) { return std::string(word_of(format)); }
 
 class ParticleWriter : public testing::TestWithParam<ParticleFileFormat> {
  protected:
-  [[nodiscard]] std::filesystem::path path() const {
-    return folder_ / (std::string("some.") + extension_of(GetParam()));
-  }
+  [[nodiscard]] std::filesystem::path path() const { return folder_ / ("some." + extension_of(GetParam())); }
 
   TempFolder folder_;
 };
@@ -115,8 +111,43 @@ TEST_P(ParticleWriter, ReportsWriteErrors) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, ParticleWriter,
-                         testing::Values(ParticleFileFormat::ply, ParticleFileFormat::npy, ParticleFileFormat::xyz),
+                         testing::Values(ParticleFileFormat::ply, ParticleFileFormat::npy, ParticleFileFormat::xyz,
+                                         ParticleFileFormat::bgeo),
                          [](const auto& tested) { return extension_of(tested.param); });
+
+// The vtk plug-in and VTK's own reader read them back in tests/cli/particle_files_test.py.
+TEST(ParticleFileFormats, UnstructuredGridsAppendRawArrays) {
+  const TempFolder folder;
+  const points::ParticleSet set = some_particles(3);
+  ASSERT_TRUE(write_particles(folder / "a.vtu", set, ParticleFileFormat::vtu));
+  const std::string bytes = test::read_bytes(folder / "a.vtu");
+  EXPECT_NE(bytes.find("<Piece NumberOfPoints=\"3\" NumberOfCells=\"3\">"), std::string::npos);
+  EXPECT_NE(bytes.find("Name=\"velocity\" NumberOfComponents=\"3\" format=\"appended\" offset=\"155\""),
+            std::string::npos);
+  std::string expected = test::pack(std::uint64_t{72});
+  for (const glm::dvec3& p : set.positions) expected += test::pack(p.x) + test::pack(p.y) + test::pack(p.z);
+  expected += test::pack(std::uint64_t{24});
+  for (const std::int64_t i : {0, 1, 2}) expected += test::pack(i);
+  expected += test::pack(std::uint64_t{24});
+  for (const std::int64_t i : {1, 2, 3}) expected += test::pack(i);
+  expected += test::pack(std::uint64_t{3}) + "\1\1\1" + test::pack(std::uint64_t{36});
+  const std::size_t start = bytes.find("\n_") + 2;
+  EXPECT_EQ(bytes.substr(start, expected.size()), expected);
+}
+
+TEST(ParticleFileFormats, HoudiniGeometryKeepsKinds) {
+  const TempFolder folder;
+  points::ParticleSet set = some_particles(2000);  // more than a page
+  set.attributes[0].kind = AttributeKind::vector;
+  ASSERT_TRUE(write_particles(folder / "a.bgeo", set, ParticleFileFormat::bgeo));
+  ParticleReadOptions options;
+  options.all_attributes = true;
+  const auto read = read_particles((folder / "a.bgeo").string(), options, Context());
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->particles.attributes[0].kind, AttributeKind::vector);
+  EXPECT_EQ(read->particles.attributes[1].kind, std::nullopt);
+  EXPECT_EQ(read->particles.positions[1999], set.positions[1999]);
+}
 
 TEST(ParticleFileFormats, AreChosenByExtension) {
   EXPECT_EQ(particle_file_format_by_path("a/b_0001.ply"), ParticleFileFormat::ply);

@@ -18,7 +18,9 @@ std::vector<ParticleInput> all_kinds() {
            npy_bytes("[('a', '<f4', (3,)), ('x', '<f4'), ('y', '<f4'), ('z', '<f4')]", "(2,)", std::string(48, '\1'))},
           {"a.xyz", std::string(kExtendedXyz)},
           {"a.csv", "x,y,z,\"a b\"\n1,2,3,4\n4,5,6,7\n"},
-          {"a.dump", std::string(kLammpsDump)}};
+          {"a.dump", std::string(kLammpsDump)},
+          {"a.gro", std::string(kGromacs)},
+          {"a.pdb", std::string(kProteinDataBank)}};
 }
 
 // Largest reservation while reading: a block of the file, and the particles.
@@ -27,7 +29,8 @@ constexpr std::uint64_t kMost = (std::uint64_t{2} << 20) + 4096;
 void read_damaged(const std::filesystem::path& path, const std::string& bytes) {
   std::filesystem::remove(path);  // some file systems wait for the disk when a file is overwritten
   write_bytes(path, bytes);
-  const bool has_frames = path.extension() == ".xyz" || path.extension() == ".dump";
+  const bool has_frames = path.extension() == ".xyz" || path.extension() == ".dump" || path.extension() == ".gro" ||
+                          path.extension() == ".pdb";
   for (const bool frame : {false, true}) {
     if (frame && !has_frames) break;
     particle_io::ParticleReadOptions options = with_all();

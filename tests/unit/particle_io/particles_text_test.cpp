@@ -73,6 +73,21 @@ TEST(ParticlesCsv, TakesBracketedLettersForComponents) {
   expect_positions(must_read_particles(input, options).particles, {{0.5, -1, 3}, {4, 5, 6}});
 }
 
+// Headers of other exporters of Houdini's attributes.
+TEST(ParticlesCsv, TakesLettersBehindSeparatorsForComponents) {
+  for (const std::string mark : {".", ":", "_", "-", " "}) {
+    std::string header = "P?x,P?y,P?z,Cd?r,Cd?g,Cd?b,Cd?a,v?x,v?y,v?z,bar,bag,bab\n";
+    for (std::size_t at = header.find('?'); at != std::string::npos; at = header.find('?')) header.replace(at, 1, mark);
+    const ParticleInput input{"a.csv", header + "1,2,3,0.1,0.2,0.3,1,4,5,6,7,8,9\n"};
+    EXPECT_EQ(quantities_of(must_inform(input)),
+              (std::vector<std::string>{"Cd:4 number", "v:3 number", "bar:1 number", "bag:1 number", "bab:1 number"}));
+    expect_positions(must_read_particles(input).particles, {{1, 2, 3}});
+  }
+  // The error names the column of a position that has no numbers, not a missing column.
+  const Error error = particle_refusal({"a.csv", "Px;Py;Pz;m\n1.000,5;2;3;4\n"});
+  expect_in(error.message, "line 2: expected a number as 'Px', found '1.000,5'");
+}
+
 TEST(ParticlesCsv, TakesBracketedUnitsForUnits) {
   const ParticleInput input{"a.csv",
                             "x [mm],y [mm],z [mm],mass [g],age [a],v[x] [m/s],v[y] [m/s],v[z] [m/s],Cd[r],Cd[g],Cd[b],"

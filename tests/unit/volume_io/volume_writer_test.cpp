@@ -5,6 +5,8 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
+
 #include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
@@ -76,6 +78,49 @@ TEST(VolumeWriter, WritesOneLayerAsTwoAxes) {
   EXPECT_EQ(bytes[127], '\n');
 }
 
+// Our readers and VTK's agree on the byte layout; tests/cli/field_formats_test.py asks VTK.
+TEST(VolumeWriter, WritesImageDataOfVtk) {
+  const TempFolder folder;
+  field::ScalarField field = ramp_field<std::int16_t>();
+  field.name = "a<\"b\">&";
+  field.index_to_world = {glm::dmat3(0, 0.5, 0, -0.25, 0, 0, 0, 0, 2), glm::dvec3(1, -3, 0.125)};
+  const auto written = volume_io::write_volume(folder / "a.vti", {&field, 1}, VolumeFileFormat::vti, Context());
+  ASSERT_TRUE(written) << written.error().message;
+  const std::string bytes = bytes_of_file(folder / "a.vti");
+  EXPECT_EQ(*written, bytes.size());
+  const std::string extent = fmt::format("0 {} 0 {} 0 {}", kDims.x - 1, kDims.y - 1, kDims.z - 1);
+  for (const std::string& part :
+       {fmt::format("WholeExtent=\"{}\" Origin=\"1 -3 0.125\" Spacing=\"0.5 0.25 2\" Direction=\"0 -1 0 1 0 0 0 0 1\"",
+                    extent),
+        fmt::format("<Piece Extent=\"{}\">", extent),
+        std::string("type=\"Int16\" Name=\"a&lt;&quot;b&quot;&gt;&amp;\""), std::string("header_type=\"UInt64\"")}) {
+    EXPECT_NE(bytes.find(part), std::string::npos) << part;
+  }
+  const std::string samples = ramp_bytes<std::int16_t>(std::endian::native);
+  const std::size_t start = bytes.find("   _") + 4;
+  std::uint64_t size = 0;
+  bytes.copy(reinterpret_cast<char*>(&size), sizeof size, start);
+  EXPECT_EQ(size, samples.size());
+  EXPECT_EQ(bytes.substr(start + sizeof size, samples.size()), samples);
+  EXPECT_EQ(bytes.substr(start + sizeof size + samples.size()), "\n  </AppendedData>\n</VTKFile>\n");
+}
+
+TEST(VolumeWriter, KeepsTheSpaceOfScans) {
+  const TempFolder folder;
+  field::ScalarField field = ramp_field<float>();
+  field.length_unit = "mm";
+  for (const auto& [space, read] :
+       {std::pair("RAS+ (NIfTI)", "right-anterior-superior"),
+        std::pair("left-posterior-superior", "left-posterior-superior"), std::pair("some other space", "")}) {
+    field.world_space = space;
+    ASSERT_TRUE(volume_io::write_volume(folder / "a.nrrd", {&field, 1}, VolumeFileFormat::nrrd, Context()));
+    const field::ScalarField again = must_read(folder / "a.nrrd");
+    EXPECT_EQ(again.world_space, read);
+    EXPECT_EQ(again.length_unit, "mm");
+    EXPECT_EQ(again.index_to_world, field.index_to_world);
+  }
+}
+
 TEST(VolumeWriter, ChoosesFormatsByExtension) {
   EXPECT_EQ(volume_io::volume_file_format_by_path("a/b.NPY"), VolumeFileFormat::npy);
   EXPECT_EQ(volume_io::volume_file_format_by_path("b.vdb"), VolumeFileFormat::vdb);
@@ -101,6 +146,8 @@ TEST(VolumeWriter, RejectsUnsupportedFields) {
   field = ramp_field<float>();
   std::get<field::DenseSamples>(field.samples).type = field::SampleType::f16;
   EXPECT_NE(refused({&field, 1}, VolumeFileFormat::nrrd).find("16-bit floats"), std::string::npos);
+  EXPECT_NE(refused({&field, 1}, VolumeFileFormat::vti).find("16-bit floats"), std::string::npos);
+  EXPECT_NE(refused({two.data(), 1}, VolumeFileFormat::vti).find("axes that are not perpendicular"), std::string::npos);
   const auto nowhere =
       volume_io::write_volume(folder / "none" / "a.raw", {&field, 1}, VolumeFileFormat::raw, Context());
   EXPECT_EQ(nowhere.error().code, ErrorCode::output);

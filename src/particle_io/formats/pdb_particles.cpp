@@ -1,0 +1,204 @@
+// Atoms of Protein Data Bank files (.pdb): lines with fixed columns
+// (https://www.wwpdb.org/documentation/file-format-content/format33/sect9.html). MODEL, ENDMDL and END separate frames.
+// Lengths are in angstrom. All other records are ignored, the unit cell too.
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "base/printable.hpp"
+#include "particle_io/detail/frame_index.hpp"
+#include "particle_io/detail/particle_columns.hpp"
+#include "particle_io/detail/text_rows.hpp"
+
+namespace isoextract::particle_io {
+namespace {
+
+// The columns of an atom, counted from 0, in the order of pdb_table().
+struct FixedColumn {
+  std::size_t first;
+  std::size_t count;
+};
+constexpr std::array kFixedColumns{FixedColumn{6, 5},  FixedColumn{12, 4}, FixedColumn{17, 3}, FixedColumn{21, 1},
+                                   FixedColumn{22, 4}, FixedColumn{30, 8}, FixedColumn{38, 8}, FixedColumn{46, 8},
+                                   FixedColumn{54, 6}, FixedColumn{60, 6}, FixedColumn{76, 2}};
+constexpr std::size_t kId = 0;
+constexpr std::size_t kName = 1;
+constexpr std::size_t kResid = 4;
+constexpr std::size_t kX = 5;
+constexpr std::size_t kOccupancy = 8;
+constexpr std::size_t kTemperature = 9;
+constexpr std::size_t kElement = 10;
+constexpr std::size_t kLeastLine = 54;  // up to z
+
+ParticleTable pdb_table() {
+  ParticleTable table;
+  add_tuple(table, "id", "number", 1);
+  add_tuple(table, "name", "text", 1, false);
+  add_tuple(table, "residue", "text", 1, false);
+  add_tuple(table, "chain", "text", 1, false);
+  add_tuple(table, "resid", "number", 1);
+  add_tuple(table, "position", "number", 3);
+  add_tuple(table, "occupancy", "number", 1);
+  add_tuple(table, "temperature", "number", 1);
+  add_tuple(table, "element", "text", 1, false);
+  table.position = {kX, kX + 1, kX + 2};
+  for (const std::size_t axis : *table.position) table.columns[axis].unit = "angstrom";
+  return table;
+}
+
+bool is_record(std::string_view line, std::string_view name) { return fixed_field(line, 0, 6) == name; }
+bool is_atom(std::string_view line) { return is_record(line, "ATOM") || is_record(line, "HETATM"); }
+
+// Calls use(line) for each atom of the next frame; returns their number, 0 at the end of the file. Sets `name` to that
+// of the frame.
+template <class Use>
+std::uint64_t pass_pdb_frame(ContentReader& content, std::string& name, const Use& use) {
+  std::uint64_t atoms = 0;
+  name.clear();
+  while (const auto line = content.peek_line()) {
+    if (is_atom(*line)) {
+      use(*content.next_line(), atoms++);
+      continue;
+    }
+    const bool is_model = is_record(*line, "MODEL");
+    if (is_model && atoms > 0) return atoms;
+    if (is_model) name = fmt::format("model {}", printable(fixed_field(*line, 6, 20), 40));
+    const bool ends = is_record(*line, "ENDMDL") || is_record(*line, "END");
+    static_cast<void>(content.next_line());
+    if (ends && atoms > 0) return atoms;
+  }
+  return atoms;
+}
+
+std::uint64_t skip_pdb_frame(ContentReader& content) {
+  std::string name;
+  return pass_pdb_frame(content, name, [](std::string_view, std::uint64_t) {});
+}
+
+// Goes to the wanted frame; throws if there is none.
+void find_pdb_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
+  const std::uint64_t wanted = wanted_frame(options);
+  std::string nothing;
+  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, nothing);; ++k) {
+    index.add(k, content, nothing);
+    if (k == wanted) return;
+    if (skip_pdb_frame(content) == 0) throw_frame_error(options, k);
+  }
+}
+
+// The size of the wanted frame. Leaves the content behind it.
+struct PdbFrame {
+  std::uint64_t atoms = 0;
+  std::string name;
+};
+PdbFrame survey_pdb_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
+  find_pdb_frame(content, index, options);
+  PdbFrame frame;
+  frame.atoms = pass_pdb_frame(content, frame.name, [](std::string_view, std::uint64_t) {});
+  const std::uint64_t wanted = wanted_frame(options);
+  if (frame.atoms == 0 && wanted == 0) {
+    throw InvalidParticleFile("expected lines that start with ATOM or HETATM, found none");
+  }
+  if (frame.atoms == 0) throw_frame_error(options, wanted);
+  index.add(wanted + 1, content, {});
+  return frame;
+}
+
+std::uint64_t count_pdb_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
+  return count_frames(next, [&](std::uint64_t number) {
+    index.add(number, content, {});
+    return skip_pdb_frame(content) > 0;
+  });
+}
+
+// Returns the element by the name of the atom, for files without its column: names have the symbol right-justified in
+// their first two characters, except those of hydrogen with four characters.
+std::string_view element_of_name(std::string_view line) {
+  const std::string_view name = line.substr(12, 4);
+  if (fixed_field(name, 0, 4).size() == 4 && name.front() == 'H') return name.substr(0, 1);
+  std::string_view symbol = fixed_field(name, 0, 2);
+  while (!symbol.empty() && !is_letter(symbol.front())) symbol.remove_prefix(1);
+  return symbol;
+}
+
+void deliver_pdb_atom(const ContentReader& content, const ParticleTable& table, std::string_view line,
+                      std::uint64_t atom, std::vector<std::string_view>& fields, std::span<const ColumnSink> sinks) {
+  if (line.size() < kLeastLine) content.expected("x, y and z of an atom in the columns 31 to 54", line);
+  fields.clear();
+  for (const FixedColumn& column : kFixedColumns) fields.push_back(fixed_field(line, column.first, column.count));
+  for (std::size_t axis = kX; axis < kX + 3; ++axis) {
+    if (fields[axis].empty()) content.expected("x, y and z of an atom in the columns 31 to 54", line);
+  }
+  // Files with more atoms than their columns can count have letters or stars there.
+  for (const std::size_t number : {kId, kResid, kOccupancy, kTemperature}) {
+    if (!number_in(fields[number])) fields[number] = {};
+  }
+  if (fields[kElement].empty()) fields[kElement] = element_of_name(line);
+  deliver_row(content, table, fields, static_cast<std::size_t>(atom), sinks);
+}
+
+class PdbParticles final : public ParticleFormat {
+ public:
+  PdbParticles()
+      : ParticleFormat({.id = "pdb",
+                        .title = "atoms of Protein Data Bank files, one model or several",
+                        .extensions = {".pdb", ".ent"},
+                        .has_frames = true,
+                        .needs_extension = true}) {}
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    ContentReader content(file);
+    const FrameIndex index(file);
+    const PdbFrame frame = survey_pdb_frame(content, index, options);
+    ParticleInfo info;
+    info.particles = frame.atoms;
+    info.frame_name = frame.name;
+    describe_table(pdb_table(), options, info);
+    info.frames = count_pdb_frames(content, index, wanted_frame(options) + 1);
+    return info;
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    const FrameIndex index(file);
+    const ParticleTable table = pdb_table();
+    std::uint64_t atoms = 0;
+    {
+      ContentReader content(file);
+      atoms = survey_pdb_frame(content, index, options).atoms;
+      if (!options.frame) {
+        const std::uint64_t frames = count_pdb_frames(content, index, 1);
+        if (frames > 1) throw_frame_error(options, frames);
+      }
+    }
+    const ColumnChoice choice = choose_columns(table, options);
+    std::string label = file.name();
+    if (options.frame) label += fmt::format(", frame {}", *options.frame);
+    ParticleFile result;
+    result.particles = make_particles(file.context(), label, atoms, choice);
+    const std::vector<ColumnSink> sinks = sinks_of(result.particles, choice);
+    ContentReader content(file);
+    find_pdb_frame(content, index, options);
+    std::vector<std::string_view> fields;
+    std::string name;
+    const std::uint64_t found = pass_pdb_frame(content, name, [&](std::string_view line, std::uint64_t atom) {
+      deliver_pdb_atom(content, table, line, atom, fields, sinks);
+    });
+    if (found != atoms) {
+      throw InvalidParticleFile("the number of atoms changed while the program read the file",
+                                "run again when no other program writes to the file");
+    }
+    result.length_unit = choice.length_unit;
+    result.notes = choice.notes;
+    return result;
+  }
+};
+
+}  // namespace
+
+const ParticleFormat& pdb_particles() {
+  static const PdbParticles format;
+  return format;
+}
+
+}  // namespace isoextract::particle_io
