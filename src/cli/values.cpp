@@ -12,7 +12,6 @@
 #include "base/byte_size.hpp"
 #include "base/nearest_name.hpp"
 #include "base/printable.hpp"
-#include "points/selection_expression.hpp"
 #include "simulate/terrain.hpp"
 
 namespace isoextract::cli {
@@ -286,26 +285,6 @@ Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
     column = pair.substr(2);
   }
   return columns;
-}
-
-Result<std::string> parse_selection(std::string_view text) {
-  TRY(points::SelectionExpression::parse(text));
-  return std::string(text);
-}
-
-Result<std::string> parse_types(std::string_view text) { return parse_selection(fmt::format("type in {{{}}}", text)); }
-
-Result<std::string> parse_species(std::string_view text) {
-  std::string words;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::string_view word = text.substr(0, comma);
-    if (word.empty()) return expected_found("names of species such as O,H", text);
-    words += (words.empty() ? "" : ", ") + points::word_in_selection(word);
-    if (comma == std::string_view::npos) break;
-    text.remove_prefix(comma + 1);
-  }
-  return parse_selection(fmt::format("species in {{{}}}", words));
 }
 
 Result<glm::dvec3> parse_spacing(std::string_view text) {

@@ -44,8 +44,7 @@ std::string attribute_list(const ParticleTable& table, const std::array<std::siz
     list += fmt::format("{}{}", named == 1 ? with_words ? "the attributes are " : "the numeric attributes are " : ", ",
                         printable(group.name, 80));
   }
-  if (named > 0) return list;
-  return with_words ? "the file has no attributes" : "the file has no numeric attributes";
+  return named > 0 ? list : with_words ? "the file has no attributes" : "the file has no numeric attributes";
 }
 
 std::vector<std::string> column_names(const ParticleTable& table) {

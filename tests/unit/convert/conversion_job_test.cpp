@@ -36,7 +36,10 @@ ConversionJob full_job() {
                           .bad = points::NonFiniteParticles::skip,
                           .columns = std::array<std::string, 3>{"x", "2", "z"},
                           .select = "type == 2",
-                          .stride = 3};
+                          .stride = 3,
+                          .simulation_box = {.bounds = field::Box{glm::dvec3(1, 2, 3), glm::dvec3(4, 5, 6)},
+                                             .periodic = std::array{true, false, true},
+                                             .unwrap = true}};
   job.source.attributes = {{.name = "heat",
                             .from = "b.vdb[temperature]",
                             .written = false,
@@ -87,10 +90,12 @@ TEST(ConversionJob, ListsEveryMemberInJson) {
     const bool is_of_another_kind = name == "field_file" || name == "picture_file";  // ListsMembersOfEveryFileKind
     EXPECT_EQ(value == plain[name], is_of_another_kind) << name;
   }
-  EXPECT_EQ(full["particles"].dump(),
-            R"({"expected":true,"method":"anisotropic","radius":0.025,"sequence_radius":0.0625,"cell_size":0.5,)"
-            R"("smoothing_length":1.2,"weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"],)"
-            R"("select":"type == 2","stride":3})");
+  EXPECT_EQ(
+      full["particles"].dump(),
+      R"({"expected":true,"method":"anisotropic","radius":0.025,"sequence_radius":0.0625,"cell_size":0.5,)"
+      R"("smoothing_length":1.2,"weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"],)"
+      R"("select":"type == 2","stride":3,)"
+      R"("simulation_box":{"bounds":{"min":[1.0,2.0,3.0],"max":[4.0,5.0,6.0]},"periodic":[true,false,true],"unwrap":true}})");
   EXPECT_EQ(full["attributes"][0].dump(),
             R"({"name":"heat","from":"b.vdb[temperature]","written":false,"optional":true,"kind":"vector",)"
             R"("spacing":[1.0,2.0,3.0],"origin":[4.0,5.0,6.0],"no_data":-1.5,"volume":2,"component":1})");
