@@ -183,6 +183,7 @@ Result<ParticleSet> take_particles(const ParticleSet& particles, std::span<const
   ParticleSet taken;
   taken.memory = TRY(context.reserve(bytes * indices.size(), particles.label + ": chosen particles"));
   taken.label = particles.label;
+  taken.box = particles.box;
   taken.positions = values_at(particles.positions, 1, indices);
   for (const ParticleAttribute& attribute : particles.attributes) {
     taken.attributes.push_back({attribute.name, attribute.components,

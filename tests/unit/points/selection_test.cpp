@@ -292,11 +292,13 @@ TEST(Selection, SurvivesAnyText) {
 }
 
 TEST(Selection, TakesParticlesWithTheirAttributes) {
-  const ParticleSet set = sample_particles(10);
+  ParticleSet set = sample_particles(10);
+  set.box = SimulationBox{.origin = glm::dvec3(1, 2, 3), .periodic = {true, false, true}};
   const std::vector<std::uint32_t> indices{1, 4, 9};
   const auto taken = take_particles(set, indices, Context());
   ASSERT_TRUE(taken);
   EXPECT_EQ(taken->label, set.label);
+  EXPECT_EQ(taken->box, set.box);
   ASSERT_EQ(taken->size(), 3U);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_EQ(taken->positions[k], set.positions[indices[k]]);
