@@ -292,7 +292,9 @@ TEST(ParticlesColumns, RejectParticlesBeyondTheLast) {
   points::ParticleSet set;
   set.positions = Buffer<glm::dvec3>(2);
   set.attributes.push_back({"heat", 1, Buffer<float>(2)});
-  const particle_io::ColumnChoice choice{{0, 1, 2}, {{"heat", {3}}}, {}, {}};
+  particle_io::ColumnChoice choice;
+  choice.position = {0, 1, 2};
+  choice.attributes = {{"heat", {3}}};
   const std::vector<particle_io::ColumnSink> sinks = particle_io::sinks_of(set, choice);
   ASSERT_EQ(sinks.size(), 4U);
   for (const particle_io::ColumnSink& sink : sinks) {
