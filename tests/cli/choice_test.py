@@ -30,6 +30,12 @@ class ChoiceTest(ProgramTest):
             f"{x},{y},{z},{0.1 if x < 9 else 'nan'},{x},0,0\n" for x, y, z in points))
         return name
 
+    def write_gro(self, name):
+        rows = [f"{1:5d}{'SOL':<5}{'OW' if p in CORNERS else 'HW1':>5}{i + 1:5d}{p[0]:8.3f}{p[1]:8.3f}{p[2]:8.3f}"
+                for i, p in enumerate(CORNERS + FAR)]
+        (self.folder / name).write_text(f"blocks\n{len(rows):5d}\n" + "\n".join(rows) + "\n  60.0  60.0  60.0\n")
+        return name
+
     def refuse(self, code, part, *arguments):
         run = self.run_program(*arguments)
         self.assert_fails(code, run, part)
@@ -57,6 +63,10 @@ class ChoiceTest(ProgramTest):
                           (dump, "--type", "2"), (xyz, "--species", "Si")):
             self.assertEqual(self.made(*arguments), far, arguments)
         self.assertNotEqual(self.made(table, "--select", "heat != 0.1 or x < 25"), far)  # NaN differs from no number
+
+    def test_names_of_atoms(self):
+        wanted = self.made(self.write_csv("near.csv", CORNERS))
+        self.assertEqual(self.made(self.write_gro("a.gro"), "--select", "name == OW && residue == SOL"), wanted)
 
     def test_standard_input_sequences_and_every_frame(self):
         wanted = self.made(self.write_csv("near.csv", CORNERS))

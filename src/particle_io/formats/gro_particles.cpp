@@ -45,6 +45,7 @@ void describe_atoms(const ContentReader& content, std::string_view line, GroFram
   add_tuple(frame.table, "id", "number", 1);
   add_tuple(frame.table, "position", "number", 3);
   frame.table.position = {4, 5, 6};
+  frame.table.has_words = true;
   if (!fixed_field(line, kNumbersStart + 3 * frame.width, frame.width).empty()) {
     add_tuple(frame.table, "v", "number", 3, true, AttributeKind::vector);
   }

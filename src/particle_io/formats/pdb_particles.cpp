@@ -43,6 +43,7 @@ ParticleTable pdb_table() {
   add_tuple(table, "temperature", "number", 1);
   add_tuple(table, "element", "text", 1, false);
   table.position = {kX, kX + 1, kX + 2};
+  table.has_words = true;
   for (const std::size_t axis : *table.position) table.columns[axis].unit = "angstrom";
   return table;
 }
