@@ -43,6 +43,12 @@ std::string plain_text(const HelpBlock& block) {
   if (!block.paragraph.empty() && !block.rows.empty()) out += "\n";
   for (const HelpRow& row : block.rows) {
     std::string line = std::string(kTermColumn, ' ') + row.term;
+    while (line.size() > kWidth) {
+      const std::size_t bar = line.rfind('|', kWidth - 1);
+      if (bar == std::string::npos) break;
+      out += line.substr(0, bar + 1) + "\n";
+      line = std::string(kTextColumn, ' ') + line.substr(bar + 1);
+    }
     for (const std::string& text : wrapped(row.text, kWidth - kTextColumn)) {
       if (line.size() + 1 >= kTextColumn && !line.empty()) {
         out += line + "\n";

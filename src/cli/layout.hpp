@@ -40,7 +40,8 @@ class NamedLines {
   std::string out_;
 };
 
-// Formats a block for a terminal of 80 columns; ends with a newline unless the block is empty.
+// Formats a block for a terminal of 80 columns; ends with a newline unless the block is empty. Breaks a term that is
+// longer than a line, such as --format with its choices, after a '|'.
 [[nodiscard]] std::string plain_text(const HelpBlock& block);
 
 }  // namespace isoextract::cli

@@ -253,7 +253,7 @@ class FieldFileTest(FieldsTest):
         report, run = self.report("demo:metaballs?size=32", "--half", "--explain", "-o", "half.vdb")
         self.assertIn("as 16 bits each", run.err)
         self.assertIn("rounded: values of f32 to 16-bit floats", run.err)
-        self.assertEqual(report["options"]["field_file"], {"half": True})
+        self.assertEqual(report["options"]["field_file"], {"half": True, "format": "vdb"})
         self.assertLess(len(self.bytes("half.vdb")), 0.7 * len(self.bytes("float.vdb")))
         self.convert("float.vdb", "--iso", "1", "-o", "float.ply")
         self.convert("half.vdb", "--iso", "1", "-o", "half.ply")
@@ -336,7 +336,7 @@ class FieldFileTest(FieldsTest):
         self.assert_fails(1, run, "--iso, --cap, --smooth, --center need a surface", "leave --iso, --cap, --smooth, --")
         self.assert_fails(1, self.run_program(SPHERE, "--nan", "hole", "-o", "a.vdb"), "--nan hole")
         self.assert_fails(1, self.run_program(SPHERE, "-o", "a_{iso}.vdb"), "a field has no iso value")
-        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.xyz"), "or .vdb for the field itself")
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.xyz"), ".vdb, .nrrd, .npy or .vti for the field")
         self.assertEqual(self.files(), [])
 
     @needs_plugin

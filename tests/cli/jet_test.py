@@ -154,7 +154,7 @@ class JetTest(ProgramTest):
             (("-o", "a.ply", "--iterations", "9999999999"), 1, ("a number of iterations from 1 to 1000",)),
             (("-o", "a.ply", "--fps", "0.001"), 1, ("steps (a step moves a particle by at most",)),
             (("-o", "a.ply", "--frames", "0"), 1, ("--frames",)),
-            (("-o", "a.ply", "--radius", "2", "--count", "20000"), 1, ("holds", "not 20000")),
+            (("-o", "a.ply", "--radius", "2", "--count", "20000"), 1, ("expected at most 3037 particles", "found 20000")),
             (("-o", "a_{}.ply", "--frames", "2000000"), 1, ("--frames 2000000",)),
             (("-o", "a.ply", "--every", "2"), 1, ("--every",)),
             (("-o", "none/a.ply"), 4, ("none",)),

@@ -59,7 +59,7 @@ def xyz(points, count=None):
 
 def lammps(points, count=None):
     head = f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{len(points) if count is None else count}\n"
-    head += "ITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\nITEM: ATOMS x y z\n"
+    head += "ITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\nITEM: ATOMS x y z\n"
     return (head + "".join("{!r} {!r} {!r}\n".format(*p) for p in points)).encode()
 
 

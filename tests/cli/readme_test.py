@@ -79,11 +79,13 @@ class ReadmeTest(ProgramTest):
         write_ply("dam.ply", 0.025)
         rows = "".join("{},{},{},{}\n".format(*p, p[0] / 0.003) for p in block(0.0005))
         (self.folder / "plate_0700.csv").write_text("x,y,z,damage\n" + rows)
-        atoms = "".join("{} 1 {} {} {}\n".format(n + 1, *p) for n, p in enumerate(block(1)))
+        atoms = "".join("{} {} {} {} {}\n".format(n + 1, n % 3 + 1, *p) for n, p in enumerate(block(1)))
         dump = "".join(f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF ATOMS\n216\nITEM: BOX BOUNDS ff ff ff\n"
                        f"0 6\n0 6\n0 6\nITEM: ATOMS id type x y z\n{atoms}"
                        for step in (0, 100))
         (self.folder / "run.lammpstrj").write_text(dump)
+        water = "".join("{} {} {} {}\n".format("HHO"[n % 3], *p) for n, p in enumerate(block(1)))
+        (self.folder / "water.xyz").write_text(f"216\nwater\n{water}")
         if HAS_OPENVDB:
             self.convert("dam.ply", "--particles", "smooth", "--radius", "0.025", "-o", "fluid.vdb")
 

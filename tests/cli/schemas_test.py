@@ -67,6 +67,8 @@ ENUMS = {
             frozenset(int(code) for code in CODE.matches("base/error.hpp", r"return (\d+);")) - {5},
         "/properties/error/properties/reason": CODE.literals("convert/json_values.cpp", "reason_of") | NONE,
         "/properties/options/properties/axis_order": words("volume_io::AxisOrder") | NONE,
+        # Raw files are an output of simulate alone.
+        "/properties/options/properties/field_file/properties/format": words("volume_io::VolumeFileFormat") - {"raw"},
         "/properties/options/properties/raw/properties/dtype": words("field::SampleType"),
         "/properties/options/properties/raw/properties/endian":
             CODE.matches("convert/conversion_job.cpp", r'"(big|little)"'),
@@ -89,7 +91,7 @@ ENUMS = {
         "/properties/options/properties/space": words("convert::Space"),
         "/properties/options/properties/up": words("convert::UpAxis"),
         "/properties/options/properties/to_space": words("convert::AnatomicalSpace") | NONE,
-        "/properties/options/properties/format": words("mesh_io::MeshFormat") | {"vdb", "png"},
+        "/properties/options/properties/format": words("mesh_io::MeshFormat") | words("volume_io::VolumeFileFormat") - {"raw"} | {"png"},
         "/properties/options/properties/compression": words("mesh_io::Compression"),
         "/properties/options/properties/error": words("field::Interpolation") | NONE,
         "/properties/attributes/items/properties/kind": words("base::AttributeKind"),
@@ -136,7 +138,6 @@ NOT_VALUES = {
     "render::UpAxis": "an option of render",
     "simulate::WaterOutput": "an option of simulate",
     "simulate::WaterRule": "an option of simulate",
-    "volume_io::VolumeFileFormat": "an output of simulate",
 }
 # Definitions that several schemas have.
 SHARED = ("box", "count", "index", "index_box", "length", "pair", "seconds", "spread", "vector")

@@ -228,7 +228,7 @@ class SeveralGridsTest(ProgramTest):
             run = self.run_program("fire.vdb", *BOTH, "--iso", 0.5, *options, "-o", "both.glb")
             self.assert_fails(1, run, part, "hint: convert each grid in a run of its own" if "flame" not in options else "hint: ")
         self.assert_fails(1, self.run_program("fire.vdb", *BOTH, "--labels", "1", "-o", "both.glb"), "--labels")
-        self.assert_fails(1, self.run_program("fire.vdb", *BOTH, "-o", "both.vdb"), "a .vdb output holds one grid")
+        self.assert_fails(1, self.run_program("fire.vdb", *BOTH, "-o", "both.vdb"), "a field as output is one grid")
         for command in (("info",), ("verify", "--iso", 0.5), ("render", "-o", "a.png"), ("bench", "--iso", 0.5)):
             run = self.run_program(*command, "fire.vdb", *BOTH)
             self.assert_fails(1, run, f"{command[0]} takes one --grid, found 2")

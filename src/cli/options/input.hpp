@@ -176,14 +176,14 @@ struct ParticleFlags : OptionSet {
                               "--species choose. The default radius fits the particles that are left."};
   Value<std::array<bool, 3>> periodic{
       *this, "--periodic", "x,y,z", parse_periodic,
-      "Edges along which the box of the simulation is periodic; some of x,y,z, or none. In a periodic box the surface "
+      "Edges along which the particles' box is periodic. Some of x,y,z, or none. In a periodic box the surface "
       "continues from each face to the opposite one and ends at the faces. Default: as the file says."};
   Value<field::Box> box{*this, "--box", "X0,Y0,Z0,X1,Y1,Z1", parse_box,
                         "Box of the simulation: smaller, then larger corner. Periodic along all edges, unless the file "
                         "or --periodic says otherwise. Replaces the file's box."};
   Flag unwrap{*this, "--unwrap",
-              "Move particles by the image flags ix, iy, iz of LAMMPS, so that bodies which the box cuts are whole. "
-              "The surface is then not periodic."};
+              "Move particles by their image flags (ix, iy, iz). LAMMPS writes them. Bodies that the box cuts are then whole, "
+              "and the surface is not periodic."};
 };
 
 }  // namespace isoextract::cli
