@@ -181,9 +181,10 @@ struct ParticleFlags : OptionSet {
   Value<field::Box> box{*this, "--box", "X0,Y0,Z0,X1,Y1,Z1", parse_box,
                         "Box of the simulation: smaller, then larger corner. Periodic along all edges, unless the file "
                         "or --periodic says otherwise. Replaces the file's box."};
-  Flag unwrap{*this, "--unwrap",
-              "Move particles by their image flags (ix, iy, iz). LAMMPS writes them. Bodies that the box cuts are then whole, "
-              "and the surface is not periodic."};
+  Flag unwrap{
+      *this, "--unwrap",
+      "Move particles by their image flags (ix, iy, iz). LAMMPS writes them. Bodies that the box cuts are then whole, "
+      "and the surface is not periodic."};
 };
 
 }  // namespace isoextract::cli
