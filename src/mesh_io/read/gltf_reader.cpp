@@ -74,7 +74,7 @@ class ModelReader {
  public:
   ModelReader(const MeshSource& source, std::string_view text, std::span<const std::byte> binary)
       : source_(source), binary_(binary), tree_(parse_json(text, source.memory)) {
-    if (!model_.is_object()) throw DamagedMesh("expected a JSON object in a glTF file, found another value");
+    if (!model_.is_object()) throw DamagedMesh("expected a JSON object in a glTF file, found something else");
     surface_.y_up = true;
   }
 

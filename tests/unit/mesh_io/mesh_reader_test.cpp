@@ -193,7 +193,7 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
     return text;
   };
   read_text("good.gltf", good);
-  expect_error("a.gltf", good.substr(0, good.size() - 5), "expected JSON");
+  expect_error("a.gltf", good.substr(0, good.size() - 5), "expected a JSON object");
   expect_error("a.gltf", replaced("\"2.0\"", "\"1.0\""), "expected glTF of version 2, found '1.0'");
   expect_error("a.gltf", replaced("\"count\":3", "\"count\":4"),
                "expected a buffer view with room for 4 values, found 36 bytes");

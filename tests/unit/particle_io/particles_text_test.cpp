@@ -45,8 +45,9 @@ TEST(ParticlesCsv, ReadsUnitsAttributesAndText) {
   expect_attribute(all.particles, "v", 3, {1, 2, 3, 4, 5, 6});
   expect_attribute(all.particles, "id[1]", 1, {11, 12});
   EXPECT_TRUE(std::isnan(attribute_named(all.particles, "Velocity").values[2]));  // the field is empty
-  ASSERT_EQ(all.notes.size(), 1U);
-  expect_in(all.notes.front().text, "'name'");
+  EXPECT_TRUE(all.notes.empty());
+  ASSERT_EQ(all.particles.words.size(), 1U);
+  EXPECT_EQ(all.particles.words.front().name, "name");
   expect_attribute(must_read_particles(input, with_attributes({"vy"})).particles, "vy", 1, {2, 5});
   expect_in(particle_refusal(input, with_attributes({"name"})).message, "expected numbers for 'name', found text");
   const Error missing = particle_refusal(input, with_attributes({"heat"}));
