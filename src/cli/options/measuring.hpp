@@ -89,7 +89,7 @@ struct StabilityFlags : OptionSet {
 
   Values<std::string> cases{in(OptionGroup::input), "--case", "NAME", parse_text,
                             "Run this case only (default: all). Several times for several cases."};  // all if empty
-  Flag list{in(OptionGroup::output), "--list", "List the cases and the extreme property of each; run none."};
+  Flag list{in(OptionGroup::output), "--list", "List the cases with their extreme property. Runs none."};
   JsonFlag json{in(OptionGroup::output)};
   BackendsOption backends{in(OptionGroup::run), "cpu, and gpu where there is one"};
   DeviceFlags device{*this};
