@@ -125,7 +125,7 @@ class ReadmeTest(ProgramTest):
                 run = subprocess.run(["bash", "-o", "pipefail", "-c", line], cwd=self.folder, capture_output=True, text=True,
                                      env={**os.environ, "PATH": path}, check=False, timeout=120)
                 self.assertEqual(run.returncode, 0, f"{page}: {line}\n{run.stderr}")
-                words = shlex.split(line.partition("|")[0], comments=True)
+                words = shlex.split(line.partition(" | ")[0], comments=True)
                 for option, name in zip(words, words[1:]):
                     if option == "-o" and "{" in name:  # frames
                         frames = (self.folder / name).parent.glob("*" + pathlib.Path(name).suffix)
