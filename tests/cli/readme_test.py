@@ -84,6 +84,9 @@ class ReadmeTest(ProgramTest):
                        f"0 6\n0 6\n0 6\nITEM: ATOMS id type x y z\n{atoms}"
                        for step in (0, 100))
         (self.folder / "run.lammpstrj").write_text(dump)
+        images = "".join("{} 1 {} {} {} 0 0 0\n".format(n + 1, *p) for n, p in enumerate(block(1)))
+        (self.folder / "melt.lammpstrj").write_text(
+            dump.split("ITEM: ATOMS")[0].replace("ff ff ff", "pp pp pp") + f"ITEM: ATOMS id type x y z ix iy iz\n{images}")
         water = "".join("{} {} {} {}\n".format("HHO"[n % 3], *p) for n, p in enumerate(block(1)))
         (self.folder / "water.xyz").write_text(f"216\nwater\n{water}")
         if HAS_OPENVDB:
