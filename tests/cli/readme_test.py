@@ -87,6 +87,7 @@ class ReadmeTest(ProgramTest):
         images = "".join("{} 1 {} {} {} 0 0 0\n".format(n + 1, *p) for n, p in enumerate(block(1)))
         (self.folder / "melt.lammpstrj").write_text(
             dump.split("ITEM: ATOMS")[0].replace("ff ff ff", "pp pp pp") + f"ITEM: ATOMS id type x y z ix iy iz\n{images}")
+        (self.folder / "melt.csv").write_text("x,y,z\n" + "".join("{},{},{}\n".format(*p) for p in block(1)))
         water = "".join("{} {} {} {}\n".format("HHO"[n % 3], *p) for n, p in enumerate(block(1)))
         (self.folder / "water.xyz").write_text(f"216\nwater\n{water}")
         if HAS_OPENVDB:
