@@ -141,6 +141,10 @@ DescribedParticles describe_by_reading(ParticleInfo info, const ParticleReadOpti
   return {std::move(info), all.frame, read(all)};
 }
 
+std::string label_of_frame(const std::string& file, const ParticleReadOptions& options) {
+  return options.frame ? fmt::format("{}, frame {}", file, *options.frame) : file;
+}
+
 std::uint64_t wanted_frame(const ParticleReadOptions& options) {
   const std::int64_t frame = options.frame.value_or(0);
   if (frame < 0) {

@@ -92,7 +92,7 @@ struct UsedParticles {
   }
 };
 
-// Where the samples of a periodic box are.
+// The samples of a periodic box, and how many of the points are particles and no images.
 struct PeriodicParticles {
   BoxSamples box;
   std::size_t originals;  // points with a lower index are particles, others their images

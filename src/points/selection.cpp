@@ -35,7 +35,7 @@ class Evaluator {
   }
 
  private:
-  using Op = SelectionInstruction::Op;
+  using Op = SelectionOp;
 
   template <class F>
   static double* fill(double* top, std::size_t count, const F& value) {
@@ -64,19 +64,19 @@ class Evaluator {
 
   [[nodiscard]] double* load(const SelectionInstruction& instruction, std::size_t first, std::size_t count,
                              double* top) const {
-    if (instruction.op == Op::constant) return fill(top, count, [&](std::size_t) { return instruction.number; });
-    if (instruction.op == Op::axis) {
+    if (instruction.op == Op::number) return fill(top, count, [&](std::size_t) { return instruction.number; });
+    if (instruction.words != nullptr) {
+      const std::uint32_t* const words = instruction.words->indices.data() + first;
+      return fill(top, count, [&](std::size_t i) { return static_cast<double>(instruction.matches[words[i]]); });
+    }
+    if (instruction.attribute == nullptr) {
       const glm::dvec3* const positions = particles_.positions.data() + first;
       const auto axis = static_cast<glm::length_t>(instruction.component);
       return fill(top, count, [&](std::size_t i) { return positions[i][axis]; });
     }
-    if (instruction.op == Op::word) {
-      const std::uint32_t* const words = instruction.words->indices.data() + first;
-      return fill(top, count, [&](std::size_t i) { return static_cast<double>(instruction.matches[words[i]]); });
-    }
     const std::size_t components = instruction.attribute->components;
     const float* const values = instruction.attribute->values.data() + first * components;
-    if (instruction.op == Op::attribute) {
+    if (instruction.op == Op::name) {
       const float* const component = values + instruction.component;
       return fill(top, count, [&](std::size_t i) { return static_cast<double>(component[i * components]); });
     }
@@ -93,11 +93,9 @@ class Evaluator {
   [[nodiscard]] double* apply(const SelectionInstruction& instruction, std::size_t first, std::size_t count,
                               double* top) const {
     switch (instruction.op) {
-      case Op::constant:
-      case Op::axis:
-      case Op::attribute:
-      case Op::vector_length:
-      case Op::word: return load(instruction, first, count, top);
+      case Op::number:
+      case Op::name:
+      case Op::length: return load(instruction, first, count, top);
       case Op::negate: return change(top, count, [](double a) { return -a; });
       case Op::abs: return change(top, count, [](double a) { return std::abs(a); });
       case Op::sqrt: return change(top, count, [](double a) { return std::sqrt(a); });

@@ -44,4 +44,37 @@ std::uint64_t count_frames(std::uint64_t next, Pass&& pass) {
   return next;
 }
 
+// Returns the wanted frame, up to its first particle. `next(frame)` reads up to the first particle of the next frame,
+// and returns false if there is none; `skip(frame)` passes its particles. Throws `no_frames`
+// if there is no frame at all, and as throw_frame_error() does. For formats without inherited state.
+template <class Frame, class Next, class Skip>
+Frame find_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options,
+                 const InvalidParticleFile& no_frames, const Next& next, const Skip& skip) {
+  const std::uint64_t wanted = wanted_frame(options);
+  Frame frame;
+  std::string nothing;
+  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, nothing);; ++k) {
+    index.add(k, content, nothing);
+    if (!next(frame)) {
+      if (k == 0) throw no_frames;
+      throw_frame_error(options, k);
+    }
+    if (k == wanted) return frame;
+    skip(frame);
+  }
+}
+
+// Goes through the frames from number `next_number` on, and returns how many there are in all; see find_frame().
+template <class Frame, class Next, class Skip>
+std::uint64_t count_frames_from(std::uint64_t next_number, ContentReader& content, const FrameIndex& index,
+                                const Next& next, const Skip& skip) {
+  Frame frame;
+  return count_frames(next_number, [&](std::uint64_t number) {
+    index.add(number, content, {});
+    if (!next(frame)) return false;
+    skip(frame);
+    return true;
+  });
+}
+
 }  // namespace isoextract::particle_io

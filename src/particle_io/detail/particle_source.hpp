@@ -111,5 +111,7 @@ class ParticleFormat {
 [[nodiscard]] std::uint64_t wanted_frame(const ParticleReadOptions& options);
 // Throws the error for a frame that does not exist or a missing selection.
 [[noreturn]] void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames);
+// Returns the name of the particles in messages: that of the file, with the chosen frame if there is one.
+[[nodiscard]] std::string label_of_frame(const std::string& file, const ParticleReadOptions& options);
 
 }  // namespace isoextract::particle_io

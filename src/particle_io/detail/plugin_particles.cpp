@@ -92,10 +92,8 @@ class PluginParticles : public ParticleFormat {
     // Call once.
     [[nodiscard]] ParticleFile read(const ParticleReadOptions& options) const {
       const ColumnChoice choice = choose_columns(table_, options);
-      std::string label = name_;
-      if (options.frame) label += fmt::format(", frame {}", *options.frame);
       ParticleFile result;
-      result.particles = make_particles(context_, label, value().particles, choice);
+      result.particles = make_particles(context_, label_of_frame(name_, options), value().particles, choice);
       if (result.particles.size() > 0) fill(result.particles, choice);
       result.length_unit = plain_text(value().length_unit, 80);
       result.notes = choice.notes;

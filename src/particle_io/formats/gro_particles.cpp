@@ -82,29 +82,16 @@ void skip_gro_atoms(ContentReader& content, const GroFrame& frame) {
 }
 
 GroFrame find_gro_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
-  const std::uint64_t wanted = wanted_frame(options);
-  GroFrame frame;
-  std::string nothing;
-  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, nothing);; ++k) {
-    index.add(k, content, nothing);
-    if (!next_gro_frame(content, frame)) {
-      if (k == 0) throw InvalidParticleFile("expected a title and the number of atoms, found nothing");
-      throw_frame_error(options, k);
-    }
-    if (k == wanted) return frame;
-    skip_gro_atoms(content, frame);
-  }
+  return find_frame<GroFrame>(
+      content, index, options, InvalidParticleFile("expected a title and the number of atoms, found nothing"),
+      [&](GroFrame& frame) { return next_gro_frame(content, frame); },
+      [&](const GroFrame& frame) { skip_gro_atoms(content, frame); });
 }
 
-// Goes through the frames from number `next` on, and returns how many there are in all.
 std::uint64_t count_gro_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
-  GroFrame frame;
-  return count_frames(next, [&](std::uint64_t number) {
-    index.add(number, content, {});
-    if (!next_gro_frame(content, frame)) return false;
-    skip_gro_atoms(content, frame);
-    return true;
-  });
+  return count_frames_from<GroFrame>(
+      next, content, index, [&](GroFrame& frame) { return next_gro_frame(content, frame); },
+      [&](const GroFrame& frame) { skip_gro_atoms(content, frame); });
 }
 
 void read_gro_atoms(ContentReader& content, const GroFrame& frame, std::span<const ColumnSink> sinks) {
@@ -153,10 +140,8 @@ class GroParticles final : public ParticleFormat {
     const GroFrame frame = find_gro_frame(content, index, options);
     const ColumnChoice choice = frame.atoms > 0 ? choose_columns(frame.table, options) : ColumnChoice();
     if (frame.atoms > 0) check_count(content, frame.atoms, kNumbersStart + 3 * frame.width);
-    std::string label = file.name();
-    if (options.frame) label += fmt::format(", frame {}", *options.frame);
     ParticleFile result;
-    result.particles = make_particles(file.context(), label, frame.atoms, choice);
+    result.particles = make_particles(file.context(), label_of_frame(file.name(), options), frame.atoms, choice);
     read_gro_atoms(content, frame, sinks_of(result.particles, choice));
     index.add(wanted_frame(options) + 1, content, {});
     if (!options.frame) {

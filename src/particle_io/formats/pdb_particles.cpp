@@ -173,10 +173,8 @@ class PdbParticles final : public ParticleFormat {
       }
     }
     const ColumnChoice choice = choose_columns(table, options);
-    std::string label = file.name();
-    if (options.frame) label += fmt::format(", frame {}", *options.frame);
     ParticleFile result;
-    result.particles = make_particles(file.context(), label, atoms, choice);
+    result.particles = make_particles(file.context(), label_of_frame(file.name(), options), atoms, choice);
     const std::vector<ColumnSink> sinks = sinks_of(result.particles, choice);
     ContentReader content(file);
     find_pdb_frame(content, index, options);

@@ -163,29 +163,16 @@ bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
 }
 
 XyzFrame find_xyz_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
-  const std::uint64_t wanted = wanted_frame(options);
-  XyzFrame frame;
-  std::string nothing;
-  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, nothing);; ++k) {
-    index.add(k, content, nothing);
-    if (!next_xyz_frame(content, frame)) {
-      if (k == 0) throw InvalidParticleFile("expected the number of atoms, found nothing");
-      throw_frame_error(options, k);
-    }
-    if (k == wanted) return frame;
-    skip_rows(content, frame.atoms);
-  }
+  return find_frame<XyzFrame>(
+      content, index, options, InvalidParticleFile("expected the number of atoms, found nothing"),
+      [&](XyzFrame& frame) { return next_xyz_frame(content, frame); },
+      [&](const XyzFrame& frame) { skip_rows(content, frame.atoms); });
 }
 
-// Goes through the frames from number `next` on, and returns how many there are in all.
 std::uint64_t count_xyz_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
-  XyzFrame frame;
-  return count_frames(next, [&](std::uint64_t number) {
-    index.add(number, content, {});
-    if (!next_xyz_frame(content, frame)) return false;
-    skip_rows(content, frame.atoms);
-    return true;
-  });
+  return count_frames_from<XyzFrame>(
+      next, content, index, [&](XyzFrame& frame) { return next_xyz_frame(content, frame); },
+      [&](const XyzFrame& frame) { skip_rows(content, frame.atoms); });
 }
 
 class XyzParticles final : public ParticleFormat {
@@ -230,10 +217,8 @@ class XyzParticles final : public ParticleFormat {
     const XyzFrame frame = find_xyz_frame(content, index, options);
     const ColumnChoice choice = frame.atoms > 0 ? choose_columns(frame.table, options) : ColumnChoice();
     if (frame.atoms > 0) check_count(content, frame.atoms, 2 * frame.table.columns.size() - 1);
-    std::string label = file.name();
-    if (options.frame) label += fmt::format(", frame {}", *options.frame);
     ParticleFile result;
-    result.particles = make_particles(file.context(), label, frame.atoms, choice);
+    result.particles = make_particles(file.context(), label_of_frame(file.name(), options), frame.atoms, choice);
     read_rows(content, frame.table, frame.atoms, sinks_of(result.particles, choice));
     index.add(wanted_frame(options) + 1, content, {});
     if (!options.frame) {

@@ -49,7 +49,7 @@ class Binder {
 
  private:
   using Kind = Operand::Kind;
-  using Op = SelectionInstruction::Op;
+  using Op = SelectionOp;
 
   [[noreturn]] void fail_at(const SelectionStep& step, const std::string& message, const std::string& hint = {}) const {
     throw Error{ErrorCode::input, fmt::format("{}: {}", particles_.label, message),
@@ -113,7 +113,7 @@ class Binder {
 
   void add_name(const SelectionStep& step) {
     if (const auto axis = axis_of(step)) {
-      return push({.op = Op::axis, .component = *axis}, {.kind = Kind::number, .step = &step});
+      return push({.op = Op::name, .component = *axis}, {.kind = Kind::number, .step = &step});
     }
     for (const std::string& name : meanings_of(step)) {
       const bool is_whole = step.component && name == step.spelled;
@@ -121,7 +121,7 @@ class Binder {
       if (found != particles_.attributes.end()) return add_attribute(step, *found, is_whole);
       const auto words = std::ranges::find(particles_.words, name, &ParticleWords::name);
       if (words == particles_.words.end()) continue;
-      return push({.op = Op::word, .words = &*words}, {.kind = Kind::words, .step = &step, .words = &*words});
+      return push({.op = Op::name, .words = &*words}, {.kind = Kind::words, .step = &step, .words = &*words});
     }
     push({}, {.kind = Kind::unknown, .step = &step});
   }
@@ -133,7 +133,7 @@ class Binder {
                                 printable(attribute.name, 80)));
     }
     const bool is_vector = attribute.components > 1 && (is_whole || !step.component);
-    push({.op = Op::attribute, .component = component, .attribute = &attribute},
+    push({.op = Op::name, .component = component, .attribute = &attribute},
          {.kind = is_vector ? Kind::vector : Kind::single, .step = &step, .attribute = &attribute});
   }
 
@@ -146,29 +146,30 @@ class Binder {
   void add_length(const SelectionStep& step) {
     if (stack_.back().kind != Kind::vector) return add_unary(step, Op::abs);
     const Operand vector = pop();
-    program_.instructions.back() = {.op = Op::vector_length, .attribute = vector.attribute};
+    program_.instructions.back() = {.op = Op::length, .attribute = vector.attribute};
     stack_.push_back({.kind = Kind::number, .step = &step});
   }
 
-  void add_arithmetic(const SelectionStep& step, Op op) {
+  void add_arithmetic(const SelectionStep& step) {
     const Operand right = pop_number();
     const Operand left = pop_number();
-    const bool selects = op == Op::min || op == Op::max;
+    const bool selects = step.op == Op::min || step.op == Op::max;
     const bool is_single = selects && left.kind == Kind::single && right.kind == Kind::single;
-    push({.op = op}, {.kind = is_single ? Kind::single : Kind::number, .step = &step});
+    push({.op = step.op}, {.kind = is_single ? Kind::single : Kind::number, .step = &step});
   }
 
-  void add_comparison(const SelectionStep& step, Op op) {
+  void add_comparison(const SelectionStep& step) {
     const Operand right = pop();
     const Operand left = stack_.back();
-    if (left.kind == Kind::words && (op == Op::equal || op == Op::not_equal)) return compare_words(step, op, right);
+    const bool is_equality = step.op == Op::equal || step.op == Op::not_equal;
+    if (left.kind == Kind::words && is_equality) return compare_words(step, right);
     stack_.pop_back();
     for (const Operand& operand : {left, right}) {
       if (!operand.is_number()) wants(operand, "a number");
     }
     if (left.kind == Kind::single && right.kind == Kind::written) round_to_float(right);
     if (right.kind == Kind::single && left.kind == Kind::written) round_to_float(left);
-    push({.op = op}, {.kind = Kind::condition, .step = &step});
+    push({.op = step.op}, {.kind = Kind::condition, .step = &step});
   }
 
   // Rounding commutes with the sign of a number.
@@ -178,11 +179,11 @@ class Binder {
   }
 
   // Takes even the name of an attribute or a coordinate to the right of a word as a word.
-  void compare_words(const SelectionStep& step, Op op, const Operand& right) {
-    const bool is_name = right.step->op == SelectionOp::name && !right.step->component;
-    if (!is_name && right.step->op != SelectionOp::number) wants(right, "a word");
+  void compare_words(const SelectionStep& step, const Operand& right) {
+    const bool is_name = right.step->op == Op::name && !right.step->component;
+    if (!is_name && right.step->op != Op::number) wants(right, "a word");
     program_.instructions.pop_back();  // of the word
-    finish_words(step, {{.word = right.step->word}}, op == Op::not_equal);
+    finish_words(step, {{.word = right.step->word}}, step.op == Op::not_equal);
   }
 
   void finish_words(const SelectionStep& step, const std::vector<SelectionItem>& items, bool inverted) {
@@ -240,36 +241,30 @@ class Binder {
 
   void add(const SelectionStep& step) {
     switch (step.op) {
-      case SelectionOp::number:
-        return push({.op = Op::constant, .number = step.number},
+      case Op::number:
+        return push({.op = Op::number, .number = step.number},
                     {.kind = Kind::written, .step = &step, .constant = program_.instructions.size()});
-      case SelectionOp::name: return add_name(step);
-      case SelectionOp::length: return add_length(step);
-      case SelectionOp::negate: return add_unary(step, Op::negate);
-      case SelectionOp::abs: return add_unary(step, Op::abs);
-      case SelectionOp::sqrt: return add_unary(step, Op::sqrt);
-      case SelectionOp::add: return add_arithmetic(step, Op::add);
-      case SelectionOp::subtract: return add_arithmetic(step, Op::subtract);
-      case SelectionOp::multiply: return add_arithmetic(step, Op::multiply);
-      case SelectionOp::divide: return add_arithmetic(step, Op::divide);
-      case SelectionOp::min: return add_arithmetic(step, Op::min);
-      case SelectionOp::max: return add_arithmetic(step, Op::max);
-      case SelectionOp::equal: return add_comparison(step, Op::equal);
-      case SelectionOp::not_equal: return add_comparison(step, Op::not_equal);
-      case SelectionOp::less: return add_comparison(step, Op::less);
-      case SelectionOp::less_equal: return add_comparison(step, Op::less_equal);
-      case SelectionOp::greater: return add_comparison(step, Op::greater);
-      case SelectionOp::greater_equal: return add_comparison(step, Op::greater_equal);
-      case SelectionOp::in_set: return add_set(step);
-      case SelectionOp::invert:
-        pop_condition();
-        return push({.op = Op::invert}, {.kind = Kind::condition, .step = &step});
-      case SelectionOp::both:
-      case SelectionOp::either:
-        pop_condition();
-        pop_condition();
-        return push({.op = step.op == SelectionOp::both ? Op::both : Op::either},
-                    {.kind = Kind::condition, .step = &step});
+      case Op::name: return add_name(step);
+      case Op::length: return add_length(step);
+      case Op::negate:
+      case Op::abs:
+      case Op::sqrt: return add_unary(step, step.op);
+      case Op::add:
+      case Op::subtract:
+      case Op::multiply:
+      case Op::divide:
+      case Op::min:
+      case Op::max: return add_arithmetic(step);
+      case Op::equal:
+      case Op::not_equal:
+      case Op::less:
+      case Op::less_equal:
+      case Op::greater:
+      case Op::greater_equal: return add_comparison(step);
+      case Op::in_set: return add_set(step);
+      case Op::both:
+      case Op::either: pop_condition(); [[fallthrough]];
+      case Op::invert: pop_condition(); return push({.op = step.op}, {.kind = Kind::condition, .step = &step});
     }
   }
 

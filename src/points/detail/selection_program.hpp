@@ -12,35 +12,11 @@
 
 namespace isoextract::points {
 
-// One operation; conditions are 1 or 0.
+// One operation; conditions are 1 or 0. SelectionOp::name puts a component of `attribute` on the stack; with `words`,
+// whether the word is one of `matches`; with neither, a coordinate. SelectionOp::length puts the length of `attribute`
+// there.
 struct SelectionInstruction {
-  enum class Op {
-    constant,
-    axis,
-    attribute,
-    vector_length,
-    word,  // whether the word is one of `matches`
-    negate,
-    add,
-    subtract,
-    multiply,
-    divide,
-    abs,
-    sqrt,
-    min,
-    max,
-    equal,
-    not_equal,
-    less,
-    less_equal,
-    greater,
-    greater_equal,
-    in_set,
-    invert,
-    both,
-    either,
-  };
-  Op op = Op::constant;
+  SelectionOp op = SelectionOp::number;
   double number = 0;
   std::size_t component = 0;  // also of the position
   const ParticleAttribute* attribute = nullptr;

@@ -93,7 +93,7 @@ TEST(OpenVdbPoints, ReadsPositionsAndAttributes) {
   EXPECT_EQ(seen.size(), places.size());
 }
 
-// As Blender's liquid caches store flags.
+// Blender's liquid caches store flags as truncated integers.
 TEST(OpenVdbPoints, ReadsTruncatedIntegers) {
   NEEDS_OPENVDB_PLUGIN();
   namespace points = openvdb::points;
