@@ -58,7 +58,7 @@ class FieldFormatsTest(ProgramTest):
         self.assertIn(b'Origin="1 -3 0.125" Spacing="0.5 0.25 2" Direction="0 -1 0 1 0 0 0 0 1"', self.bytes("copy.vti"))
         self.assertIn(struct.pack("<Q60h", 120, *values), self.bytes("copy.vti"))
         run = self.convert("box.nrrd", "-o", "turned.npy")
-        self.assertIn("note[placement-not-stored]: turned.npy: the file does not state the placement, which is turned or mirrored", run.err)
+        self.assertIn("note[placement-not-stored]: turned.npy: the file does not state the placement, which turns or mirrors the samples", run.err)
         self.assertTrue(self.bytes("turned.npy").endswith(struct.pack("<60h", *values)))
 
     def test_npy_says_how_to_read_it(self):

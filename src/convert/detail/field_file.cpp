@@ -87,7 +87,7 @@ std::optional<Note> missing_facts_note(const std::string& path, const field::Sca
                           glm::all(glm::greaterThan(spacing, glm::dvec3(0)));
     lacks = is_plain ? fmt::format("the spacing {},{},{} and the origin {},{},{}", spacing.x, spacing.y, spacing.z,
                                    place.offset.x, place.offset.y, place.offset.z)
-                     : "the placement, which is turned or mirrored";
+                     : "the placement, which turns or mirrors the samples";
   }
   if (is_below) lacks += fmt::format("{}that inside is below the iso value", lacks.empty() ? "" : ", nor ");
   return Note{NoteId::placement_not_stored,

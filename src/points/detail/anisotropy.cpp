@@ -92,7 +92,7 @@ glm::dvec3 step_to_layer(const CellGrid& grid, std::size_t spot, const glm::dvec
       total += w;
     }
   });
-  // Grows from 0 at the border of "deep inside", so that there is no step.
+  // Grows from 0 where "deep inside" ends, so that there is no step.
   const double share = std::min(1.0, length / deep - 1);
   return inward * (share * sum / total * kLayerDepth * support);
 }

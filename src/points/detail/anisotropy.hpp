@@ -9,20 +9,24 @@
 //   C_i = R diag(s_1, s_2, s_3) R^T, s_1 >= s_2 >= s_3               (12)
 //   G_i = 1/h R A^-1 R^T,  W(d, G) = det(G) P(|G d|)                 (16), (8); P is the cubic spline
 //
-// Differs from the paper in the axes A and in the centers, because the paper's draw every body in by about two particle
-// radii, and its axes of a quarter of the support show as rings on a grid of the usual cell size:
+// Differs from the paper in the axes A and in the centers. The paper's centers draw every body in by about two particle
+// radii. Its axes of a quarter of the support show as rings on a grid of the usual cell size. Here:
 //
-//   a_k = max(shortest, wide s_k / s_1),  wide = 1 + (widest - 1) clamp((1 - s_3 / s_1 - 0.1) / 0.6, 0, 1)
-//   A = diag(mix(k_n, a_k, t)),  t = clamp(min(n_i / N_eps, s_1 / (k_n 0.15 r^2)) - 1, 0, 1)
+//   a_k = max(shortest, wide s_k / s_1)
+//   wide = 1 + (widest - 1) clamp((1 - s_3 / s_1 - 0.1) / 0.6, 0, 1)
+//
+//   A = diag(mix(k_n, a_k, t))
+//   t = clamp(min(c_i / N_eps, s_1 / (k_n 0.15 r^2)) - 1, 0, 1)
+//
 //   center of kernel i = x_i + lambda z_i n_i
 //
-// n_i = sum over j != i of w_ij, twice: the number of neighbors for constant density. 0.15 r^2 is s_1 for constant
+// c_i = 2 sum over j != i of w_ij: the number of neighbors for constant density. 0.15 r^2 is s_1 for constant
 // density on all sides. So an isolated particle, or a cluster narrower than a kernel, has a ball of radius k_n h, and
 // there is no step in between, which would show as flicker. shortest is at least 3 samples: shorter axes fall between
 // the samples.
 //
-// n_i is the direction of x_i^w - x_i, which is the inner normal near a surface, and z_i the mean depth along it of the
-// neighbors in the same layer (nearer than 1.4 h, less than half a support above or below). So a kernel moves to the
+// n_i is the direction of x_i^w - x_i, which is the inner normal near a surface. z_i is the mean depth along it of the
+// neighbors in the same layer: those nearer than 1.4 h and less than half a support above or below. So a kernel moves to the
 // local surface of its layer, and convex and concave places keep their volume; the paper's centers move to x_i^w. Deep
 // inside (|x_i^w - x_i| below 0.2 h) centers stay.
 #pragma once
