@@ -26,9 +26,9 @@
 // the samples.
 //
 // n_i is the direction of x_i^w - x_i, which is the inner normal near a surface. z_i is the mean depth along it of the
-// neighbors in the same layer: those nearer than 1.4 h and less than half a support above or below. So a kernel moves to the
-// local surface of its layer, and convex and concave places keep their volume; the paper's centers move to x_i^w. Deep
-// inside (|x_i^w - x_i| below 0.2 h) centers stay.
+// neighbors in the same layer: those nearer than 1.4 h and less than half a support above or below. So a kernel moves
+// to the local surface of its layer, and convex and concave places keep their volume; the paper's centers move to
+// x_i^w. Deep inside (|x_i^w - x_i| below 0.2 h) centers stay.
 #pragma once
 
 #include <memory>
