@@ -56,13 +56,15 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
 
 }  // namespace
 
-Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles, const ParticleOptions& options,
-                                                  std::optional<double> only_iso, int margin, const Context& context) {
+Result<points::ParticleField> make_particle_field(points::ParticleSet& particles, Positions positions,
+                                                  const ParticleOptions& options, std::optional<double> only_iso,
+                                                  int margin, const Context& context) {
   points::FieldOptions asked = field_options(options, only_iso);
   asked.margin = margin;
   const bool is_level_set = points::method_info(asked.method).kind == field::FieldKind::level_set;
-  auto made =
-      TRY(is_level_set ? make_level_set(particles, asked, context) : points::make_field(particles, asked, context));
+  auto made = TRY(is_level_set                   ? make_level_set(particles, asked, context)
+                  : positions == Positions::free ? points::make_field_and_free(particles, asked, context)
+                                                 : points::make_field(particles, asked, context));
   const points::ParticleFieldStatistics& figures = made.figures;
   if (!figures.radius_attribute.empty()) {
     const bool takes_median = asked.method == points::Method::weight || asked.method == points::Method::anisotropic;

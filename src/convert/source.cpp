@@ -235,7 +235,10 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   TRY(apply_box_options(options.particles.simulation_box, file.particles));
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
-  auto made = TRY(make_particle_field(file.particles, options.particles, use.only_iso, filter_reach(options), context));
+  // Vertices get attributes from the particles near them.
+  const Positions after = options.attributes.empty() ? Positions::free : Positions::keep;
+  auto made =
+      TRY(make_particle_field(file.particles, after, options.particles, use.only_iso, filter_reach(options), context));
   if (made.region && options.resamples()) {
     return fail(
         ErrorCode::usage,

@@ -71,14 +71,15 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
     cells += static_cast<std::size_t>(k == 0 || !same_cell(keys[k], keys[k - 1]));
     columns += static_cast<std::size_t>(k == 0 || keys[k].xy != keys[k - 1].xy);
   }
-  grid.memory_ = TRY(context.reserve(count * (sizeof(glm::dvec3) + 2 * sizeof(std::uint32_t)) + sizeof(std::uint32_t) +
-                                         (cells + 1) * sizeof(Cell) + (columns + 1) * sizeof(Column),
-                                     what()));
-  grid.places_ = Buffer<glm::dvec3>(count);
+  grid.memory_ = TRY(context.reserve(
+      count * sizeof(std::uint32_t) + (cells + 1) * sizeof(Cell) + (columns + 1) * sizeof(Column), what()));
   grid.order_ = Buffer<std::uint32_t>(count);
-  grid.firsts_ = Buffer<std::uint32_t>(count + 1);
   grid.cells_ = Buffer<Cell>(cells + 1);
   grid.columns_ = Buffer<Column>(columns + 1);
+  for_each_range(count, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k != end; ++k)
+      grid.order_[k] = static_cast<std::uint32_t>(keys[k].z_index & 0xFFFFFFFFU);
+  });
   for (std::size_t k = 0; k < count; ++k) {
     if (k != 0 && same_cell(keys[k], keys[k - 1])) continue;
     if (k == 0 || keys[k].xy != keys[k - 1].xy) {
@@ -91,36 +92,53 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
   grid.columns_[columns] = {kBeyond, kBeyond, static_cast<std::uint32_t>(cells)};
   grid.cells_[cells] = {glm::ivec3(kBeyond), static_cast<std::uint32_t>(count)};
 
-  for_each_range(cells, 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c != end; ++c) {
-      const std::size_t first = grid.cells_[c].first;
-      const std::size_t last = grid.cells_[c + 1].first;
-      for (std::size_t k = first; k != last; ++k) {
-        grid.order_[k] = static_cast<std::uint32_t>(keys[k].z_index & 0xFFFFFFFFU);
-      }
-      if (coinciding == Coinciding::merged && last - first > kMaxUnsortedCell) {
-        tbb::parallel_sort(grid.order_.begin() + first, grid.order_.begin() + last,
-                           [&](std::uint32_t a, std::uint32_t b) {
-                             const glm::dvec3& p = points[a];
-                             const glm::dvec3& q = points[b];
-                             return p == q ? a < b : placed_before(p, q);
-                           });
-      }
-      for (std::size_t k = first; k != last; ++k) grid.places_[k] = frame(points[grid.order_[k]]);
-    }
-  });
+  made.reset();
 
-  // Merges points into spots, in place. Compares the original coordinates: grid coordinates are rounded.
+  // Compares the original coordinates: grid coordinates are rounded.
+  const auto same_spot = [&](std::size_t k, std::size_t first) {
+    return k != first && coinciding == Coinciding::merged && points[grid.order_[k]] == points[grid.order_[k - 1]];
+  };
+  auto places_memory = TRY(context.reserve(count * sizeof(glm::dvec3), what()));
+  grid.places_ = Buffer<glm::dvec3>(count);
+  const auto merged = reduce_ranges(
+      cells, 256, std::size_t{0},
+      [&](std::size_t begin, std::size_t end, std::size_t sum) {
+        for (std::size_t c = begin; c != end; ++c) {
+          const std::size_t first = grid.cells_[c].first;
+          const std::size_t last = grid.cells_[c + 1].first;
+          if (coinciding == Coinciding::merged && last - first > kMaxUnsortedCell) {
+            tbb::parallel_sort(grid.order_.begin() + first, grid.order_.begin() + last,
+                               [&](std::uint32_t a, std::uint32_t b) {
+                                 const glm::dvec3& p = points[a];
+                                 const glm::dvec3& q = points[b];
+                                 return p == q ? a < b : placed_before(p, q);
+                               });
+          }
+          for (std::size_t k = first; k != last; ++k) {
+            grid.places_[k] = frame(points[grid.order_[k]]);
+            sum += static_cast<std::size_t>(same_spot(k, first));
+          }
+        }
+        return sum;
+      },
+      [](std::size_t a, std::size_t b) { return a + b; });
+  grid.spots_ = count - merged;
+  grid.memory_.take(std::move(places_memory));
+  if (merged == 0) return grid;
+
+  // Merges points into spots, in place.
+  auto firsts_memory = TRY(context.reserve((grid.spots_ + 1) * sizeof(std::uint32_t), what()));
+  grid.firsts_ = Buffer<std::uint32_t>(grid.spots_ + 1);
+  grid.memory_.take(std::move(firsts_memory));
+  std::size_t spot = 0;
   for (std::size_t c = 0; c < cells; ++c) {
     const std::size_t first = grid.cells_[c].first;
     const std::size_t last = grid.cells_[c + 1].first;
-    grid.cells_[c].first = static_cast<std::uint32_t>(grid.spots_);
+    grid.cells_[c].first = static_cast<std::uint32_t>(spot);
     for (std::size_t k = first; k != last; ++k) {
-      if (k != first && coinciding == Coinciding::merged && points[grid.order_[k]] == points[grid.order_[k - 1]]) {
-        continue;
-      }
-      grid.places_[grid.spots_] = grid.places_[k];
-      grid.firsts_[grid.spots_++] = static_cast<std::uint32_t>(k);
+      if (same_spot(k, first)) continue;
+      grid.places_[spot] = grid.places_[k];
+      grid.firsts_[spot++] = static_cast<std::uint32_t>(k);
     }
   }
   grid.firsts_[grid.spots_] = static_cast<std::uint32_t>(count);

@@ -51,6 +51,7 @@ class CellGrid {
   [[nodiscard]] const glm::dvec3& place(std::size_t spot) const { return places_[spot]; }
   // Returns the indices of the points that share the spot.
   [[nodiscard]] std::span<const std::uint32_t> members(std::size_t spot) const {
+    if (firsts_.size() == 0) return {order_.data() + spot, 1};
     return {order_.data() + firsts_[spot], firsts_[spot + 1] - firsts_[spot]};
   }
 
@@ -107,7 +108,8 @@ class CellGrid {
   std::size_t cell_count_ = 0;
   std::size_t column_count_ = 0;
   Buffer<glm::dvec3> places_;
-  Buffer<std::uint32_t> firsts_;  // per spot: its first entry in order_; one extra at the end
+  // Per spot: its first entry in order_; one extra at the end. Empty if each spot has one point.
+  Buffer<std::uint32_t> firsts_;
   Buffer<std::uint32_t> order_;
   Buffer<Cell> cells_;      // one extra at the end
   Buffer<Column> columns_;  // one extra at the end

@@ -1,11 +1,15 @@
 #include "points/particle_field.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "base/checked.hpp"
 #include "base/parallel.hpp"
 #include "points/cell_grid.hpp"
 #include "points/detail/anisotropy.hpp"
@@ -60,6 +64,15 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
   return GridFrame{glm::round(center / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
 }
 
+// Returns the number of spots of the cell with the most.
+std::uint64_t largest_cell(const CellGrid& grid) {
+  std::uint64_t most = 0;
+  for (std::size_t c = 0; c < grid.cell_count(); ++c) {
+    most = std::max<std::uint64_t>(most, grid.cell_end(c) - grid.cell(c).first);
+  }
+  return most;
+}
+
 // Fails if the radius is so large relative to the particle distances that nearly all kernels overlap. `support` is that
 // of the largest kernel, in samples.
 Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, const FieldOptions& options,
@@ -67,6 +80,9 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   const bool is_anisotropic = options.method == Method::anisotropic;
   const double widening = is_anisotropic ? std::max(1.0, options.anisotropy.neighborhood) : 1;
   const std::uint64_t most = kMaxNeighbors * grid.size();
+  const auto side = static_cast<std::uint64_t>(2 * std::ceil(widening * support / grid.side()) + 1);
+  const auto bound = checked_product(largest_cell(grid), side * side * side);
+  if (bound && *bound <= kMaxNeighbors) return {};
   if (count_neighbor_pairs(grid, widening * support, most) <= most) return {};
   const std::optional<double> usual = TRY(suggest_radius(particles, context));
   return fail(
@@ -139,7 +155,8 @@ Result<field::SparseSamples> sum_kernels(const CellGrid& grid, const UsedParticl
 // Makes the samples of particles without a periodic box, and sets their place in `result`.
 Result<field::SparseSamples> fill_open_space(const ParticleSet& particles, const UsedParticles& used,
                                              const ParticleBounds& bounds, const FieldOptions& options,
-                                             BrickCounts& counts, const Context& context, ParticleField& result) {
+                                             const std::function<void()>& free_positions, BrickCounts& counts,
+                                             const Context& context, ParticleField& result) {
   const ParticleFieldStatistics& figures = result.figures;
   const bool weighs = options.method == Method::weight;
   auto frame = TRY(index_frame(particles, bounds, figures.spacing, weighs ? 1 : used.reach));
@@ -147,10 +164,12 @@ Result<field::SparseSamples> fill_open_space(const ParticleSet& particles, const
                                  context, particles.label));
   result.field.index_to_world = {glm::dmat3(figures.spacing), frame.origin};
   if (weighs) {
+    free_positions();
     return fill_bricks(WeightBricks(grid, options.deposit, options.weight), std::nullopt, kInside, std::nullopt, counts,
                        context, particles.label);
   }
   TRY(check_crowding(particles, grid, options, used.reach, figures, context));
+  free_positions();
   return sum_kernels(grid, used, options, nullptr, counts, context, particles.label);
 }
 
@@ -231,7 +250,11 @@ Result<void> check_options(const FieldOptions& options) {
   return {};
 }
 
-Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
+namespace {
+
+// `free_positions` is called when only the positions in the grid are needed.
+Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options,
+                                 const std::function<void()>& free_positions, const Context& context) {
   TRY(check_options(options));
   const std::span<const glm::dvec3> positions = particles.positions.span();
   if (method_info(options.method).kind != field::FieldKind::density) {
@@ -277,12 +300,29 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
   }
   BrickCounts counts;
   const bool is_periodic = particles.box && particles.box->is_periodic();
-  result.field.samples = TRY(is_periodic ? fill_periodic_box(particles, used, options, counts, context, result)
-                                         : fill_open_space(particles, used, bounds, options, counts, context, result));
+  result.field.samples =
+      TRY(is_periodic ? fill_periodic_box(particles, used, options, counts, context, result)
+                      : fill_open_space(particles, used, bounds, options, free_positions, counts, context, result));
   figures.bricks_stored = counts.bricks_stored;
   figures.inside_tiles = counts.inside_tiles;
   figures.particles_deep_inside = counts.particles_deep_inside;
   return result;
+}
+
+}  // namespace
+
+Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
+  return make_field(
+      particles, options, [] {}, context);
+}
+
+Result<ParticleField> make_field_and_free(ParticleSet& particles, const FieldOptions& options, const Context& context) {
+  const auto free_positions = [&] {
+    particles.memory.shrink(particles.memory.bytes() -
+                            std::min<std::uint64_t>(particles.memory.bytes(), particles.positions.size_bytes()));
+    particles.positions = {};
+  };
+  return make_field(particles, options, free_positions, context);
 }
 
 }  // namespace isoextract::points

@@ -1,5 +1,6 @@
 // One libFuzzer target per format of particles, and two for the two kinds of BGEO, which mutate inputs differently. The
 // first byte selects the request, and the rest is a whole file.
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -55,6 +56,11 @@ void read_one(const std::uint8_t* data, std::size_t size) {
     for (const points::ParticleAttribute& attribute : read->particles.attributes) {
       require(attribute.values.size() == attribute.components * read->particles.size());
       bytes += attribute.values.size_bytes();
+    }
+    for (const points::ParticleWords& column : read->particles.words) {
+      require(column.indices.size() == (column.too_many ? 0 : read->particles.size()));
+      require(std::ranges::all_of(column.indices, [&](std::uint32_t index) { return index < column.words.size(); }));
+      bytes += sizeof(std::uint32_t) * read->particles.size();  // reserved also if the indices were freed
     }
     require(read->particles.memory.bytes() == bytes && context.memory().reserved() == bytes);
   }

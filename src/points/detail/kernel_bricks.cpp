@@ -10,6 +10,8 @@ namespace {
 constexpr int kSampleCount = 512;
 // Fraction of a kernel's radius that holds four fifths of the integral of S, in a fifth of the volume.
 constexpr float kNearPart = 0.6F;
+// If the sums of that part fall below this fraction of the iso value, full sums are unlikely to be above it.
+constexpr double kWorthwhile = 0.75;
 
 // Returns an eighth of the median number of spots in a cell, from a sample of the cells. It only selects bricks for a
 // proof; no value depends on it.
@@ -42,21 +44,25 @@ void KernelBricks::for_each_near(const glm::ivec3& origin, double part, const F&
   const glm::dvec3 low(origin);
   const glm::dvec3 high = low + static_cast<double>(field::SparseBlock::kSize - 1);
   const double most = part * kernels_.reach;
+  bool goes_on = true;
   kernels_.grid->for_each_spot_run(low - most, high + most, [&](std::size_t first, std::size_t last) {
-    for (std::size_t s = first; s != last; ++s) {
+    for (std::size_t s = first; goes_on && s != last; ++s) {
       const double reach = kernels_.shapes != nullptr ? part * static_cast<double>(kernels_.shapes[s].reach) : most;
       const glm::dvec3& p = kernels_.grid->place(s);
       const double x = distance_to_interval(p.x, low.x, high.x);
       const double y = distance_to_interval(p.y, low.y, high.y);
       const double z = distance_to_interval(p.z, low.z, high.z);
-      if (x * x + y * y + z * z < reach * reach) f(s);
+      if (x * x + y * y + z * z < reach * reach) goes_on = f(s);
     }
   });
 }
 
 bool KernelBricks::touches(const glm::ivec3& origin) const {
   bool found = false;
-  for_each_near(origin, 1, [&](std::size_t) { found = true; });
+  for_each_near(origin, 1, [&](std::size_t) {
+    found = true;
+    return false;
+  });
   return found;
 }
 
@@ -91,6 +97,7 @@ void KernelBricks::sum(const glm::ivec3& origin, float part, float* values, cons
     }
     marks.mark(s);
     if (batch.size == kBatch) add();
+    return true;
   });
   add();
 }
@@ -115,11 +122,16 @@ bool KernelBricks::is_probably_inside(const glm::ivec3& origin) const {
 }
 
 bool KernelBricks::is_proved_above(const glm::ivec3& origin, double iso) const {
+  alignas(64) std::array<float, kSampleCount> values;
+  const auto least = [&](float part) {
+    values.fill(0);
+    sum(origin, part, values.data(), ContributingSpots(nullptr));
+    return static_cast<double>(*std::ranges::min_element(values));
+  };
   // fill() adds the same numbers in the same order, with further nonnegative ones between them. Rounding is monotone,
   // so each of its sums is at least the sum here, in floating point as well.
-  alignas(64) std::array<float, kSampleCount> values{};
-  sum(origin, kNearPart, values.data(), ContributingSpots(nullptr));
-  return static_cast<double>(*std::ranges::min_element(values)) > iso;
+  const double near = least(kNearPart);
+  return near > iso || (near > kWorthwhile * iso && least(1) > iso);
 }
 
 }  // namespace isoextract::points

@@ -1,9 +1,12 @@
 #include "points/detail/sparse_bricks.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tbb/parallel_sort.h>
@@ -24,18 +27,31 @@ using Flags = Buffer<std::uint8_t>;
 
 // Returns the bricks that contain a spot, each once and in order.
 Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, const std::string& label) {
-  auto made = make_reserved_buffer<glm::ivec3>(grid.size(), context, label);
+  const auto brick_of = [&](std::size_t spot) {
+    return glm::ivec3(glm::floor(grid.place(spot) / static_cast<double>(kSide)));
+  };
+  // Consecutive spots mostly share a brick, so only the first of each run is listed.
+  constexpr std::size_t kChunk = 1 << 16;
+  const std::size_t chunks = (grid.size() + kChunk - 1) / kChunk;
+  const auto for_each_run_start = [&](std::size_t chunk, const auto& f) {
+    for (std::size_t s = chunk * kChunk; s != std::min(grid.size(), (chunk + 1) * kChunk); ++s) {
+      const glm::ivec3 brick = brick_of(s);
+      if (s == 0 || brick != brick_of(s - 1)) f(brick);
+    }
+  };
+  std::vector<std::size_t> ends(chunks + 1);
+  for_each_index(chunks,
+                 [&](std::size_t chunk) { for_each_run_start(chunk, [&](const glm::ivec3&) { ++ends[chunk + 1]; }); });
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) ends[chunk + 1] += ends[chunk];
+  auto made = make_reserved_buffer<glm::ivec3>(ends[chunks], context, label);
   if (!made) return made;
   Buffer<glm::ivec3>& all = (*made)->values;
-  for_each_range(grid.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s != end; ++s) {
-      all[s] = glm::ivec3(glm::floor(grid.place(s) / static_cast<double>(kSide)));
-    }
+  for_each_index(chunks, [&](std::size_t chunk) {
+    glm::ivec3* out = all.data() + ends[chunk];
+    for_each_run_start(chunk, [&](const glm::ivec3& brick) { *out++ = brick; });
   });
-  // Consecutive spots mostly share a brick, so this first unique() makes the sort cheap.
-  const auto last = std::unique(all.begin(), all.end());
-  tbb::parallel_sort(all.begin(), last, brick_before);
-  const auto end = std::unique(all.begin(), last);
+  tbb::parallel_sort(all.begin(), all.end(), brick_before);
+  const auto end = std::unique(all.begin(), all.end());
   return bricks_if(
       all.span().first(static_cast<std::size_t>(end - all.begin())), [](std::size_t) { return true; }, context, label);
 }
@@ -101,11 +117,13 @@ struct Active {
     count += voxels;
   }
   void add_block(const glm::ivec3& origin, const float* values) {
-    for (std::size_t v = 0; v < kBrickSamples; ++v) {
-      if (values[v] == 0) continue;
-      const auto n = static_cast<int>(v);
-      const glm::ivec3 p = origin + glm::ivec3(n >> 6, n >> 3 & 7, n & 7);
-      add(p, p, 1);
+    for (int row = 0; row < kSide * kSide; ++row) {
+      std::uint32_t active = 0;  // a bit for each voxel of the row
+      for (int k = 0; k < kSide; ++k) active |= static_cast<std::uint32_t>(values[row * kSide + k] != 0) << k;
+      if (active == 0) continue;
+      const glm::ivec3 start = origin + glm::ivec3(row / kSide, row % kSide, 0);
+      add(start + glm::ivec3(0, 0, std::countr_zero(active)), start + glm::ivec3(0, 0, std::bit_width(active) - 1),
+          static_cast<std::uint64_t>(std::popcount(active)));
     }
   }
 };

@@ -1,5 +1,8 @@
 #include "points/detail/spline_sums.hpp"
 
+#include <bit>
+#include <cstdint>
+
 #include "base/simd_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -38,22 +41,38 @@ void balls_in_rows(const BallBatch& balls, float step, float cut, float* values)
   alignas(64) float at[8];
   for (int i = 0; i < 8; ++i) at[i] = step * static_cast<float>(i);
   alignas(64) float z_squared[8];
-  float y_squared[8];
+  alignas(64) float y_squared[8];
+  alignas(64) float from_rows[8];
+  const Floats limit = hn::Set(d, cut_squared);
+  const Floats one = hn::Set(d, 1);
   for (std::size_t n = 0; n < balls.size; ++n) {
     const Floats z = hn::Set(d, balls.z[n]);
+    Floats nearest = hn::Set(d, 1);
     for (std::size_t k = 0; k < 8; k += lanes) {
       const Floats away = hn::Sub(hn::Load(d, at + k), z);
-      hn::Store(hn::Mul(away, away), d, z_squared + k);
+      const Floats squared = hn::Mul(away, away);
+      hn::Store(squared, d, z_squared + k);
+      nearest = hn::Min(nearest, squared);
     }
+    // Of a row whose nearest sample is 1 away, no sample gets anything.
+    const Floats least_z_squared = hn::MinOfLanes(d, nearest);
     for (int j = 0; j < 8; ++j) y_squared[j] = (at[j] - balls.y[n]) * (at[j] - balls.y[n]);
     const Floats weight = hn::Set(d, balls.weight[n]);
     for (int i = 0; i < 8; ++i) {
       const float x_squared = (at[i] - balls.x[n]) * (at[i] - balls.x[n]);
       if (x_squared >= cut_squared) continue;
-      for (int j = 0; j < 8; ++j) {
-        const float from_row = x_squared + y_squared[j];
-        if (from_row >= cut_squared) continue;
-        const Floats row = hn::Set(d, from_row);
+      std::uint32_t rows = 0;  // a bit for each row that is near enough
+      for (std::size_t j = 0; j < 8; j += lanes) {
+        const Floats squared = hn::Add(hn::Set(d, x_squared), hn::Load(d, y_squared + j));
+        hn::Store(squared, d, from_rows + j);
+        std::uint8_t bits[8] = {};
+        const Floats least = hn::Add(squared, least_z_squared);
+        hn::StoreMaskBits(d, hn::And(hn::Lt(squared, limit), hn::Lt(least, one)), bits);
+        rows |= static_cast<std::uint32_t>(bits[0]) << j;
+      }
+      for (; rows != 0; rows &= rows - 1) {
+        const int j = std::countr_zero(rows);
+        const Floats row = hn::Set(d, from_rows[j]);
         float* const sums = values + 64 * i + 8 * j;
         for (std::size_t k = 0; k < 8; k += lanes) {
           add_to(d, spline(d, hn::Add(row, hn::Load(d, z_squared + k)), weight), sums + k);

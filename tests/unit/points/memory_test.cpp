@@ -60,6 +60,35 @@ TEST_P(FieldMemory, StaysReservedWhileTheFieldLives) {
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
 
+// Sorting holds the positions, the sorted ones and an index; the sums hold all but the positions, and the bricks.
+TEST(FieldMemoryPerParticle, IsBelow64BytesWhenPositionsAreFreed) {
+  FieldOptions options;
+  options.radius = kMemoryRadius;
+  options.tile_iso = method_info(Method::sph).iso;
+  const Context context(MemoryBudget(std::uint64_t{1} << 34));
+  ParticleSet particles = particles_at(lattice_ball(kMemoryRadius, 1.6, 0.4));
+  const std::uint64_t count = particles.size();
+  EXPECT_GT(count, 100000U);
+  particles.memory = *context.reserve(particles.positions.size_bytes(), "positions");
+  const auto made = make_field_and_free(particles, options, context);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_TRUE(particles.positions.empty());
+  EXPECT_EQ(particles.memory.bytes(), 0U);
+  const std::uint64_t bricks = context.memory().reserved();
+  EXPECT_LT(context.memory().peak(), std::max(58 * count, 36 * count + bricks));
+  EXPECT_GT(made->figures.particles_deep_inside, count / 3);  // also where the particles are irregular
+
+  const ParticleSet kept = particles_at(lattice_ball(kMemoryRadius, 1.6, 0.4));
+  const auto same = make_field(kept, options, Context());
+  ASSERT_TRUE(same) << same.error().message;
+  EXPECT_EQ(kept.size(), count);
+  const field::SparseSamples& freed = samples_of(*made);
+  ASSERT_EQ(samples_of(*same).blocks.size(), freed.blocks.size());
+  for (std::size_t b = 0; b < freed.blocks.size(); ++b) {
+    EXPECT_EQ(std::memcmp(freed.blocks[b].values, samples_of(*same).blocks[b].values, 512 * sizeof(float)), 0);
+  }
+}
+
 // The list of bricks within the kernels' reach alone exceeds the memory.
 TEST_P(FieldMemory, RefusesTooManySamplesBeforeWork) {
   if (GetParam() == Method::weight) GTEST_SKIP() << "its particles reach one sample far";
