@@ -52,13 +52,23 @@ void for_each_neighbor_batch(const CellGrid& grid, std::size_t c, double radius,
     }
     begin(targets);
     grid.for_each_run(at - rings, at + rings, [&](std::size_t from, std::size_t to) {
-      for (std::size_t s = grid.cell(from).first; s < grid.cell_end(to - 1); ++s) {
-        const glm::vec3 p((grid.place(s) - corner) * scale);
-        batch.x[batch.size] = p.x;
-        batch.y[batch.size] = p.y;
-        batch.z[batch.size] = p.z;
-        batch.weight[batch.size] = static_cast<float>(grid.members(s).size());
-        if (++batch.size == kBatch) {
+      const std::size_t last = grid.cell_end(to - 1);
+      for (std::size_t s = grid.cell(from).first; s < last;) {
+        const std::size_t count = std::min(last - s, kBatch - batch.size);
+        float* const x = batch.x.data() + batch.size;
+        float* const y = batch.y.data() + batch.size;
+        float* const z = batch.z.data() + batch.size;
+        float* const weight = batch.weight.data() + batch.size;
+        for (std::size_t n = 0; n < count; ++n) {
+          const glm::vec3 p((grid.place(s + n) - corner) * scale);
+          x[n] = p.x;
+          y[n] = p.y;
+          z[n] = p.z;
+          weight[n] = static_cast<float>(grid.members(s + n).size());
+        }
+        batch.size += count;
+        s += count;
+        if (batch.size == kBatch) {
           add(targets, batch);
           batch.size = 0;
         }
