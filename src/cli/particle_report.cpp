@@ -144,8 +144,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   report.method = asked.particles.method;
   asked.particles.bad = points::NonFiniteParticles::skip;
   Stopwatch making;
-  auto made = convert::make_particle_field(file.particles, asked.particles, std::nullopt, convert::filter_reach(asked),
-                                           context);
+  auto made = convert::make_particle_field(file.particles, convert::field_options(asked, std::nullopt), context);
   if (!made) {
     if (made.error().code == ErrorCode::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());

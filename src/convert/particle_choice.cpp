@@ -48,6 +48,11 @@ Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles,
   return counts;
 }
 
+std::optional<field::Box> region_of_particles(const SourceOptions& options) {
+  const bool needs_all = options.resamples() || options.placement.space == Space::index;
+  return needs_all ? std::nullopt : options.roi;
+}
+
 std::string why_none_chosen(const ParticleCount& count, const ParticleOptions& options) {
   return fmt::format("the condition '{}' chooses none of {} particles", printable(options.select.value_or(""), 200),
                      count.of);

@@ -28,6 +28,11 @@ struct ParticleCount {
 [[nodiscard]] Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles,
                                                                const ParticleOptions& options, const Context& context);
 
+// Returns the region that limits which particles are used, in world coordinates. Returns nullopt without a region, and
+// if all particles count: the extents of the field decide where its samples lie after resampling, and what voxel
+// coordinates mean.
+[[nodiscard]] std::optional<field::Box> region_of_particles(const SourceOptions& options);
+
 // Returns "the condition 'type == 9' chooses none of 1000 particles".
 [[nodiscard]] std::string why_none_chosen(const ParticleCount& count, const ParticleOptions& options);
 

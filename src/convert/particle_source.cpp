@@ -123,17 +123,19 @@ particle_io::ParticleReadOptions particle_read_options(const SourceOptions& opti
   return read;
 }
 
-points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso) {
+points::FieldOptions field_options(const SourceOptions& options, std::optional<double> only_iso) {
+  const ParticleOptions& particles = options.particles;
   points::FieldOptions field;
-  field.method = options.method;
-  field.radius = options.radius;
-  field.suggested_radius = options.sequence_radius;
-  field.cell_size = options.cell_size;
-  field.smoothing_length = options.smoothing_length;
-  field.weight = options.weight;
-  field.deposit = options.deposit;
-  field.bad = options.bad;
+  field.method = particles.method;
+  field.radius = particles.radius;
+  field.suggested_radius = particles.sequence_radius;
+  field.cell_size = particles.cell_size;
+  field.smoothing_length = particles.smoothing_length;
+  field.weight = particles.weight;
+  field.deposit = particles.deposit;
+  field.bad = particles.bad;
   field.tile_iso = only_iso;
+  field.margin = filter_reach(options);
   return field;
 }
 

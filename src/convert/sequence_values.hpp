@@ -13,7 +13,7 @@ namespace isoextract::convert {
 
 struct FoundRadius {
   std::optional<double> radius;  // points::suggest_radius() of the particles
-  std::uint64_t particles = 0;
+  std::uint64_t particles = 0;   // of the input, chosen and inside the region
   bool has_attribute = false;  // the particles have a radius attribute, which counts instead
 };
 

@@ -21,6 +21,7 @@
 #include "field/distinct_values.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
+#include "points/region.hpp"
 #include "points/simulation_box.hpp"
 
 namespace isoextract::convert {
@@ -233,9 +234,16 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   file.particles.words.clear();
   if (chosen && chosen->chosen == 0) source.why_no_particles = why_none_chosen(*chosen, options.particles);
   TRY(apply_box_options(options.particles.simulation_box, file.particles));
+  points::FieldOptions asked = field_options(options, use.only_iso);
+  std::optional<ParticleCount> near_region;
+  if (const auto region = region_of_particles(options)) {
+    const std::uint64_t all = file.particles.size();
+    const std::uint64_t removed = TRY(points::keep_region(file.particles, *region, asked, context));
+    near_region = {all - removed, all};
+  }
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
-  auto made = TRY(make_particle_field(file.particles, options.particles, use.only_iso, filter_reach(options), context));
+  auto made = TRY(make_particle_field(file.particles, asked, context));
   if (made.region && options.resamples()) {
     return fail(
         ErrorCode::usage,
@@ -267,6 +275,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::particles, figures.particles},
        {Key::chosen, chosen ? Value(chosen->chosen) : Value()},
        {Key::chosen_of, chosen ? Value(chosen->of) : Value()},
+       {Key::outside_region, near_region ? Value(near_region->of - near_region->chosen) : Value()},
        {Key::not_finite, figures.particles_dropped},
        {Key::left_out_inside, figures.particles_deep_inside},
        {Key::too_small, figures.particles_too_small},
@@ -276,6 +285,11 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::simulation_box, box_figures(file.particles.box)}},
       watch.elapsed());
   events.end(report);
+  if (figures.particles == 0 && near_region && near_region->of > 0) {
+    source.why_no_particles = fmt::format("none of {} particles lies in the region {} or near it", near_region->of,
+                                          box_text(*options.roi));
+    source.region_is_empty = true;
+  }
   if (figures.particles_dropped > 0) {
     events.note({NoteId::particles_left_out,
                  fmt::format("{}: the conversion left out {} particles whose positions are not finite",
@@ -294,6 +308,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   }
   report = report_on(StageName::particles_to_field, field_label(made.field));
   if (chosen) report.work.push_back(choice_fact(*chosen, options.particles));
+  if (near_region) report.work.push_back(region_fact(*near_region));
   for (WorkFact& fact : particle_facts(figures)) report.work.push_back(std::move(fact));
   events.end(report);
   source.field = std::move(made.field);

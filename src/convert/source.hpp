@@ -35,7 +35,8 @@ struct Source {
   std::string label;              // name in messages
   bool empty = false;             // the input has no voxels or no particles
   bool of_particles = false;
-  std::string why_no_particles = {};  // set if a condition chose none
+  std::string why_no_particles = {};  // set if a condition chose none, or no particle lies near the region
+  bool region_is_empty = false;       // no particle lies near the region
   // Set with SourceOptions::away_from_zero: the field's kind as read, which set_inside_side(0) restores.
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
