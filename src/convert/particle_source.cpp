@@ -59,7 +59,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected particles for the particle options, found a volume",
+                fmt::format("{}: expected particles, for the particle options or for the output, found a volume",
                             files::input_label(options.input)),
                 {Remedy::leave_out, Setting::particle_options});
   }
@@ -117,7 +117,7 @@ particle_io::ParticleReadOptions particle_read_options(const SourceOptions& opti
       if (std::ranges::find(read.attributes, flag) == read.attributes.end()) read.attributes.emplace_back(flag);
     }
   }
-  if (!options.particles.radius) {
+  if (!options.particles.radius && !options.particles.element_radii) {
     read.first_scalar_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
   }
   return read;

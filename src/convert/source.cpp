@@ -212,14 +212,6 @@ std::string stem_of_file(const std::string& input) {
   return path.stem().string();
 }
 
-// Returns the figures of a box, or null.
-Value box_figures(const std::optional<points::SimulationBox>& box) {
-  if (!box) return {};
-  return Figures{{Key::origin, Value(box->origin)},
-                 {Key::edges, Value::List{box->edges[0], box->edges[1], box->edges[2]}},
-                 {Key::periodic, Value(box->periodic)}};
-}
-
 // Runs two stages: reads particles, and makes a field from them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
@@ -228,15 +220,20 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   auto file =
       TRY(particle_io::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context));
   const StageTime reading = watch.elapsed();
-  for (const Note& text : file.notes) events.note(text);
+  const auto tell_notes = [&] {
+    for (const Note& text : std::exchange(file.notes, {})) events.note(text);
+  };
+  tell_notes();
   TRY(context.check());
   const auto chosen = TRY(keep_chosen(file.particles, options.particles, context));
+  TRY(give_element_radii(file, options, context));
+  tell_notes();
   file.particles.words.clear();
   if (chosen && chosen->chosen == 0) source.why_no_particles = why_none_chosen(*chosen, options.particles);
   TRY(apply_box_options(options.particles.simulation_box, file.particles));
   points::FieldOptions asked = field_options(options, use.only_iso);
   std::optional<ParticleCount> near_region;
-  if (const auto region = region_of_particles(options)) {
+  if (const auto region = region_of_particles(options); region && !use.outside_region) {
     const std::uint64_t all = file.particles.size();
     const std::uint64_t removed = TRY(points::keep_region(file.particles, *region, asked, context));
     near_region = {all - removed, all};
@@ -286,9 +283,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
       watch.elapsed());
   events.end(report);
   if (figures.particles == 0 && near_region && near_region->of > 0) {
-    source.why_no_particles = fmt::format("none of {} particles lies in the region {} or near it", near_region->of,
-                                          box_text(*options.roi));
-    source.region_is_empty = true;
+    source.set_empty_region(*near_region, *options.roi, true);
   }
   if (figures.particles_dropped > 0) {
     events.note({NoteId::particles_left_out,
@@ -336,6 +331,19 @@ Result<field::ScalarField> read_field(const std::string& input, const volume_io:
   TRY(context.check());
   TRY(volume_io::check_mapping_intact(*field));
   return field;
+}
+
+Value box_figures(const std::optional<points::SimulationBox>& box) {
+  if (!box) return {};
+  return Figures{{Key::origin, Value(box->origin)},
+                 {Key::edges, Value::List{box->edges[0], box->edges[1], box->edges[2]}},
+                 {Key::periodic, Value(box->periodic)}};
+}
+
+void Source::set_empty_region(const ParticleCount& count, const field::Box& roi, bool or_near) {
+  why_no_particles = fmt::format("none of {} particles lies in the region {}{}", count.of, box_text(roi),
+                                 or_near ? " or near it" : "");
+  region_is_empty = true;
 }
 
 void Source::set_inside_side(double iso) {

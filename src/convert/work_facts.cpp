@@ -71,8 +71,9 @@ WorkFact choice_fact(const ParticleCount& count, const ParticleOptions& options)
 
 WorkFact region_fact(const ParticleCount& count) {
   const std::uint64_t removed = count.of - count.chosen;
-  return {WorkTopic::particles_outside_region, WorkDone::left_out, removed, count.of,
-          fmt::format("{} of {} particles, so far outside the region that it does not depend on them", removed, count.of)};
+  return {
+      WorkTopic::particles_outside_region, WorkDone::left_out, removed, count.of,
+      fmt::format("{} of {} particles, so far outside the region that it does not depend on them", removed, count.of)};
 }
 
 std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures) {
