@@ -56,6 +56,10 @@ void read_one(const std::uint8_t* data, std::size_t size) {
       require(attribute.values.size() == attribute.components * read->particles.size());
       bytes += attribute.values.size_bytes();
     }
+    for (const points::ParticleWords& words : read->particles.words) {
+      require(words.too_many || words.indices.size() == read->particles.size());
+      bytes += read->particles.size() * sizeof(std::uint32_t);
+    }
     require(read->particles.memory.bytes() == bytes && context.memory().reserved() == bytes);
   }
   require(context.memory().reserved() == 0);
