@@ -16,8 +16,8 @@
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
-#include "cli/field_plan.hpp"
 #include "cli/output_plan.hpp"
+#include "cli/particle_file_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
@@ -272,7 +272,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto found = TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
                                             : batch::find_frames(flags.input.inputs, flags.batch.frames));
   std::string usual_iso;
-  if (!flags.batch.iso_table && !writes_field(flags)) {
+  if (!flags.batch.iso_table && makes_surfaces(flags)) {
     usual_iso = TRY(set_default_iso(one, found.frames.front().input, context));
     if (!usual_iso.empty()) found.notes.push_back({NoteId::iso_chosen, usual_iso});
     flags.isos = one.isos;

@@ -167,14 +167,16 @@ class ConversionPrinter final : public convert::Events {
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
   const auto* meshes = job.writes<convert::MeshFileOptions>();
-  const bool is_text = meshes != nullptr && (meshes->ascii || meshes->format == mesh_io::MeshFormat::obj);
+  const auto* particles = job.writes<convert::ParticleFileOptions>();
+  const bool is_text = (meshes != nullptr && (meshes->ascii || meshes->format == mesh_io::MeshFormat::obj)) ||
+                       (particles != nullptr && particles->format == particle_io::ParticleFileFormat::xyz);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorCode::usage,
               fmt::format("stdout is a terminal, and {} is binary data",
                           meshes != nullptr ? mesh_io::mesh_format_info(meshes->format).name
-                          : job.writes<convert::PictureFileOptions>() != nullptr
-                              ? kPictureFormat
-                              : word_of(job.writes<convert::FieldFileOptions>()->format)),
+                          : job.writes<convert::PictureFileOptions>() != nullptr ? kPictureFormat
+                          : particles != nullptr                                 ? word_of(particles->format)
+                                                 : word_of(job.writes<convert::FieldFileOptions>()->format)),
               "redirect stdout to a file or a pipe");
 }
 

@@ -14,6 +14,7 @@
 #include "cli/output_plan.hpp"
 #include "cli/packing_plan.hpp"
 #include "cli/pages_plan.hpp"
+#include "cli/particle_file_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan.hpp"
@@ -26,13 +27,14 @@ namespace isoextract::cli {
 namespace {
 
 Result<mesh_io::MeshFormat> plan_format(const ConvertFlags& flags) {
-  if (writes_field(flags) || writes_picture(flags))
+  if (!makes_surfaces(flags) || writes_picture(flags))
     return mesh_io::MeshFormat::glb;  // a placeholder: no mesh is written
   if (flags.format) return *flags.format->mesh;
   if (!flags.output || is_folder(*flags.output)) return mesh_io::MeshFormat::glb;
   if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
   return format_of_path(*flags.output, "choose the format with --format",
-                        ", .png for a picture, or .vdb, .nrrd, .npy or .vti for the field itself");
+                        ", .png for a picture, .vdb, .nrrd, .npy or .vti for the field itself, or .bgeo, .vtu or .xyz "
+                        "for particles");
 }
 
 Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFormat format) {
@@ -60,7 +62,9 @@ std::string_view format_name(const ConvertFlags& flags, const mesh_io::MeshForma
 Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
     return refuse_usage(fmt::format("an input from stdin has no file name for the output, a {}",
-                                    writes_field(flags) ? "field" : "mesh"),
+                                    writes_field(flags)       ? "field"
+                                    : writes_particles(flags) ? "particle file"
+                                                              : "mesh"),
                         "give -o FILE, or -o - for stdout");
   }
   const bool is_mesh = other_extension(flags).empty();
@@ -119,9 +123,10 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
+  TRY(check_particle_file_options(flags));
   TRY(check_field_options(flags));
-  const bool as_field = writes_field(flags);
-  TRY(as_field ? Result<void>() : check_isos(isos));
+  const bool has_surfaces = makes_surfaces(flags);
+  TRY(has_surfaces ? check_isos(isos) : Result<void>());
   TRY(check_filters(flags.surface, flags.particles));
   auto shown = TRY(plan_messages(flags.run));
   TRY(refuse_both(flags.run.quiet, flags.explain));
@@ -138,7 +143,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
   const auto picture = TRY(plan_picture(flags));
   const auto by_name = flags.output ? mesh_io::mesh_format_by_path(*flags.output) : std::nullopt;
-  if (by_name && (as_field || writes_picture(flags) || *by_name != format)) {
+  if (by_name && (!has_surfaces || writes_picture(flags) || *by_name != format)) {
     plan.notes.push_back(
         {NoteId::format_not_by_name,
          fmt::format("{}: isoextract writes {} because of --format, although the file name suggests another format",
@@ -153,11 +158,15 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   TRY(plan_vertices(flags, isos.size(), job));
   job.file = convert::MeshFileOptions{format, flags.ascii, TRY(plan_packing(flags, format))};
   if (const auto field = field_format(flags)) job.file = convert::FieldFileOptions{flags.half, *field};
+  if (const auto particles = particle_file_format(flags)) {
+    job.file = convert::ParticleFileOptions{*particles};
+    job.source.particles.expected = true;
+  }
   if (picture) job.file = *picture;
 
   auto placement =
-      TRY(as_field ? convert::Placement()
-                   : plan_placement(flags.placement, format, flags.html || flags.contact_sheet, plan.notes));
+      TRY(!has_surfaces ? convert::Placement()
+                        : plan_placement(flags.placement, format, flags.html || flags.contact_sheet, plan.notes));
   job.source.placement = std::move(placement);
   if (picture) {
     job.source.placement.turn_z_up_to_y_up = false;
@@ -195,7 +204,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   ConvertFlags flags = given;
   TRY(take_labels(flags));
   const Context context(plan_memory(flags.input.memory_limit));
-  auto note = TRY(writes_field(flags) ? std::string() : set_default_iso(flags, inputs.front(), context));
+  auto note = TRY(makes_surfaces(flags) ? set_default_iso(flags, inputs.front(), context) : std::string());
   auto plan = plan_conversion(flags, flags.isos, context);
   if (!plan) return plan;
   if (!note.empty()) plan->notes.push_back({NoteId::iso_chosen, std::move(note)});

@@ -82,7 +82,11 @@ HelpTopic formats_topic() {
        {"nrrd", "NRRD with the transform, dense, in the type of the samples"},
        {"npy", "NumPy array [z, y, x], dense; without spacing and origin; 16-bit floats with --half"},
        {"vti", "VTK image data with appended raw samples, dense"}}};
-  topic.blocks = {std::move(read), std::move(particles), std::move(written), std::move(field)};
+  HelpBlock points{"isoextract can also write the particles themselves, chosen and unwrapped, with all attributes.",
+                   {{"bgeo", "Houdini geometry, with words such as species"},
+                    {"vtu", "VTK unstructured grid, numbers only"},
+                    {"xyz", "extended XYZ, text, with words and the box"}}};
+  topic.blocks = {std::move(read), std::move(particles), std::move(written), std::move(field), std::move(points)};
   return topic;
 }
 

@@ -22,6 +22,10 @@ constexpr std::array kGuide{
     NoteGuide{decimal_commas,
               "The table writes decimals with commas, so the reader does not take commas as separators.",
               "Check the number of particles; if it is wrong, write decimals with points."},
+    NoteGuide{element_radii,
+              "The file does not state what --radii needs: the names of atoms give their elements, or the radii are in "
+              "angstrom because the file states no unit of length.",
+              "Write a column element into the file, or give its unit with --unit."},
     NoteGuide{extra_bytes, "The file is longer than its header says; the reader ignores the rest.",
               "Check --dims, --dtype and --skip for raw files. Otherwise the file may be damaged."},
     NoteGuide{format_not_by_name, "The content or --format says another format than the name of the file.",

@@ -57,7 +57,9 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   }
   options.bad =
       nan == extract::NanPolicy::outside ? points::NonFiniteParticles::skip : points::NonFiniteParticles::error;
+  TRY(refuse_both(flags.radius, flags.radii));
   if (flags.radius) options.radius = flags.radius->radius;
+  options.element_radii = flags.radii;
   options.cell_size = flags.cell_size;
   options.smoothing_length = flags.smoothing_length.value_or(options.smoothing_length);
   options.weight = flags.weight.value_or(options.weight);

@@ -127,11 +127,12 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
     if (about.id == report.info.format) report.title = about.title;
   }
   particle_io::ParticleFile& file = described->file;
-  report.notes = file.notes;
   report.particles = file.particles.size();
   if (const auto count = TRY(convert::keep_chosen(file.particles, asked.particles, context))) {
     report.chosen = count->chosen;
   }
+  TRY(convert::give_element_radii(file, asked, context));
+  report.notes = file.notes;
   report.words = words_of_particles(file.particles);
   file.particles.words.clear();
   TRY(convert::apply_box_options(asked.particles.simulation_box, file.particles));
@@ -144,8 +145,8 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   report.method = asked.particles.method;
   asked.particles.bad = points::NonFiniteParticles::skip;
   Stopwatch making;
-  auto made = convert::make_particle_field(file.particles, convert::Positions::free, asked.particles, std::nullopt,
-                                           convert::filter_reach(asked), context);
+  auto made = convert::make_particle_field(file.particles, convert::Positions::free,
+                                           convert::field_options(asked, std::nullopt), context);
   if (!made) {
     if (made.error().code == ErrorCode::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());

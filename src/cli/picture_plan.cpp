@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cli/field_plan.hpp"
+#include "cli/particle_file_plan.hpp"
 #include "cli/plan_parts.hpp"
 
 namespace isoextract::cli {
@@ -42,6 +43,7 @@ std::string cameras_note(const convert::PictureFileOptions& picture) {
 
 std::string_view other_extension(const ConvertFlags& flags) {
   if (const auto field = field_format(flags)) return word_of(*field);
+  if (const auto particles = particle_file_format(flags)) return word_of(*particles);
   return writes_picture(flags) ? kPictureFormat : std::string_view();
 }
 

@@ -23,6 +23,7 @@ void add_note(BatchPlan& plan, const Note& note) {
 }
 
 Result<void> set_radius(BatchPlan& plan) {
+  if (plan.common.job.writes<convert::ParticleFileOptions>() != nullptr) return {};
   std::vector<FrameSource> frames;
   for (const batch::FrameJob& frame : plan.batch.frames) {
     if (frames.size() == kFramesForRadius) break;
@@ -74,7 +75,7 @@ Result<std::optional<SequenceRadius>> find_sequence_radius(std::span<const Frame
                                                            const Context& context) {
   std::optional<SequenceRadius> first;
   for (const FrameSource& frame : frames) {
-    if (frame.source.particles.radius) return std::nullopt;
+    if (frame.source.particles.radius || frame.source.particles.element_radii) return std::nullopt;
     const auto particles = convert::is_particles(frame.source, context.beside());
     TRY(context.check());
     if (!particles) continue;

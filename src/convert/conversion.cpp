@@ -21,6 +21,7 @@
 #include "convert/detail/label_looks.hpp"
 #include "convert/detail/no_surface.hpp"
 #include "convert/detail/output_meshes.hpp"
+#include "convert/detail/particle_file.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/detail/skipped_surfaces.hpp"
@@ -61,7 +62,11 @@ class Conversion {
         collector_(collector) {}
 
   Result<void> run() {
-    TRY(job_.writes<FieldFileOptions>() != nullptr ? open_tools() : open_backends());
+    // Before the input is read, so that missing tools are reported at once.
+    if (job_.writes<FieldFileOptions>() != nullptr) {
+      TRY(check_field_tools(job_, job_.outputs.empty() ? source_.label : job_.outputs.front().path));
+    }
+    if (job_.makes_surfaces()) TRY(open_backends());
     if (collector_ == nullptr || collector_->checks_files) {
       if (extras_.read == nullptr) add_read_files(own_read_, job_, context_);
       for (const OutputFileJob& output : job_.outputs) {
@@ -100,22 +105,11 @@ class Conversion {
     return {};
   }
 
-  // Runs before the input is read, so that missing tools are reported at once.
-  Result<void> open_tools() {
-    return check_field_tools(job_, job_.outputs.empty() ? source_.label : job_.outputs.front().path);
-  }
-
   Result<void> write_samples(const OutputFileJob& output) {
     TRY(context_.check());
-    if (!source_.empty || job_.empty == EmptyPolicy::write) {
-      outcome_.files.push_back(TRY(write_field(source_, job_, output, context_, events_)));
-      return {};
-    }
-    if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source_));
-    const auto removed = TRY(remove_old_meshes(output, meshes_.format, context_));
-    events_.note({NoteId::no_surface,
-                  fmt::format("{}: {}; the conversion did not write {}{}", source_.label, source_.why_empty(),
-                              files::output_label(output.path), removed.empty() ? "" : " and removed the old file")});
+    const bool is_left_out = source_.empty && job_.empty != EmptyPolicy::write;
+    if (is_left_out) return leave_out_empty(source_, job_, output, context_, events_);
+    outcome_.files.push_back(TRY(write_field(source_, job_, output, context_, events_)));
     return {};
   }
 
@@ -143,6 +137,7 @@ class Conversion {
     SourceUse use = use_of(job_);
     use.isos = isos_of(job_, grid);
     if (wants_source()) use.only_iso.reset();
+    use.outside_region = wants_source();
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
     source_ = TRY(open_source(with_grid(job_.source, grid), use, context_, events_));
     opened_ = grid;
@@ -160,6 +155,11 @@ class Conversion {
 
   // Writes one output: extracts, writes and frees one surface after another, if the format allows it.
   Result<void> write(const OutputFileJob& output) {
+    if (job_.writes<ParticleFileOptions>() != nullptr) {
+      const auto written = TRY(write_particle_file(job_, output, context_, events_));
+      if (written) outcome_.files.push_back(*written);
+      return {};
+    }
     std::optional<OutputMeshes> file;
     std::vector<SkippedSurfaces> skipped;
     bool in_pieces = false;

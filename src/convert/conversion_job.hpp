@@ -22,6 +22,8 @@
 #include "field/interpolant.hpp"
 #include "field/resample.hpp"
 #include "mesh_io/mesh_writer.hpp"
+#include "particle_io/particle_writer.hpp"
+#include "points/element_radii.hpp"
 #include "points/method.hpp"
 #include "render/camera.hpp"
 #include "volume_io/grid_tools.hpp"
@@ -76,21 +78,23 @@ struct BoxOptions {
 
 // How particles become the field that is extracted. Unused for volumes.
 struct ParticleOptions {
-  static constexpr std::array kMembers{"expected",         "method", "radius",        "sequence_radius", "cell_size",
-                                       "smoothing_length", "weight", "deposit",       "not_finite",      "columns",
-                                       "select",           "stride", "simulation_box"};
+  static constexpr std::array kMembers{"expected",  "method",           "radius", "sequence_radius", "element_radii",
+                                       "cell_size", "smoothing_length", "weight", "deposit",         "not_finite",
+                                       "columns",   "select",           "stride", "simulation_box"};
 
   // Reads the input as particles even if it could be a volume too, and refuses a volume. If false, the input's content
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  // Particle radius in world units. If unset, the radius is that of the particles' own attribute
-  // (points::kRadiusAttributes), else `sequence_radius`, else points::suggest_radius().
+  // Particle radius in world units. If unset, the radius is that of the particles' elements (`element_radii`), or of
+  // their own attribute (points::kRadiusAttributes), else `sequence_radius`, else points::suggest_radius().
   std::optional<double> radius;
   std::optional<double> sequence_radius;  // found for all frames of a sequence (find_radius())
-  std::optional<double> cell_size;        // sample spacing, in particle radii; unset: default of the method
-  double smoothing_length = 2;            // for sph, anisotropic, smooth; in particle radii
-  double weight = 0.1;                    // for weight: the value that each particle adds
+  // Radii of atoms (points/element_radii.hpp), in the unit of the placement or of the file; angstrom without these.
+  std::optional<points::ElementRadii> element_radii;
+  std::optional<double> cell_size;  // sample spacing, in particle radii; unset: default of the method
+  double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
+  double weight = 0.1;              // for weight: the value that each particle adds
   points::Deposit deposit = points::Deposit::trilinear;
   points::NonFiniteParticles bad = points::NonFiniteParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1
@@ -188,6 +192,16 @@ struct FieldFileOptions {
   friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
 };
 
+// Writes the particles instead of a surface: the chosen ones, with all their attributes. The outputs then have no iso
+// values, and options of fields, surfaces and meshes have no effect.
+struct ParticleFileOptions {
+  static constexpr std::array kMembers{"format"};
+
+  particle_io::ParticleFileFormat format = particle_io::ParticleFileFormat::bgeo;
+
+  friend bool operator==(const ParticleFileOptions&, const ParticleFileOptions&) = default;
+};
+
 // Draws the surfaces into a PNG file (render/preview.hpp). The picture's up axis is that of the input's world.
 struct PictureFileOptions {
   static constexpr int kMaxSide = render::PictureSize::kMaxSide;
@@ -199,7 +213,7 @@ struct PictureFileOptions {
   friend bool operator==(const PictureFileOptions&, const PictureFileOptions&) = default;
 };
 
-using FileOptions = std::variant<MeshFileOptions, FieldFileOptions, PictureFileOptions>;
+using FileOptions = std::variant<MeshFileOptions, FieldFileOptions, PictureFileOptions, ParticleFileOptions>;
 
 // A file with the names and colors of labels (volume_io/label_table.hpp).
 struct LabelTableFile {
@@ -234,7 +248,11 @@ struct ConversionJob {
   [[nodiscard]] const Options* writes() const {
     return std::get_if<Options>(&file);
   }
-  // Returns the mesh options, or the default (GLB) options if the job writes the field or a picture.
+  // Returns whether the job extracts surfaces, for meshes or pictures.
+  [[nodiscard]] bool makes_surfaces() const {
+    return writes<FieldFileOptions>() == nullptr && writes<ParticleFileOptions>() == nullptr;
+  }
+  // Returns the mesh options, or the default (GLB) options if the job writes something else.
   [[nodiscard]] MeshFileOptions meshes() const;
 
   // Returns the iso values of all outputs, in order.

@@ -4,6 +4,7 @@
 
 #include "base/context.hpp"
 #include "convert/detail/error_memory.hpp"
+#include "convert/detail/particle_file.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
 #include "field/resample.hpp"
@@ -58,8 +59,11 @@ std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::Volum
 // Returns the estimated memory of the surfaces of one grid.
 Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid,
                                      const MemoryBudget& memory) {
-  Events unheard;
   const Context context(memory.part());
+  if (job.writes<ParticleFileOptions>() != nullptr) {
+    return kProgramBytes + TRY(particle_file_memory(job, context));
+  }
+  Events unheard;
   const auto source = TRY(open_source(with_grid(job.source, grid), use_of(job), context, unheard));
   // Making a field from particles takes more memory than keeping it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;

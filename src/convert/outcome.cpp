@@ -26,6 +26,7 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   json["triangles"] = simplify.triangles ? Json(triangle_count_text(*simplify.triangles)) : Json(nullptr);
   if (const auto* file = job.writes<FieldFileOptions>()) json["format"] = word_of(file->format);
   if (job.writes<PictureFileOptions>() != nullptr) json["format"] = "png";
+  if (const auto* file = job.writes<ParticleFileOptions>()) json["format"] = word_of(file->format);
   json["memory_limit"] = memory_limit;
   return json;
 }

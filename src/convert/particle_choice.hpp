@@ -9,7 +9,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
-#include "particle_io/particle_format.hpp"
+#include "particle_io/particle_reader.hpp"
 #include "points/particle_set.hpp"
 
 namespace isoextract::convert {
@@ -19,7 +19,7 @@ struct ParticleCount {
   std::uint64_t of = 0;  // particles read
 };
 
-// Returns the attributes that the condition of the options needs; none without a condition.
+// Returns the attributes that the condition and the radii of elements need.
 [[nodiscard]] std::vector<particle_io::AttributeOfCondition> attributes_of_condition(const ParticleOptions& options);
 
 // Removes the particles for which the condition is false, and thins the others by ParticleOptions::stride. Returns the
@@ -27,6 +27,16 @@ struct ParticleCount {
 // ErrorCode::usage if the condition has an error, and as points::choose_particles() does.
 [[nodiscard]] Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles,
                                                                const ParticleOptions& options, const Context& context);
+
+// Gives the particles the radii of their elements (ParticleOptions::element_radii), and adds notes about assumptions to
+// the file. Does nothing without the option. Fails as points::set_element_radii() does.
+[[nodiscard]] Result<void> give_element_radii(particle_io::ParticleFile& file, const SourceOptions& options,
+                                              const Context& context);
+
+// Returns the region that limits which particles are used, in world coordinates. Returns nullopt without a region, and
+// if all particles count: the extents of the field decide where its samples lie after resampling, and what voxel
+// coordinates mean.
+[[nodiscard]] std::optional<field::Box> region_of_particles(const SourceOptions& options);
 
 // Returns "the condition 'type == 9' chooses none of 1000 particles".
 [[nodiscard]] std::string why_none_chosen(const ParticleCount& count, const ParticleOptions& options);

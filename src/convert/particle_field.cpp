@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "convert/particle_source.hpp"
 #include "points/sphere_set.hpp"
 #include "volume_io/grid_tools.hpp"
 
@@ -57,17 +56,14 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
 }  // namespace
 
 Result<points::ParticleField> make_particle_field(points::ParticleSet& particles, Positions positions,
-                                                  const ParticleOptions& options, std::optional<double> only_iso,
-                                                  int margin, const Context& context) {
-  points::FieldOptions asked = field_options(options, only_iso);
-  asked.margin = margin;
-  const bool is_level_set = points::method_info(asked.method).kind == field::FieldKind::level_set;
-  auto made = TRY(is_level_set                   ? make_level_set(particles, asked, context)
-                  : positions == Positions::free ? points::make_field_and_free(particles, asked, context)
-                                                 : points::make_field(particles, asked, context));
+                                                  const points::FieldOptions& options, const Context& context) {
+  const bool is_level_set = points::method_info(options.method).kind == field::FieldKind::level_set;
+  auto made = TRY(is_level_set                   ? make_level_set(particles, options, context)
+                  : positions == Positions::free ? points::make_field_and_free(particles, options, context)
+                                                 : points::make_field(particles, options, context));
   const points::ParticleFieldStatistics& figures = made.figures;
   if (!figures.radius_attribute.empty()) {
-    const bool takes_median = asked.method == points::Method::weight || asked.method == points::Method::anisotropic;
+    const bool takes_median = options.method == points::Method::weight || options.method == points::Method::anisotropic;
     made.field.notes.push_back(
         {NoteId::particle_radius,
          takes_median ? fmt::format("all particles have the radius {:.6g}, the median of the attribute '{}'",

@@ -59,7 +59,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected particles for the particle options, found a volume",
+                fmt::format("{}: expected particles, for the particle options or for the output, found a volume",
                             files::input_label(options.input)),
                 {Remedy::leave_out, Setting::particle_options});
   }
@@ -117,23 +117,25 @@ particle_io::ParticleReadOptions particle_read_options(const SourceOptions& opti
       if (std::ranges::find(read.attributes, flag) == read.attributes.end()) read.attributes.emplace_back(flag);
     }
   }
-  if (!options.particles.radius) {
+  if (!options.particles.radius && !options.particles.element_radii) {
     read.first_scalar_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
   }
   return read;
 }
 
-points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso) {
+points::FieldOptions field_options(const SourceOptions& options, std::optional<double> only_iso) {
+  const ParticleOptions& particles = options.particles;
   points::FieldOptions field;
-  field.method = options.method;
-  field.radius = options.radius;
-  field.suggested_radius = options.sequence_radius;
-  field.cell_size = options.cell_size;
-  field.smoothing_length = options.smoothing_length;
-  field.weight = options.weight;
-  field.deposit = options.deposit;
-  field.bad = options.bad;
+  field.method = particles.method;
+  field.radius = particles.radius;
+  field.suggested_radius = particles.sequence_radius;
+  field.cell_size = particles.cell_size;
+  field.smoothing_length = particles.smoothing_length;
+  field.weight = particles.weight;
+  field.deposit = particles.deposit;
+  field.bad = particles.bad;
   field.tile_iso = only_iso;
+  field.margin = filter_reach(options);
   return field;
 }
 

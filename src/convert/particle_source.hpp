@@ -39,8 +39,8 @@ namespace isoextract::convert {
 // Returns the read options. With `allow_missing` no attribute has to exist; optional attributes never have to.
 [[nodiscard]] particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options,
                                                                      bool allow_missing = false);
-// Returns the options to make a field. `only_iso` is FieldOptions::tile_iso.
-[[nodiscard]] points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso);
+// Returns the options to make a field that suits the filters and blurs. `only_iso` is FieldOptions::tile_iso.
+[[nodiscard]] points::FieldOptions field_options(const SourceOptions& options, std::optional<double> only_iso);
 
 // Particles kept in memory for the vertex attributes.
 struct ParticleAttributes {

@@ -11,8 +11,10 @@
 #include "convert/attribute_volumes.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/particle_source.hpp"
+#include "convert/simulation_box.hpp"
 #include "field/statistics.hpp"
 #include "points/particle_statistics.hpp"
+#include "points/region.hpp"
 #include "points/sphere_set.hpp"
 #include "volume_io/volume_reader.hpp"
 
@@ -141,6 +143,10 @@ Result<FoundRadius> find_radius(const SourceOptions& options, const Context& con
   only_positions.attributes.clear();
   auto file = TRY(particle_io::read_particles(options.input, particle_read_options(only_positions), context));
   TRY(keep_chosen(file.particles, options.particles, context));
+  TRY(apply_box_options(options.particles.simulation_box, file.particles));
+  if (const auto region = region_of_particles(options)) {
+    TRY(points::keep_inside(file.particles, *region, context));
+  }
   FoundRadius found;
   found.particles = file.particles.size();
   found.has_attribute = points::has_radius_attribute(file.particles);

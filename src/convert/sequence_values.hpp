@@ -13,8 +13,8 @@ namespace isoextract::convert {
 
 struct FoundRadius {
   std::optional<double> radius;  // points::suggest_radius() of the particles
-  std::uint64_t particles = 0;
-  bool has_attribute = false;  // the particles have a radius attribute, which counts instead
+  std::uint64_t particles = 0;   // of the input, chosen and inside the region
+  bool has_attribute = false;    // the particles have a radius attribute, which counts instead
 };
 
 // Reads the particles of the input and suggests a radius. Fails as particle_io::read_particles() and

@@ -21,6 +21,7 @@
 #include "field/distinct_values.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
+#include "points/region.hpp"
 #include "points/simulation_box.hpp"
 
 namespace isoextract::convert {
@@ -211,14 +212,6 @@ std::string stem_of_file(const std::string& input) {
   return path.stem().string();
 }
 
-// Returns the figures of a box, or null.
-Value box_figures(const std::optional<points::SimulationBox>& box) {
-  if (!box) return {};
-  return Figures{{Key::origin, Value(box->origin)},
-                 {Key::edges, Value::List{box->edges[0], box->edges[1], box->edges[2]}},
-                 {Key::periodic, Value(box->periodic)}};
-}
-
 // Runs two stages: reads particles, and makes a field from them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
@@ -227,18 +220,29 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   auto file =
       TRY(particle_io::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context));
   const StageTime reading = watch.elapsed();
-  for (const Note& text : file.notes) events.note(text);
+  const auto tell_notes = [&] {
+    for (const Note& text : std::exchange(file.notes, {})) events.note(text);
+  };
+  tell_notes();
   TRY(context.check());
   const auto chosen = TRY(keep_chosen(file.particles, options.particles, context));
+  TRY(give_element_radii(file, options, context));
+  tell_notes();
   file.particles.words.clear();
   if (chosen && chosen->chosen == 0) source.why_no_particles = why_none_chosen(*chosen, options.particles);
   TRY(apply_box_options(options.particles.simulation_box, file.particles));
+  points::FieldOptions asked = field_options(options, use.only_iso);
+  std::optional<ParticleCount> near_region;
+  if (const auto region = region_of_particles(options); region && !use.outside_region) {
+    const std::uint64_t all = file.particles.size();
+    const std::uint64_t removed = TRY(points::keep_region(file.particles, *region, asked, context));
+    near_region = {all - removed, all};
+  }
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
   // Vertices get attributes from the particles near them.
   const Positions after = options.attributes.empty() ? Positions::free : Positions::keep;
-  auto made =
-      TRY(make_particle_field(file.particles, after, options.particles, use.only_iso, filter_reach(options), context));
+  auto made = TRY(make_particle_field(file.particles, after, asked, context));
   if (made.region && options.resamples()) {
     return fail(
         ErrorCode::usage,
@@ -270,6 +274,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::particles, figures.particles},
        {Key::chosen, chosen ? Value(chosen->chosen) : Value()},
        {Key::chosen_of, chosen ? Value(chosen->of) : Value()},
+       {Key::outside_region, near_region ? Value(near_region->of - near_region->chosen) : Value()},
        {Key::not_finite, figures.particles_dropped},
        {Key::left_out_inside, figures.particles_deep_inside},
        {Key::too_small, figures.particles_too_small},
@@ -279,6 +284,9 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::simulation_box, box_figures(file.particles.box)}},
       watch.elapsed());
   events.end(report);
+  if (figures.particles == 0 && near_region && near_region->of > 0) {
+    source.set_empty_region(*near_region, *options.roi, true);
+  }
   if (figures.particles_dropped > 0) {
     events.note({NoteId::particles_left_out,
                  fmt::format("{}: the conversion left out {} particles whose positions are not finite",
@@ -297,6 +305,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   }
   report = report_on(StageName::particles_to_field, field_label(made.field));
   if (chosen) report.work.push_back(choice_fact(*chosen, options.particles));
+  if (near_region) report.work.push_back(region_fact(*near_region));
   for (WorkFact& fact : particle_facts(figures)) report.work.push_back(std::move(fact));
   events.end(report);
   source.field = std::move(made.field);
@@ -324,6 +333,19 @@ Result<field::ScalarField> read_field(const std::string& input, const volume_io:
   TRY(context.check());
   TRY(volume_io::check_mapping_intact(*field));
   return field;
+}
+
+Value box_figures(const std::optional<points::SimulationBox>& box) {
+  if (!box) return {};
+  return Figures{{Key::origin, Value(box->origin)},
+                 {Key::edges, Value::List{box->edges[0], box->edges[1], box->edges[2]}},
+                 {Key::periodic, Value(box->periodic)}};
+}
+
+void Source::set_empty_region(const ParticleCount& count, const field::Box& roi, bool or_near) {
+  why_no_particles = fmt::format("none of {} particles lies in the region {}{}", count.of, box_text(roi),
+                                 or_near ? " or near it" : "");
+  region_is_empty = true;
 }
 
 void Source::set_inside_side(double iso) {

@@ -11,6 +11,7 @@
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
 #include "convert/iso_values.hpp"
+#include "convert/particle_choice.hpp"
 #include "convert/particle_source.hpp"
 #include "mesh/half_space.hpp"
 
@@ -35,10 +36,14 @@ struct Source {
   std::string label;              // name in messages
   bool empty = false;             // the input has no voxels or no particles
   bool of_particles = false;
-  std::string why_no_particles = {};  // set if a condition chose none
+  std::string why_no_particles = {};  // set if a condition chose none, or no particle lies near the region
+  bool region_is_empty = false;       // no particle lies near the region
   // Set with SourceOptions::away_from_zero: the field's kind as read, which set_inside_side(0) restores.
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
+
+  // Says that no particle lies in the region or, with `or_near`, near it; `count` has the particles left of all.
+  void set_empty_region(const ParticleCount& count, const field::Box& region, bool or_near = false);
 
   // Says why `empty` is set.
   [[nodiscard]] std::string why_empty() const {
@@ -57,11 +62,15 @@ struct Source {
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
 };
 
+// Returns the figures of a box, or null.
+[[nodiscard]] Value box_figures(const std::optional<points::SimulationBox>& box);
+
 // How a source will be used.
 struct SourceUse {
   bool keep_data = false;  // keep Source::data, to measure the error of the surface against it
   // For particles: the one iso value that will be extracted, so that particles deep inside can be left out.
   std::optional<double> only_iso;
+  bool outside_region = false;  // the field outside the region is used as well, so that all particles count
   std::vector<IsoChoice> isos;  // the requested iso values
   // A result without a surface is no error. So open_source() does not fail if no suggested iso value separates the
   // samples, or if an attribute is missing; a missing attribute fails later, if there is a surface.

@@ -69,6 +69,13 @@ WorkFact choice_fact(const ParticleCount& count, const ParticleOptions& options)
                       count.chosen, count.of, by)};
 }
 
+WorkFact region_fact(const ParticleCount& count) {
+  const std::uint64_t removed = count.of - count.chosen;
+  return {
+      WorkTopic::particles_outside_region, WorkDone::left_out, removed, count.of,
+      fmt::format("{} of {} particles, so far outside the region that it does not depend on them", removed, count.of)};
+}
+
 std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures) {
   std::vector<WorkFact> facts;
   const std::uint64_t all = figures.particles + figures.particles_dropped + figures.particles_too_small;

@@ -27,6 +27,7 @@ enum class WorkTopic {
   samples,
   attributes,
   particles_not_chosen,
+  particles_outside_region,
   particles,
   particles_not_finite,
   particles_too_small,
@@ -54,6 +55,7 @@ constexpr auto words_of(WorkTopic /*type*/) {
                     Word{WorkTopic::samples, "samples"},
                     Word{WorkTopic::attributes, "attributes"},
                     Word{WorkTopic::particles_not_chosen, "particles_not_chosen"},
+                    Word{WorkTopic::particles_outside_region, "particles_outside_region"},
                     Word{WorkTopic::particles, "particles"},
                     Word{WorkTopic::particles_not_finite, "particles_not_finite"},
                     Word{WorkTopic::particles_too_small, "particles_too_small"},
@@ -124,6 +126,9 @@ struct WorkFact {
 
 // Returns a fact about the particles that were not chosen.
 [[nodiscard]] WorkFact choice_fact(const ParticleCount& count, const ParticleOptions& options);
+
+// Returns a fact about the particles that the region does not depend on; ParticleCount::chosen are those left.
+[[nodiscard]] WorkFact region_fact(const ParticleCount& count);
 
 // Returns facts about the field made from particles.
 [[nodiscard]] std::vector<WorkFact> particle_facts(const points::ParticleFieldStatistics& figures);

@@ -25,32 +25,75 @@ namespace {
 
 using points::ParticleAttribute;
 using points::ParticleSet;
+using points::ParticleWords;
 
 constexpr std::size_t kMostLetters = 40;
 constexpr std::size_t kMostAttributes = 100;  // keeps headers short
 
+bool is_plain_letter(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
+
 bool is_plain_name(const std::string& name) {
-  return !name.empty() && name.size() <= kMostLetters &&
-         std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
+  return !name.empty() && name.size() <= kMostLetters && std::ranges::all_of(name, is_plain_letter);
 }
+
+// Names in lower case, each once. The readers take the first ones for positions.
+class TakenNames {
+ public:
+  // Returns whether the name is new.
+  bool take(const std::string& name) { return names_.insert(to_lower(name)).second; }
+
+ private:
+  std::set<std::string, std::less<>> names_{"x", "y", "z", "p", "pos", "points", "position"};
+};
 
 Result<void> check_names(const std::string& file, const ParticleSet& particles) {
   if (particles.attributes.size() > kMostAttributes) {
     return fail(ErrorCode::output, fmt::format("{}: expected at most {} particle attributes, found {}", file,
                                                kMostAttributes, particles.attributes.size()));
   }
-  std::set<std::string, std::less<>> taken{"x", "y", "z", "p", "pos", "points", "position"};
-  for (const ParticleAttribute& attribute : particles.attributes) {
-    if (!is_plain_name(attribute.name) || !taken.insert(to_lower(attribute.name)).second) {
+  std::vector<std::string> names;
+  for (const ParticleAttribute& attribute : particles.attributes) names.push_back(attribute.name);
+  for (const ParticleWords& words : particles.words) {
+    names.push_back(words.name);
+    if (!words.too_many) continue;
+    return fail(ErrorCode::output, fmt::format("{}: expected fewer different words in '{}'", file,
+                                               printable(words.name, 2 * kMostLetters)));
+  }
+  TakenNames taken;
+  for (const std::string& name : names) {
+    if (!is_plain_name(name) || !taken.take(name)) {
       return fail(
           ErrorCode::output,
           fmt::format(
               "{}: expected a unique attribute name of at most {} letters, digits and underscores (not x, y, z, p, "
               "pos, points or position), found '{}'",
-              file, kMostLetters, printable(attribute.name, 2 * kMostLetters)));
+              file, kMostLetters, printable(name, 2 * kMostLetters)));
     }
   }
   return {};
+}
+
+// Returns a valid name like `name` that is not taken, and takes it.
+std::string take_valid_name(const std::string& name, TakenNames& taken) {
+  constexpr std::size_t kLettersOfNumber = 4;  // "_100"
+  std::string stem = name.empty() ? "attribute" : name.substr(0, kMostLetters - kLettersOfNumber);
+  std::ranges::replace_if(
+      stem, [](char c) { return !is_plain_letter(c); }, '_');
+  if (is_plain_name(name) && taken.take(name)) return name;
+  std::string valid = stem;
+  for (int n = 2; !taken.take(valid); ++n) valid = fmt::format("{}_{}", stem, n);
+  return valid;
+}
+
+// Returns why a file of the format cannot hold the words; empty if it can.
+std::string why_not_stored(const ParticleWords& words, ParticleFileFormat format) {
+  if (!stores_words(format)) return fmt::format("{} files hold numbers only", word_of(format));
+  if (words.too_many) return "there are too many different ones";
+  const auto is_split = [](const std::string& word) {
+    return word.empty() || word.find_first_of(" \t\r\n") != std::string::npos;
+  };
+  if (format != ParticleFileFormat::xyz || std::ranges::none_of(words.words, is_split)) return {};
+  return "one of them is empty or has spaces, which separate the columns of the file";
 }
 
 std::string ply_header(const ParticleSet& particles) {
@@ -82,11 +125,22 @@ std::string npy_particle_header(const ParticleSet& particles) {
 }
 
 std::string xyz_header(const ParticleSet& particles) {
-  std::string properties = "pos:R:3";
+  std::string properties;
+  for (const ParticleWords& words : particles.words) properties += fmt::format("{}:S:1:", words.name);
+  properties += "pos:R:3";
   for (const ParticleAttribute& attribute : particles.attributes) {
     properties += fmt::format(":{}:R:{}", attribute.name, attribute.components);
   }
-  return fmt::format("{}\nProperties={}\n", particles.size(), properties);
+  std::string box;
+  if (particles.box) {
+    const glm::dvec3& origin = particles.box->origin;
+    const glm::dmat3& edges = particles.box->edges;
+    const auto flag = [&](std::size_t k) { return particles.box->periodic[k] ? 'T' : 'F'; };
+    box = fmt::format(R"(Lattice="{} {} {} {} {} {} {} {} {}" Origin="{} {} {}" pbc="{} {} {}" )", edges[0].x,
+                      edges[0].y, edges[0].z, edges[1].x, edges[1].y, edges[1].z, edges[2].x, edges[2].y, edges[2].z,
+                      origin.x, origin.y, origin.z, flag(0), flag(1), flag(2));
+  }
+  return fmt::format("{}\n{}Properties={}\n", particles.size(), box, properties);
 }
 
 template <class T>
@@ -109,17 +163,15 @@ char* put_text(char* out, const T* values, std::size_t count) {
   return out;
 }
 
-// Writes particles [first, last) one after another: position, then attributes.
-template <class PutDoubles, class PutFloats, class End>
-char* put_rows(const ParticleSet& particles, std::size_t first, std::size_t last, char* out,
-               const PutDoubles& put_doubles, const PutFloats& put_floats, const End& end) {
-  for (std::size_t i = first; i < last; ++i) {
-    const std::array<double, 3> position{particles.positions[i].x, particles.positions[i].y, particles.positions[i].z};
-    out = put_doubles(out, position.data(), position.size());
-    for (const ParticleAttribute& attribute : particles.attributes) {
-      out = put_floats(out, attribute.values.data() + i * attribute.components, attribute.components);
-    }
-    out = end(out);
+// Writes the numbers of a particle: position, then attributes.
+template <class PutDoubles, class PutFloats>
+char* put_row(const ParticleSet& particles, std::size_t particle, char* out, const PutDoubles& put_doubles,
+              const PutFloats& put_floats) {
+  const glm::dvec3& p = particles.positions[particle];
+  const std::array<double, 3> position{p.x, p.y, p.z};
+  out = put_doubles(out, position.data(), position.size());
+  for (const ParticleAttribute& attribute : particles.attributes) {
+    out = put_floats(out, attribute.values.data() + particle * attribute.components, attribute.components);
   }
   return out;
 }
@@ -133,19 +185,33 @@ std::size_t floats_of(const ParticleSet& particles) {
 Result<void> write_binary_rows(const ParticleSet& particles, files::OutputFile& file) {
   const std::size_t record = 3 * sizeof(double) + floats_of(particles) * sizeof(float);
   return files::write_records(file, particles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
-    return put_rows(particles, first, last, out, put_binary<double>, put_binary<float>, [](char* at) { return at; });
+    for (std::size_t i = first; i < last; ++i) {
+      out = put_row(particles, i, out, put_binary<double>, put_binary<float>);
+    }
+    return out;
   });
 }
 
 Result<void> write_text_rows(const ParticleSet& particles, files::OutputFile& file) {
-  const std::size_t record = 3 * (kMaxText<double> + 1) + floats_of(particles) * (kMaxText<float> + 1);
-  // Replaces the last space of a line by its end.
-  const auto end_line = [](char* at) {
-    at[-1] = '\n';
-    return at;
+  std::size_t record = 3 * (kMaxText<double> + 1) + floats_of(particles) * (kMaxText<float> + 1);
+  for (const ParticleWords& words : particles.words) {
+    std::size_t longest = 0;
+    for (const std::string& word : words.words) longest = std::max(longest, word.size());
+    record += longest + 1;
+  }
+  const auto put_words = [&](std::size_t particle, char* out) {
+    for (const ParticleWords& words : particles.words) {
+      out = std::ranges::copy(words.words[words.indices[particle]], out).out;
+      *out++ = ' ';
+    }
+    return out;
   };
   return files::write_records(file, particles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
-    return put_rows(particles, first, last, out, put_text<double>, put_text<float>, end_line);
+    for (std::size_t i = first; i < last; ++i) {
+      out = put_row(particles, i, put_words(i, out), put_text<double>, put_text<float>);
+      out[-1] = '\n';  // in place of the last space
+    }
+    return out;
   });
 }
 
@@ -163,6 +229,31 @@ Result<void> write_content(files::OutputFile& file, const ParticleSet& particles
 }
 
 }  // namespace
+
+Notes fit_to_file(ParticleSet& particles, ParticleFileFormat format) {
+  Notes notes;
+  std::erase_if(particles.words, [&](const ParticleWords& words) {
+    const std::string why = why_not_stored(words, format);
+    if (!why.empty()) {
+      notes.push_back({NoteId::data_left_out,
+                       fmt::format("the file does not have the words of '{}': {}", printable(words.name, 80), why)});
+    }
+    return !why.empty();
+  });
+  TakenNames taken;
+  const auto rename = [&](std::string& name) {
+    const std::string valid = take_valid_name(name, taken);
+    if (valid == name) return;
+    notes.push_back({NoteId::attribute_renamed,
+                     fmt::format("the writer renames the attribute '{}' to '{}': names have letters, digits and "
+                                 "underscores, and are not those of positions",
+                                 printable(name, 80), valid)});
+    name = valid;
+  };
+  for (ParticleAttribute& attribute : particles.attributes) rename(attribute.name);
+  for (ParticleWords& words : particles.words) rename(words.name);
+  return notes;
+}
 
 std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path) {
   const std::string extension = to_lower(path.extension().string());

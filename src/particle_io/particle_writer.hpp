@@ -7,6 +7,7 @@
 
 #include "base/enum_words.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "points/particle_set.hpp"
 
 namespace isoextract::particle_io {
@@ -15,8 +16,8 @@ namespace isoextract::particle_io {
 enum class ParticleFileFormat {
   ply,   // binary: x, y, z; NAME, or NAME_x, NAME_y, NAME_z for three components, or NAME_0, NAME_1, ...
   npy,   // structured array: position (3), and each attribute with its components
-  xyz,   // extended XYZ, text: pos, and each attribute
-  bgeo,  // Houdini geometry since version 12, binary: P, and each attribute with its kind
+  xyz,   // extended XYZ, text: words, pos, each attribute, and the box
+  bgeo,  // Houdini geometry since version 12, binary: P, each attribute with its kind, and words
   vtu,   // VTK unstructured grid, appended raw: a vertex cell per particle
 };
 constexpr auto words_of(ParticleFileFormat /*type*/) {
@@ -25,15 +26,27 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
                     Word{ParticleFileFormat::vtu, "vtu"}};
 }
 
+// Returns whether files of the format hold the words of particles, and the box of the simulation. The writer leaves out
+// what a format cannot hold.
+[[nodiscard]] constexpr bool stores_words(ParticleFileFormat format) {
+  return format == ParticleFileFormat::xyz || format == ParticleFileFormat::bgeo;
+}
+[[nodiscard]] constexpr bool stores_box(ParticleFileFormat format) { return format == ParticleFileFormat::xyz; }
+
+// Makes particles fit into a file of the format. Renames attributes and words whose names write_particles() refuses.
+// Removes words that the file cannot hold: those of other formats, too many of them (ParticleWords::too_many), and in
+// XYZ words that are empty or have spaces. Returns a note about each change.
+[[nodiscard]] Notes fit_to_file(points::ParticleSet& particles, ParticleFileFormat format);
+
 // Returns the format for a file's extension, ignoring case.
 [[nodiscard]] std::optional<ParticleFileFormat> particle_file_format_by_path(const std::filesystem::path& path);
 
 // Writes the file and returns its number of bytes; the bytes do not depend on the number of threads. "-" is standard
-// output. Fails with ErrorCode::output if the file cannot be written, if there are more than 100 attributes, or if an
-// attribute name
+// output. Fails with ErrorCode::output if the file cannot be written, if there are more than 100 attributes, if
+// words are ParticleWords::too_many, or if the name of an attribute or of words
 // - has characters other than A to Z, a to z, digits and underscores,
 // - is empty or longer than 40 characters,
-// - equals another attribute's name or one of x, y, z, p, pos, points and position, ignoring case.
+// - equals another name or one of x, y, z, p, pos, points and position, ignoring case.
 [[nodiscard]] Result<std::uint64_t> write_particles(const std::filesystem::path& path,
                                                     const points::ParticleSet& particles, ParticleFileFormat format);
 

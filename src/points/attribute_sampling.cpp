@@ -179,8 +179,7 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   for_each_range(vertices.size(), 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v != end; ++v) {
       if (flags->values[v] == 0) continue;
-      const std::size_t nearest =
-          points.particle(tree.nearest(points.place_of(vertices[v]), NearestTree::Same::counts).point);
+      const std::size_t nearest = points.particle(tree.nearest(points.place_of(vertices[v])).point);
       for (std::size_t a = 0; a < attributes.size(); ++a) {
         const std::size_t width = result.attributes[a].components;
         std::copy_n(particles.attributes[attributes[a]].values.data() + nearest * width, width,

@@ -217,6 +217,7 @@ Result<void> check_options(const FieldOptions& options) {
   for (const auto& [value, what] :
        {std::pair(options.radius.value_or(1), "a particle radius"),
         std::pair(options.suggested_radius.value_or(1), "a suggested particle radius"),
+        std::pair(options.median_radius.value_or(1), "a median particle radius"),
         std::pair(options.cell_size.value_or(1), "a cell size in radii"),
         std::pair(options.spacing.value_or(1), "a spacing of the samples"),
         std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),

@@ -51,6 +51,8 @@ struct FieldOptions {
   std::optional<double> radius;
   // Radius without `radius` and without an attribute, in world units; default suggest_radius().
   std::optional<double> suggested_radius;
+  // Takes the place of the median radius of the attribute: for particles that are a part of a larger set.
+  std::optional<double> median_radius;
   std::optional<double> cell_size;  // spacing of the samples in radii; default MethodInfo::cell_size
   std::optional<double> spacing;    // spacing in world units, instead of cell_size; only one of them may be set
 

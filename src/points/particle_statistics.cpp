@@ -10,7 +10,7 @@
 #include "base/finite.hpp"
 #include "base/median.hpp"
 #include "base/parallel.hpp"
-#include "points/detail/nearest_tree.hpp"
+#include "points/detail/nearby_positions.hpp"
 #include "points/detail/spacing_estimate.hpp"
 
 namespace isoextract::points {
@@ -25,18 +25,8 @@ struct BoundsPart {
   std::size_t first_broken = std::numeric_limits<std::size_t>::max();
 };
 
-Result<NearestTree> make_tree(const ParticleSet& particles, const Context& context) {
-  if (particles.size() > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorCode::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
-                                              std::numeric_limits<std::uint32_t>::max(), particles.size()));
-  }
-  context.progress().begin("measuring distances", 0);
-  return NearestTree::make(particles.positions.span(), context, particles.label);
-}
-
-Result<std::optional<double>> radius_from(const NearestTree& tree, std::span<const glm::dvec3> positions,
-                                          const Context& context) {
-  auto spacing = TRY(estimate_spacing(tree, positions, context));
+Result<std::optional<double>> radius_from(const NearbyPositions& positions, const Context& context) {
+  auto spacing = TRY(estimate_spacing(positions, context));
   if (spacing) *spacing /= 2;
   return spacing;
 }
@@ -71,20 +61,21 @@ ParticleBounds measure_bounds(std::span<const glm::dvec3> positions) {
 }
 
 Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context) {
-  const std::span<const glm::dvec3> positions = particles.positions.span();
-  auto tree = TRY(make_tree(particles, context));
+  const auto positions = TRY(NearbyPositions::make(particles, context));
   ParticleStatistics statistics;
-  statistics.bounds = measure_bounds(positions);
-  statistics.suggested_radius = TRY(radius_from(tree, positions, context));
+  statistics.bounds = measure_bounds(particles.positions.span());
+  statistics.suggested_radius = TRY(radius_from(positions, context));
   const std::size_t asked = std::min(positions.size(), kMostAsked);
   auto memory = TRY(context.reserve(2 * asked * sizeof(double), particles.label + ": distances of particles"));
   std::vector<double> distances(asked);
   for_each_range(asked, 256, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
+    std::vector<glm::dvec3> nearest;
     for (std::size_t n = begin; n != end; ++n) {
-      const glm::dvec3& p = positions[n * positions.size() / asked];
-      distances[n] = is_finite(p) ? std::sqrt(tree.nearest(p, NearestTree::Same::ignored).squared_distance)
-                                  : std::numeric_limits<double>::infinity();
+      const std::size_t particle = n * positions.size() / asked;
+      nearest.clear();
+      if (positions.has_position(particle)) positions.find(particle, 1, nearest);
+      distances[n] = nearest.empty() ? std::numeric_limits<double>::infinity() : glm::length(nearest.front());
     }
   });
   TRY(context.check());
@@ -96,8 +87,8 @@ Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, cons
 }
 
 Result<std::optional<double>> suggest_radius(const ParticleSet& particles, const Context& context) {
-  const auto tree = TRY(make_tree(particles, context));
-  return radius_from(tree, particles.positions.span(), context);
+  const auto positions = TRY(NearbyPositions::make(particles, context));
+  return radius_from(positions, context);
 }
 
 }  // namespace isoextract::points

@@ -25,7 +25,8 @@ struct ParticleBounds {
 // The result is the same for any number of threads.
 [[nodiscard]] ParticleBounds measure_bounds(std::span<const glm::dvec3> positions);
 
-// Distances from particles to their nearest neighbor at a different position, in world units.
+// Distances from particles to their nearest neighbor at a different position, in world units. In a periodic box,
+// images of particles are neighbors, too, and so they are for suggest_radius().
 struct NeighborDistances {
   // Number of particles measured: of all up to 2^16, else of 2^16 evenly spaced by index, those at finite positions.
   std::uint64_t asked = 0;
@@ -36,7 +37,7 @@ struct NeighborDistances {
 
 struct ParticleStatistics {
   ParticleBounds bounds;
-  std::optional<NeighborDistances> neighbors;  // empty unless two particles differ in position
+  std::optional<NeighborDistances> neighbors;  // empty unless two particles or images differ in position
   std::optional<double> suggested_radius;      // as suggest_radius() returns it
 };
 
@@ -46,7 +47,7 @@ struct ParticleStatistics {
 
 // Returns half the spacing of a cubic lattice as dense as the particles, in world units: the radius of touching
 // particles. The density is that of 48 neighbors of each of 2^12 particles (detail/spacing_estimate.hpp). Returns
-// nothing unless two particles differ in position. Fails as measure_statistics() does.
+// nothing unless two particles, or images of one, differ in position. Fails as measure_statistics() does.
 [[nodiscard]] Result<std::optional<double>> suggest_radius(const ParticleSet& particles, const Context& context);
 
 }  // namespace isoextract::points

@@ -40,28 +40,6 @@ Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& partic
   return kept;
 }
 
-// Returns the spacing nearest to `spacing` of which all periodic edges are multiples, to a millionth of it.
-std::optional<double> common_spacing(const SimulationBox& box, double spacing) {
-  constexpr double kRounding = 1e-6;
-  constexpr int kTried = 64;  // numbers of cells on either side of the nearest one
-  const auto is_used = [&](int k) { return box.periodic[static_cast<std::size_t>(k)]; };
-  const int first = is_used(0) ? 0 : is_used(1) ? 1 : 2;
-  const double length = box.edges[first][first];
-  const double nearest = std::max(4.0, std::round(length / spacing));
-  for (int n = 0; n <= 2 * kTried; ++n) {
-    const double cells = nearest + (n % 2 == 0 ? n / 2 : -(n + 1) / 2);
-    if (cells < 4) continue;
-    const double tried = length / cells;
-    bool fits = true;
-    for (int k = first + 1; k < 3; ++k) {
-      const double other = box.edges[k][k] / tried;
-      fits = fits && (!is_used(k) || (other > 3.5 && std::abs(other - std::round(other)) < kRounding));
-    }
-    if (fits) return tried;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 bool has_radius_attribute(const ParticleSet& particles) { return radius_attribute(particles) != nullptr; }

@@ -336,7 +336,7 @@ class FieldFileTest(FieldsTest):
         self.assert_fails(1, run, "--iso, --cap, --smooth, --center need a surface", "leave --iso, --cap, --smooth, --")
         self.assert_fails(1, self.run_program(SPHERE, "--nan", "hole", "-o", "a.vdb"), "--nan hole")
         self.assert_fails(1, self.run_program(SPHERE, "-o", "a_{iso}.vdb"), "a field has no iso value")
-        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.xyz"), ".vdb, .nrrd, .npy or .vti for the field")
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.abc"), ".vdb, .nrrd, .npy or .vti for the field")
         self.assertEqual(self.files(), [])
 
     @needs_plugin

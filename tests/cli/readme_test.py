@@ -90,6 +90,12 @@ class ReadmeTest(ProgramTest):
         (self.folder / "melt.csv").write_text("x,y,z\n" + "".join("{},{},{}\n".format(*p) for p in block(1)))
         water = "".join("{} {} {} {}\n".format("HHO"[n % 3], *p) for n, p in enumerate(block(1)))
         (self.folder / "water.xyz").write_text(f"216\nwater\n{water}")
+        (self.folder / "protein.pdb").write_text("".join(
+            f"ATOM  {n + 1:5d}  CA  ALA A{n + 1:4d}    {3.8 * p[0]:8.3f}{3.8 * p[1]:8.3f}{3.8 * p[2]:8.3f}  1.00  0.00           C\n"
+            for n, p in enumerate(block(1)[:40])) + "END\n")
+        rows = "".join(f"    1SOL  {('OW', 'HW1', 'HW2')[n % 3]:>5}{n + 1:5d}{0.1 * p[0]:8.3f}{0.1 * p[1]:8.3f}{0.1 * p[2]:8.3f}\n"
+                       for n, p in enumerate(block(1)))
+        (self.folder / "water.gro").write_text(f"water\n  216\n{rows}   0.6   0.6   0.6\n")
         if HAS_OPENVDB:
             self.convert("dam.ply", "--particles", "smooth", "--radius", "0.025", "-o", "fluid.vdb")
 

@@ -237,7 +237,7 @@ class ReportTest(ProgramTest):
         for arguments, message in (
                 ((SPHERE, "--iso", "0", "--iso", "0.0"), "--iso 0 occurs twice"),
                 (("--iso", "0"), "INPUT is missing"),
-                ((SPHERE, "--iso", "0", "-o", "a.xyz"), "a.xyz: expected a name that ends in"),
+                ((SPHERE, "--iso", "0", "-o", "a.abc"), "a.abc: expected a name that ends in"),
                 ((SPHERE, "--iso", "0", "-q", "-v"), "--quiet and --verbose"),
                 ((SPHERE, "--iso", "0", "--scale", "2", "--unit", "mm"), "--scale and --unit"),
                 ((SPHERE, "--iso", "0", "--dtype", "u8", "-o", "a{iso}.ply"), "--dims")):

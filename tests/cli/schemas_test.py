@@ -35,6 +35,7 @@ NONE = frozenset({None})
 KINDS = CODE.literals("convert/json_values.cpp", "kind_name")
 BACKENDS = CODE.literals("cli/backends.cpp", "parse_backends", r'"((?:cpu|gpu)[^"]*)"')
 MEASURED = words("convert::Backend") - {"auto"}  # a backend that extracted a surface
+PARTICLE_FILES = words("particle_io::ParticleFileFormat") - {"ply", "npy"}  # which are outputs of simulate alone
 # For each schema the place of every enum, and the words that the code has for it.
 ENUMS = {
     "bench": {"/$defs/method": words("extract::Method"), "/$defs/backend": BACKENDS},
@@ -69,11 +70,13 @@ ENUMS = {
         "/properties/options/properties/axis_order": words("volume_io::AxisOrder") | NONE,
         # Raw files are an output of simulate alone.
         "/properties/options/properties/field_file/properties/format": words("volume_io::VolumeFileFormat") - {"raw"},
+        "/properties/options/properties/particle_file/properties/format": PARTICLE_FILES,
         "/properties/options/properties/raw/properties/dtype": words("field::SampleType"),
         "/properties/options/properties/raw/properties/endian":
             CODE.matches("convert/conversion_job.cpp", r'"(big|little)"'),
         "/properties/options/properties/inside": words("field::FieldKind") | NONE,
         "/properties/options/properties/particles/properties/method": words("points::Method"),
+        "/properties/options/properties/particles/properties/element_radii": words("points::ElementRadii") | NONE,
         "/properties/options/properties/particles/properties/deposit": words("points::Deposit"),
         "/properties/options/properties/particles/properties/not_finite": words("points::NonFiniteParticles"),
         "/properties/options/properties/attributes/items/properties/kind": words("base::AttributeKind") | NONE,
@@ -91,7 +94,8 @@ ENUMS = {
         "/properties/options/properties/space": words("convert::Space"),
         "/properties/options/properties/up": words("convert::UpAxis"),
         "/properties/options/properties/to_space": words("convert::AnatomicalSpace") | NONE,
-        "/properties/options/properties/format": words("mesh_io::MeshFormat") | words("volume_io::VolumeFileFormat") - {"raw"} | {"png"},
+        "/properties/options/properties/format":
+            words("mesh_io::MeshFormat") | words("volume_io::VolumeFileFormat") - {"raw"} | {"png"} | PARTICLE_FILES,
         "/properties/options/properties/compression": words("mesh_io::Compression"),
         "/properties/options/properties/error": words("field::Interpolation") | NONE,
         "/properties/attributes/items/properties/kind": words("base::AttributeKind"),
@@ -132,7 +136,6 @@ NOT_VALUES = {
     "convert::JsonDocument": "the member schema, which every test here compares",
     "convert::Key": "names of members; see test_the_report_has_every_figure",
     "convert::StageName": "the timed ones, and those of verify, are listed above",
-    "particle_io::ParticleFileFormat": "an output of simulate",
     "render::BuiltInTransfer": "an option of render",
     "render::Shading": "an option of render",
     "render::UpAxis": "an option of render",
@@ -314,6 +317,15 @@ class SchemasTest(ProgramTest):
             self.assertEqual(document["particles"]["method"], method)
         document = self.report("p.ply", "--particles", "sph", "--attribute", "dust?=dust", "-o", "a.ply")
         self.assertEqual(document["attributes"], [])
+
+    def test_reports_of_particle_files_and_regions(self):
+        self.write_particles("p.ply")
+        document = self.report("p.ply", "--select", "pressure > 0.7", "--roi=-9,-9,0.7,9,9,9", "-o", "a.xyz", "--explain")
+        self.assertEqual([part["particles"] for part in document["particle_files"]], [45])
+        (self.folder / "box.xyz").write_text('1\nLattice="9 0 0 0 9 0 0 0 9" Properties=species:S:1:pos:R:3\nO 1 2 3\n')
+        self.report("box.xyz", "--radii", "covalent", "-o", "a.bgeo")
+        document = self.report("box.xyz", "--radii", "element", "--roi", "0,0,0,9,9,9", "-o", "a.ply", "--explain")
+        self.assertEqual(document["particles"]["outside_region"], 0)
 
     def test_reports_of_failures(self):
         (self.folder / "bad.vdb").write_bytes(METABALLS.read_bytes()[:5000])

@@ -123,7 +123,7 @@ class UsageTest(ProgramTest):
                 (("--skip", "--dims"), ("--skip", "8")),
                 (("-o -", "--format"), ("-o", "-")),
                 (("stdout", "glb"), ("-o", "-", "--format", "gltf")),
-                (("a.xyz", ".glb, .gltf, .ply, .obj, .stl, .drc", "--format"), ("-o", "a.xyz")),
+                (("a.abc", ".glb, .gltf, .ply, .obj, .stl, .drc", "--format"), ("-o", "a.abc")),
                 (("--ascii", "glb"), ("--ascii",)),
                 (("--ascii", "obj"), ("--ascii", "-o", "a.obj")),
                 (("--normals smooth", "stl"), ("--normals", "smooth", "-o", "a.stl")),

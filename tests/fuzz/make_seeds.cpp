@@ -263,6 +263,26 @@ void write_particles(const fs::path& root) {
   seed("csv_words", "csv", "# x y z\n1 2 3\n4 5 6\n");
 }
 
+void write_selections(const fs::path& folder) {
+  constexpr std::array<std::string_view, 14> kConditions{"type == 2 && z > 10",
+                                                         "|v| <= 10 && !(v.x > 10) and v[1] in {0}",
+                                                         "species in {O, 'C a'}",
+                                                         "element != Si",
+                                                         "T == 0.1 or x < 25",
+                                                         "type in {1, 4..6}",
+                                                         "type in 1..3",
+                                                         "not type == 1",
+                                                         "abs(-T) * 2 + sqrt(x) / 3 >= 1e-3",
+                                                         "min(T, v[2]) < max(x, y - z)",
+                                                         "`odd name`[1] == 1",
+                                                         "length(v) > 0.5 || length(T) < 1",
+                                                         "((((type))) == 1)",
+                                                         "x < y == z"};
+  for (std::size_t i = 0; i < kConditions.size(); ++i) {
+    write_bytes(folder / fmt::format("condition{}", i), std::string(kConditions[i]));
+  }
+}
+
 mesh::Mesh colored(mesh::ComponentType type, std::size_t components) {
   mesh::Mesh mesh = tetrahedron("coloured", {1e7, 0.25, -3});
   add_color(mesh, type, components);
@@ -406,13 +426,14 @@ void write_gltfs(const fs::path& folder) {
 }
 
 void write_seeds(const fs::path& folder) {
-  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 13> formats{{{"vdb", write_vdbs},
+  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 14> formats{{{"vdb", write_vdbs},
                                                                                    {"nrrd", write_nrrd},
                                                                                    {"nifti", write_nifti},
                                                                                    {"npy", write_npy},
                                                                                    {"npz", write_npz},
                                                                                    {"raw", write_raw},
                                                                                    {"demo", write_demo},
+                                                                                   {"selection", write_selections},
                                                                                    {"ply", write_plys},
                                                                                    {"obj", write_objs},
                                                                                    {"stl", write_stls},

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/field_plan.hpp"
+#include "cli/particle_file_plan.hpp"
 #include "cli/picture_plan.hpp"
 
 namespace isoextract::cli {
@@ -15,6 +16,9 @@ std::vector<Choice<OutputFormat>> output_formats() {
   formats.push_back({std::string(kPictureFormat), {std::nullopt, true}});
   for (const volume_io::VolumeFileFormat format : kFieldFormats) {
     formats.push_back({std::string(word_of(format)), {std::nullopt, false, format}});
+  }
+  for (const particle_io::ParticleFileFormat format : kParticleFileFormats) {
+    formats.push_back({std::string(word_of(format)), {std::nullopt, false, std::nullopt, format}});
   }
   return formats;
 }

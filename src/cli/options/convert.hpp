@@ -23,6 +23,7 @@
 #include "edit/colormap.hpp"
 #include "field/interpolant.hpp"
 #include "mesh_io/mesh_writer.hpp"
+#include "particle_io/particle_writer.hpp"
 #include "render/camera.hpp"
 
 namespace isoextract::cli {
@@ -42,11 +43,12 @@ struct ColorFlag {
 [[nodiscard]] Result<ColorFlag> parse_color(std::string_view text);
 [[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);  // A[,B...], above 0, at most 1
 
-// Kind of the output -o: a mesh format or, without one, a picture of the meshes or the field itself.
+// Kind of the output -o: a mesh format or, without one, a picture of the meshes, the field itself, or the particles.
 struct OutputFormat {
   std::optional<mesh_io::MeshFormat> mesh;
   bool picture = false;
   std::optional<volume_io::VolumeFileFormat> field = {};
+  std::optional<particle_io::ParticleFileFormat> particles = {};
 };
 [[nodiscard]] std::vector<Choice<OutputFormat>> output_formats();
 
@@ -184,8 +186,8 @@ struct ConvertFlags : OptionSet {
       everyday(only_convert(OptionGroup::output)), "-o,--output", "FILE", parse_text,
       "File to write; its extension chooses the format. Default: the input's name with .glb, in the current folder; "
       "input from stdin needs a name. - is stdout and needs --format. .vdb, .nrrd, .npy and .vti write the "
-      "field itself, resampled and filtered: it needs no --iso and takes no options of surfaces. .png draws the "
-      "surfaces. "
+      "field itself, resampled and filtered: it needs no --iso and takes no options of surfaces. .bgeo, .vtu and .xyz "
+      "write the chosen particles with their attributes. .png draws the surfaces. "
       "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file; {piece} for the "
       "number of a body, with --split-components. A file gets its name when it is complete. A killed run may leave a "
       "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};

@@ -139,6 +139,11 @@ struct ParticleFlags : OptionSet {
       "as dense as the particles. All frames of a sequence have the radius of its first frame; with auto:each each "
       "has its own. If the file has an attribute pscale or radius, it gives the radius of each particle, unless R is "
       "given."};
+  Value<points::ElementRadii> radii{
+      *this, "--radii",
+      "Radii of atoms by their element. element: van der Waals radii; covalent: covalent radii. The element is the "
+      "attribute species, element or symbol, or follows from the names of the atoms in a .gro file. In the unit of "
+      "--unit or of the file, else in angstrom."};
   Value<double> smoothing_length{*this, "--smoothing-length", "L", parse_positive,
                                  fmt::format("Smoothing length of the kernels, in radii. Kernels reach twice as far, "
                                              "and --particles smooth averages over that distance. Default: {}.",

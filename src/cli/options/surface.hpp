@@ -58,7 +58,7 @@ struct SurfaceFlags : OptionSet {
       parse_box,
       "Box to extract: smaller, then larger corner. In the input's world; with --space index the box is in voxel "
       "coordinates. Triangles are cut at its faces, and the surface is open there, or closed with "
-      "--cap. Voxels and surface nets are not cut.",
+      "--cap. Voxels and surface nets are not cut. Particles that the box does not depend on are left out first.",
       About::surface | About::drawn_surface};
   Flag roi_snap{*this, "--roi-snap", "End the surface at the last samples inside --roi. Cuts no triangles.",
                 About::surface | About::drawn_surface};

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "convert/output_checks.hpp"
 #include "field/statistics.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -14,9 +16,20 @@ Hint or_allow_empty(Step step) { return {std::move(step), {Remedy::use, Setting:
 }  // namespace
 
 Error empty_source(const Source& source) {
-  return {ErrorCode::empty_grid,
-          fmt::format("{}: {}", source.label, source.why_empty()),
-          {Remedy::use, Setting::empty_policy}};
+  return {ErrorCode::empty_grid, fmt::format("{}: {}", source.label, source.why_empty()),
+          source.region_is_empty
+              ? or_allow_empty({Remedy::check, Setting::region, "it is in the coordinates of the file"})
+              : Hint(Remedy::use, Setting::empty_policy)};
+}
+
+Result<void> leave_out_empty(const Source& source, const ConversionJob& job, const OutputFileJob& output,
+                             const Context& context, Events& events) {
+  if (job.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source));
+  const auto removed = TRY(remove_old_meshes(output, job.meshes().format, context));
+  events.note({NoteId::no_surface,
+               fmt::format("{}: {}; the conversion did not write {}{}", source.label, source.why_empty(),
+                           files::output_label(output.path), removed.empty() ? "" : " and removed the old file")});
+  return {};
 }
 
 Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked, bool are_labels,

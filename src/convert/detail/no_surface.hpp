@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
+#include "convert/events.hpp"
 #include "convert/iso_values.hpp"
 #include "convert/source.hpp"
 #include "mesh/metrics.hpp"
@@ -13,6 +14,11 @@ namespace isoextract::convert {
 
 // Returns the error for an empty source.
 [[nodiscard]] Error empty_source(const Source& source);
+
+// Removes the old file of an output without samples or particles, and notes that the output was not written. Fails with
+// empty_source() for EmptyPolicy::error.
+[[nodiscard]] Result<void> leave_out_empty(const Source& source, const ConversionJob& job, const OutputFileJob& output,
+                                           const Context& context, Events& events);
 
 // Returns the error for a surface without triangles. Examines all samples, unless the source is empty, the surface is a
 // label's (`are_labels`), or clipping left nothing of it. `cut_away` then has its bounds before clipping, in output

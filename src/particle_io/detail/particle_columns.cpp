@@ -143,6 +143,11 @@ void add_attribute(const ParticleTable& table, const ColumnTuple& attribute, Col
   choice.attributes.push_back(attribute);
 }
 
+// Returns whether an attribute that is not numeric can be read as words.
+bool has_words(const ParticleTable& table, const ColumnTuple& attribute) {
+  return table.has_words && attribute.columns.size() == 1 && table.columns[attribute.columns.front()].has_words;
+}
+
 // Chooses an attribute of a condition: as words if it is text that can be read so. Otherwise throws if it is not
 // numeric.
 void add_attribute_of_condition(const ParticleTable& table, const AttributeOfCondition& asked, ColumnChoice& choice) {
@@ -150,9 +155,7 @@ void add_attribute_of_condition(const ParticleTable& table, const AttributeOfCon
     const auto attribute = find_attribute(table, name);
     if (!attribute) continue;
     const std::size_t column = attribute->columns.front();
-    if (table.columns[column].numeric || !table.has_words || attribute->columns.size() > 1) {
-      return add_attribute(table, *attribute, choice);
-    }
+    if (table.columns[column].numeric || !has_words(table, *attribute)) return add_attribute(table, *attribute, choice);
     std::erase_if(choice.words, [&](const WordColumn& words) { return words.name == attribute->name; });
     choice.words.push_back({attribute->name, column});
     return;
@@ -323,7 +326,7 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
       if (is_position(group, choice.position)) continue;
       if (columns[group.columns.front()].numeric) {
         choice.attributes.push_back(group);
-      } else if (table.has_words && group.columns.size() == 1) {
+      } else if (has_words(table, group)) {
         choice.words.push_back({group.name, group.columns.front(), false});
       } else {
         choice.notes.push_back({NoteId::data_left_out,
@@ -435,31 +438,6 @@ std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& c
   }
   std::ranges::stable_sort(sinks, {}, &ColumnSink::column);
   return sinks;
-}
-
-void WordIndexer::put(std::size_t particle, std::string_view word) {
-  if (to_.too_many) return;
-  if (word != last_ || to_.words.empty()) {
-    last_ = word;
-    const auto [at, is_new] = indices_.try_emplace(last_, static_cast<std::uint32_t>(to_.words.size()));
-    last_index_ = at->second;
-    if (is_new) {
-      bytes_ += word.size();
-      to_.words.emplace_back(word);
-    }
-    if (to_.words.size() > kMaxDistinctWords || bytes_ > kMaxWordBytes) {
-      if (wanted_) {
-        throw InvalidParticleFile(
-            fmt::format("expected at most {} different words of {} bytes together in '{}', found more",
-                        kMaxDistinctWords, kMaxWordBytes, printable(to_.name, 80)));
-      }
-      to_.too_many = true;
-      to_.words.clear();
-      to_.indices = Buffer<std::uint32_t>();
-      return;
-    }
-  }
-  to_.indices[particle] = last_index_;
 }
 
 void deliver_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,

@@ -30,6 +30,7 @@ struct ParticleColumn {
   std::string unit;
   std::string type;
   bool numeric = true;
+  bool has_words = true;  // if it is not numeric and ParticleTable::has_words is set: it can be read as words
 };
 
 // Columns that are the components of one quantity, in order.
@@ -44,7 +45,7 @@ struct ParticleTable {
   std::vector<ColumnTuple> groups;  // with unique names; each column belongs to one group
   // The position, if the format specifies it and the options do not.
   std::optional<std::array<std::size_t, 3>> position;
-  bool has_words = false;  // columns that are not numeric can be read as words: the file is text
+  bool has_words = false;  // columns that are not numeric can be read as words
 };
 
 // Adds a column for each component, and their group.
@@ -117,8 +118,10 @@ class WordIndexer {
  public:
   WordIndexer(points::ParticleWords& to, bool wanted) : to_(to), wanted_(wanted) {}
 
-  // Throws InvalidParticleFile beyond the limits if the column is wanted, else sets ParticleWords::too_many.
+  // Gives up beyond the limits.
   void put(std::size_t particle, std::string_view word);
+  // Throws InvalidParticleFile if the column is wanted, else sets ParticleWords::too_many; put() then has no effect.
+  void give_up();
 
  private:
   points::ParticleWords& to_;

@@ -49,11 +49,27 @@ std::uint64_t whole_of(HoudiniJson& json, const JsonToken& token, std::string_vi
   return static_cast<std::uint64_t>(token.number);
 }
 
-// Delivers the numbers of an attribute in the order in which they arrive.
+// The texts of a string attribute, to which its numbers are indices.
+struct HoudiniTexts {
+  std::vector<std::string> texts;
+  std::size_t bytes = 0;
+  bool too_many = false;  // beyond the limits of WordIndexer; `texts` is then empty
+
+  void add(std::string_view text) {
+    if (too_many) return;
+    bytes += text.size();
+    texts.emplace_back(text);
+    too_many = texts.size() > kMaxDistinctWords || bytes > kMaxWordBytes;
+    if (too_many) texts = {};
+  }
+};
+
+// Delivers the numbers of an attribute in the order in which they arrive, or its words.
 class AttributeSinks {
  public:
-  AttributeSinks(std::uint64_t points, std::uint64_t size, std::span<const ColumnSink> sinks, std::size_t first_column)
-      : points_(points), components_(static_cast<std::size_t>(size)) {
+  AttributeSinks(std::uint64_t points, std::uint64_t size, std::span<const ColumnSink> sinks, std::size_t first_column,
+                 const HoudiniTexts& texts)
+      : points_(points), components_(static_cast<std::size_t>(size)), texts_(texts) {
     for (const ColumnSink& sink : sinks) {
       if (sink.column >= first_column && sink.column - first_column < components_.size()) {
         components_[sink.column - first_column].push_back(sink);
@@ -66,13 +82,31 @@ class AttributeSinks {
 
   void put(std::uint64_t point, std::uint64_t count, std::size_t component, double value) const {
     for (const ColumnSink& sink : components_[component]) {
-      for (std::uint64_t i = 0; i < count; ++i) sink.put(static_cast<std::size_t>(point + i), value);
+      for (std::uint64_t i = 0; i < count; ++i) {
+        if (sink.words) {
+          put_word(sink, static_cast<std::size_t>(point + i), value);
+        } else {
+          sink.put(static_cast<std::size_t>(point + i), value);
+        }
+      }
     }
   }
 
  private:
+  // An index of -1 is that of no text.
+  void put_word(const ColumnSink& sink, std::size_t point, double index) const {
+    if (texts_.too_many) return sink.words->give_up();
+    if (index == -1) return sink.put_word(point, {});
+    if (!(index >= 0 && index < static_cast<double>(texts_.texts.size()))) {
+      throw InvalidParticleFile(
+          fmt::format("expected the index of one of {} texts, found {}", texts_.texts.size(), index));
+    }
+    sink.put_word(point, texts_.texts[static_cast<std::size_t>(index)]);
+  }
+
   std::uint64_t points_;
   std::vector<std::vector<ColumnSink>> components_;
+  const HoudiniTexts& texts_;
 };
 
 // Tracks the position within an attribute's pages while its numbers arrive.
@@ -264,11 +298,15 @@ HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::
     }
   });
   bool has_values = false;
+  HoudiniTexts texts;
   each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
     if (name == "size") attribute.size = whole_of(json, value, "the size of an attribute", kMostComponents);
     if (name == "storage" && value.kind == JsonToken::Kind::text) attribute.storage = value.text;
-    if (name == "values" && !sinks.empty()) {
-      read_attribute_numbers(json, value, AttributeSinks(points, expected->size, sinks, first_column));
+    const bool is_numeric = attribute.type == "numeric";
+    if (name == "strings" && !is_numeric && !sinks.empty()) {
+      json.each_text(value, [&](std::string_view text) { texts.add(text); });
+    } else if (name == (is_numeric ? "values" : "indices") && !sinks.empty()) {
+      read_attribute_numbers(json, value, AttributeSinks(points, expected->size, sinks, first_column, texts));
       has_values = true;
     } else {
       json.skip_value(value);
@@ -356,7 +394,9 @@ ParticleTable houdini_table(const HoudiniFile& file) {
     }
     const std::string type = numeric ? attribute.storage : attribute.type == "string" ? "text" : attribute.type;
     add_tuple(table, attribute.name, printable(type, 40), columns_of(attribute), numeric, kind_of(attribute));
+    if (!numeric) table.columns.back().has_words = attribute.type == "string" && attribute.size == 1;
   }
+  table.has_words = true;
   make_group_names_unique(table);
   if (!table.position) throw InvalidParticleFile("expected the attribute P of points, found none");
   return table;

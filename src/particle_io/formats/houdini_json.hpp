@@ -61,6 +61,25 @@ class HoudiniJson {
     }
   }
 
+  // Calls take(text) for all texts of the array that starts with `first`, in order.
+  template <class F>
+  void each_text(const JsonToken& first, F&& take) {
+    if (first.kind == JsonToken::Kind::texts) {
+      for (std::uint64_t i = 0; i < first.count; ++i) take(text());
+      return;
+    }
+    if (first.kind != JsonToken::Kind::begin) expected("an array of texts");
+    for (JsonToken token = next(); token.kind != JsonToken::Kind::end; token = next()) {
+      if (token.kind == JsonToken::Kind::texts) {
+        each_text(token, take);
+      } else if (token.kind == JsonToken::Kind::text) {
+        take(token.text);
+      } else {
+        expected("a text");
+      }
+    }
+  }
+
   [[noreturn]] void expected(std::string_view what) const;
   [[nodiscard]] ContentReader& content() { return content_; }
 

@@ -19,6 +19,9 @@ constexpr std::string_view kHoudiniMagic =
     std::endian::native == std::endian::little ? kHoudiniMagicLittle : kHoudiniMagicBig;
 constexpr std::uint64_t kPageSize = 1024;  // as Houdini writes
 
+// Codes of numbers in an array.
+enum class NumberCode : char { int32 = 0x13, fpreal32 = 0x19, fpreal64 = 0x1a };
+
 // Builds text of tokens. A member of an array that stands for a map is its name, then its value.
 class JsonText {
  public:
@@ -38,8 +41,8 @@ class JsonText {
   }
   JsonText& no() { return code('\x30'); }
   // Begins an array of `count` numbers, whose bytes follow.
-  JsonText& numbers(bool doubles, std::uint64_t count) {
-    code('\x40').code(doubles ? '\x1a' : '\x19');
+  JsonText& numbers(NumberCode type, std::uint64_t count) {
+    code('\x40').code(static_cast<char>(type));
     length(count);
     return *this;
   }
@@ -91,10 +94,22 @@ void begin_attribute(JsonText& json, std::string_view name, std::string_view kin
   json.whole(0).end().end();
   json.text("values").begin().text("size").whole(size).text("storage").text(storage);
   json.text("packing").begin().whole(size).end().text("pagesize").whole(kPageSize);
-  json.text("rawpagedata").numbers(doubles, points * size);
+  json.text("rawpagedata").numbers(doubles ? NumberCode::fpreal64 : NumberCode::fpreal32, points * size);
 }
 
 void end_attribute(JsonText& json) { json.end().end().end(); }
+
+// Adds words up to their indices, which follow.
+void begin_words(JsonText& json, const points::ParticleWords& words) {
+  json.begin().begin().text("scope").text("public").text("type").text("string").text("name").text(words.name);
+  json.text("options").begin_map().end_map().end();
+  json.begin().text("size").whole(1).text("storage").text("int32").text("strings").begin();
+  for (const std::string& word : words.words) json.text(word);
+  json.end().text("indices").begin().text("size").whole(1).text("storage").text("int32");
+  json.text("arrays").begin().numbers(NumberCode::int32, words.indices.size());
+}
+
+void end_words(JsonText& json) { json.end().end().end().end(); }
 
 }  // namespace
 
@@ -118,8 +133,20 @@ Result<void> write_bgeo(files::OutputFile& file, const points::ParticleSet& part
     TRY(file.write(std::string_view(next.bytes())));
     TRY(file.write(std::as_bytes(attribute.values.span())));
   }
+  JsonText end;
+  end_attribute(end);
+  TRY(file.write(std::string_view(end.bytes())));
+  for (const points::ParticleWords& words : particles.words) {
+    JsonText head;
+    begin_words(head, words);
+    TRY(file.write(std::string_view(head.bytes())));
+    static_assert(sizeof(std::uint32_t) == sizeof(std::int32_t));  // at most kMaxDistinctWords words
+    TRY(file.write(std::as_bytes(words.indices.span())));
+    JsonText tail;
+    end_words(tail);
+    TRY(file.write(std::string_view(tail.bytes())));
+  }
   JsonText last;
-  end_attribute(last);
   last.end().end().text("primitives").begin().end().end();
   return file.write(std::string_view(last.bytes()));
 }

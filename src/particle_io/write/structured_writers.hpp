@@ -7,7 +7,8 @@
 
 namespace isoextract::particle_io {
 
-// Writes Houdini geometry (since version 12) in binary JSON: P as fpreal64, attributes as fpreal32, no primitives.
+// Writes Houdini geometry (since version 12) in binary JSON: P as fpreal64, attributes as fpreal32, words as
+// strings, no primitives.
 [[nodiscard]] Result<void> write_bgeo(files::OutputFile& file, const points::ParticleSet& particles);
 
 // Writes an unstructured grid of VTK with a vertex cell per particle, as XML with appended raw arrays.

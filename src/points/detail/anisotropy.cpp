@@ -99,6 +99,13 @@ glm::dvec3 step_to_layer(const CellGrid& grid, std::size_t spot, const glm::dvec
 
 }  // namespace
 
+double anisotropic_reach(const AnisotropyOptions& options, double support) {
+  const double half_axis = std::max(options.widest * support, kMinHalfAxis);
+  const double step = options.lambda * kLayerDepth * support;
+  const double neighbors = std::max(options.neighborhood, kLayerRadius) * support;  // farther than those of a density
+  return half_axis + step + neighbors;
+}
+
 Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double support, const float* densities,
                                                     const AnisotropyOptions& options, const Context& context,
                                                     const std::string& label) {

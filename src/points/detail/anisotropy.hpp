@@ -43,6 +43,9 @@
 
 namespace isoextract::points {
 
+// Returns how far from a sample a particle can lie on which the kernels at the sample depend. In samples, as `support`.
+[[nodiscard]] double anisotropic_reach(const AnisotropyOptions& options, double support);
+
 struct AnisotropicKernels {
   CellGrid grid;  // of the kernel centers; every kernel has its own spot
   std::shared_ptr<ReservedBuffer<float>> weights;

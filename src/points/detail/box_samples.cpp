@@ -76,6 +76,27 @@ glm::dvec3 BoxSamples::wrapped_index(const glm::dvec3& world) const {
   return index;
 }
 
+std::optional<double> common_spacing(const SimulationBox& box, double spacing) {
+  constexpr double kRounding = 1e-6;
+  constexpr int kTried = 64;  // numbers of cells on either side of the nearest one
+  const auto is_used = [&](int k) { return box.periodic[static_cast<std::size_t>(k)]; };
+  const int first = is_used(0) ? 0 : is_used(1) ? 1 : 2;
+  const double length = box.edges[first][first];
+  const double nearest = std::max(kMinCells, std::round(length / spacing));
+  for (int n = 0; n <= 2 * kTried; ++n) {
+    const double cells = nearest + (n % 2 == 0 ? n / 2 : -(n + 1) / 2);
+    if (cells < kMinCells) continue;
+    const double tried = length / cells;
+    bool fits = true;
+    for (int k = first + 1; k < 3; ++k) {
+      const double other = box.edges[k][k] / tried;
+      fits = fits && (!is_used(k) || (other > 3.5 && std::abs(other - std::round(other)) < kRounding));
+    }
+    if (fits) return tried;
+  }
+  return std::nullopt;
+}
+
 field::IndexBox BoxSamples::region() const {
   field::IndexBox region{glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
   for (int k = 0; k < 3; ++k) {

@@ -22,6 +22,10 @@
 
 namespace isoextract::points {
 
+// Returns the spacing nearest to `spacing` of which all periodic edges are multiples, to a millionth of it: cells are
+// cubes then. The edges are parallel to the axes.
+[[nodiscard]] std::optional<double> common_spacing(const SimulationBox& box, double spacing);
+
 class BoxSamples {
  public:
   // A periodic edge gets the number of steps nearest to its length / spacing, at least 4. Fails with ErrorCode::input

@@ -70,19 +70,17 @@ void NearestTree::build(std::size_t node, std::uint32_t first, std::uint32_t las
   }
 }
 
-NearestTree::Found NearestTree::nearest(const glm::dvec3& p, Same same) const {
+NearestTree::Found NearestTree::nearest(const glm::dvec3& p) const {
   Found found;
-  if (!order_.empty()) search(0, p, same, found);
+  if (!order_.empty()) search(0, p, found);
   return found;
 }
 
-void NearestTree::search(std::size_t node, const glm::dvec3& p, Same same, Found& found) const {
+void NearestTree::search(std::size_t node, const glm::dvec3& p, Found& found) const {
   const Node& box = nodes_[node];
-  if (same == Same::ignored && box.low == p && box.high == p) return;
   if (box.leaf) {
     for (std::uint32_t k = box.first; k < box.last; ++k) {
       const glm::dvec3& q = points_[order_[k]];
-      if (same == Same::ignored && q == p) continue;
       const glm::dvec3 away = q - p;
       const double squared = glm::dot(away, away);
       if (squared < found.squared_distance || (squared == found.squared_distance && order_[k] < found.point)) {
@@ -92,7 +90,12 @@ void NearestTree::search(std::size_t node, const glm::dvec3& p, Same same, Found
     return;
   }
   visit_children(
-      node, p, [&] { return found.squared_distance; }, [&](std::size_t child) { search(child, p, same, found); });
+      node, p, [&] { return found.squared_distance; }, [&](std::size_t child) { search(child, p, found); });
+}
+
+double NearestTree::squared_distance_to_bounds(const glm::dvec3& p) const {
+  return order_.empty() ? std::numeric_limits<double>::infinity()
+                        : squared_distance_to_box(p, nodes_[0].low, nodes_[0].high);
 }
 
 void NearestTree::nearest_positions(const glm::dvec3& p, std::size_t count, std::vector<Found>& found) const {

@@ -30,9 +30,10 @@ class NearestTree {
     std::uint32_t point = 0;  // the lowest index among the nearest points; undefined if the distance is infinite
   };
 
-  // Whether points that coincide with `p` are candidates.
-  enum class Same { counts, ignored };
-  [[nodiscard]] Found nearest(const glm::dvec3& p, Same same) const;
+  [[nodiscard]] Found nearest(const glm::dvec3& p) const;
+
+  // Returns a lower bound of the squared distance from `p` to any point; infinite without points.
+  [[nodiscard]] double squared_distance_to_bounds(const glm::dvec3& p) const;
 
   // Sets `found` to the nearest points at up to `count` different positions, other than `p`, in order of distance. Of
   // coincident points it finds one.
@@ -47,7 +48,7 @@ class NearestTree {
     bool leaf;
   };
   void build(std::size_t node, std::uint32_t first, std::uint32_t last);
-  void search(std::size_t node, const glm::dvec3& p, Same same, Found& found) const;
+  void search(std::size_t node, const glm::dvec3& p, Found& found) const;
   void search_positions(std::size_t node, const glm::dvec3& p, std::size_t count, std::vector<Found>& found) const;
   // Calls visit(child) for those children of a node that are at most reach() away, squared, the nearer one first.
   template <class Reach, class Visit>

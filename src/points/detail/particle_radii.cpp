@@ -42,8 +42,8 @@ Result<std::optional<ParticleRadii>> find_radii(const ParticleSet& particles, co
   float* const middle = sorted->values.begin() + n / 2;
   std::nth_element(sorted->values.begin(), middle, sorted->values.begin() + n);
   const auto [least, most] = std::minmax_element(sorted->values.begin(), sorted->values.begin() + n);
-  return ParticleRadii{attribute, static_cast<double>(*middle), static_cast<double>(*least),
-                       static_cast<double>(*most)};
+  return ParticleRadii{attribute, options.median_radius.value_or(static_cast<double>(*middle)),
+                       static_cast<double>(*least), static_cast<double>(*most)};
 }
 
 }  // namespace isoextract::points

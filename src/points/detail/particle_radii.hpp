@@ -13,7 +13,7 @@ namespace isoextract::points {
 
 struct ParticleRadii {
   const ParticleAttribute* attribute = nullptr;  // one value per particle; those at finite positions are valid
-  double median = 0;                             // of the particles at finite positions
+  double median = 0;                             // of the particles at finite positions, or FieldOptions::median_radius
   double min = 0;
   double max = 0;
 };

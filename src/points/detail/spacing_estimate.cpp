@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
-#include "base/finite.hpp"
 #include "base/median.hpp"
 #include "base/parallel.hpp"
 #include "points/detail/symmetric_eigen.hpp"
@@ -37,17 +37,17 @@ double solve_spacing(const glm::dvec3& variances, double count, bool is_whole) {
   return (low + high) / 2;
 }
 
-LocalSpacing spacing_at(const glm::dvec3& p, std::span<const glm::dvec3> positions,
-                        std::span<const NearestTree::Found> neighbors) {
+// `neighbors` are vectors to the neighbors of a particle, in order of distance.
+LocalSpacing spacing_at(std::span<const glm::dvec3> neighbors) {
   if (neighbors.empty()) return {};
   // Relative to the farthest neighbor, so that squares neither overflow nor underflow.
-  const double unit = std::sqrt(neighbors.back().squared_distance);
+  const double unit = glm::length(neighbors.back());
   if (!(unit > 0) || !std::isfinite(unit)) return {};
   const double count = 1 + static_cast<double>(neighbors.size());
   glm::dvec3 mean(0);
   glm::dmat3 moments(0);
-  for (const NearestTree::Found& found : neighbors) {
-    const glm::dvec3 offset = (positions[found.point] - p) / unit;
+  for (const glm::dvec3& neighbor : neighbors) {
+    const glm::dvec3 offset = neighbor / unit;
     mean += offset / count;
     moments += glm::outerProduct(offset, offset) / count;
   }
@@ -59,18 +59,17 @@ LocalSpacing spacing_at(const glm::dvec3& p, std::span<const glm::dvec3> positio
 
 }  // namespace
 
-Result<std::optional<double>> estimate_spacing(const NearestTree& tree, std::span<const glm::dvec3> positions,
-                                               const Context& context) {
+Result<std::optional<double>> estimate_spacing(const NearbyPositions& positions, const Context& context) {
   const std::size_t measured = std::min(positions.size(), kMostMeasured);
   std::vector<LocalSpacing> local(measured);
   for_each_range(measured, 64, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
-    std::vector<NearestTree::Found> neighbors;
+    std::vector<glm::dvec3> neighbors;
     for (std::size_t n = begin; n != end; ++n) {
-      const glm::dvec3& p = positions[n * positions.size() / measured];
-      if (!is_finite(p)) continue;
-      tree.nearest_positions(p, kNeighbors, neighbors);
-      local[n] = spacing_at(p, positions, neighbors);
+      const std::size_t particle = n * positions.size() / measured;
+      if (!positions.has_position(particle)) continue;
+      positions.find(particle, kNeighbors, neighbors);
+      local[n] = spacing_at(neighbors);
     }
   });
   TRY(context.check());

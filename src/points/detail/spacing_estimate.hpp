@@ -3,17 +3,14 @@
 #pragma once
 
 #include <optional>
-#include <span>
-
-#include <glm/glm.hpp>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
-#include "points/detail/nearest_tree.hpp"
+#include "points/detail/nearby_positions.hpp"
 
 namespace isoextract::points {
 
-// Returns the spacing in world units; nothing unless two particles differ in position. `tree` holds `positions`.
+// Returns the spacing in world units; nothing unless two particles, or images of one, differ in position.
 //
 // The volume of a particle comes from its 48 nearest neighbors. With eigenvalues l_i of their covariance about their
 // mean, m particles of spacing s fill a box with the sides w_i = sqrt(12 l_i + s^2), so that
@@ -26,11 +23,9 @@ namespace isoextract::points {
 // Measures up to 2^12 particles, evenly spaced by index. Those near a surface have more space than others; so only
 // particles near the mean of their neighbors count, unless they are fewer than 1 in 20. The result is the median of the
 // spacings up to 1.25 times the 10 % quantile: the densest of several densities that hold a tenth of the particles, and
-// no spray or strays. Coincident particles count once.
+// no spray or strays. Coincident particles count once. In a periodic box, images are neighbors, too.
 //
 // Fails as Context::check() does. The result is the same for any number of threads.
-[[nodiscard]] Result<std::optional<double>> estimate_spacing(const NearestTree& tree,
-                                                             std::span<const glm::dvec3> positions,
-                                                             const Context& context);
+[[nodiscard]] Result<std::optional<double>> estimate_spacing(const NearbyPositions& positions, const Context& context);
 
 }  // namespace isoextract::points

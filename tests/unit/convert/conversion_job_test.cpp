@@ -29,6 +29,7 @@ ConversionJob full_job() {
                           .method = points::Method::anisotropic,
                           .radius = 0.025,
                           .sequence_radius = 0.0625,
+                          .element_radii = points::ElementRadii::covalent,
                           .cell_size = 0.5,
                           .smoothing_length = 1.2,
                           .weight = 0.3,
@@ -85,14 +86,15 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 59U);
+  EXPECT_EQ(full.size(), 60U);
   for (const auto& [name, value] : full.items()) {
-    const bool is_of_another_kind = name == "field_file" || name == "picture_file";  // ListsMembersOfEveryFileKind
+    // ListsMembersOfEveryFileKind
+    const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";
     EXPECT_EQ(value == plain[name], is_of_another_kind) << name;
   }
   EXPECT_EQ(
       full["particles"].dump(),
-      R"({"expected":true,"method":"anisotropic","radius":0.025,"sequence_radius":0.0625,"cell_size":0.5,)"
+      R"({"expected":true,"method":"anisotropic","radius":0.025,"sequence_radius":0.0625,"element_radii":"covalent","cell_size":0.5,)"
       R"("smoothing_length":1.2,"weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"],)"
       R"("select":"type == 2","stride":3,)"
       R"("simulation_box":{"bounds":{"min":[1.0,2.0,3.0],"max":[4.0,5.0,6.0]},"periodic":[true,false,true],"unwrap":true}})");
@@ -120,8 +122,10 @@ TEST(ConversionJob, ListsMembersOfEveryFileKind) {
   ConversionJob job;
   std::set<std::string> hashes{hash_of(job)};
   const PictureFileOptions picture{320, 200, {12.5, -40, 3.0}};
-  for (const FileOptions& file : {FileOptions(FieldFileOptions{true}), FileOptions(FieldFileOptions()),
-                                  FileOptions(PictureFileOptions()), FileOptions(picture)}) {
+  for (const FileOptions& file :
+       {FileOptions(FieldFileOptions{true}), FileOptions(FieldFileOptions()), FileOptions(ParticleFileOptions()),
+        FileOptions(ParticleFileOptions{particle_io::ParticleFileFormat::vtu}), FileOptions(PictureFileOptions()),
+        FileOptions(picture)}) {
     job.file = file;
     EXPECT_TRUE(hashes.insert(hash_of(job)).second);
     EXPECT_EQ(json_of(job)["format"], "glb");
@@ -129,6 +133,9 @@ TEST(ConversionJob, ListsMembersOfEveryFileKind) {
   EXPECT_EQ(json_of(job)["picture_file"].dump(),
             R"({"width":320,"height":200,"azimuth":12.5,"elevation":-40.0,"distance":3.0,"look_at":null})");
   EXPECT_EQ(json_of(job)["field_file"], nullptr);
+  EXPECT_EQ(json_of(job)["particle_file"], nullptr);
+  job.file = ParticleFileOptions{particle_io::ParticleFileFormat::vtu};
+  EXPECT_EQ(json_of(job)["particle_file"].dump(), R"({"format":"vtu"})");
 }
 
 TEST(ConversionJob, WritesIsoValuesAsNumbersOrWords) {

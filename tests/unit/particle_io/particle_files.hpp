@@ -237,7 +237,8 @@ inline std::string houdini_geometry(std::endian endian = std::endian::little, st
   h.ref(8).begin().ref(5).whole(1).ref(6).text("int32").text("arrays").begin();
   h.numbers<std::int32_t>('\x13', {70, 71, 72}).end().end().end().end();
   h.begin().begin().ref(2).text("string").ref(4).text("tag").end().begin().ref(5).whole(1).text("strings").begin();
-  h.text("a").end().text("indices").begin().ref(5).whole(1).end().end().end();
+  h.text("a").text("b").end().text("indices").begin().ref(5).whole(1).ref(6).text("int32").text("arrays").begin();
+  h.numbers<std::int32_t>('\x13', {1, 0, 1}).end().end().end().end();
   h.begin().begin().ref(2).text("hologram").ref(4).text("odd").end().begin().text("depth").raw(std::string(1, '\0'));
   h.end().end().end().end().text("primitives").begin().end().end();
   return h.bytes();

@@ -149,6 +149,92 @@ TEST(ParticleFileFormats, HoudiniGeometryKeepsKinds) {
   EXPECT_EQ(read->particles.positions[1999], set.positions[1999]);
 }
 
+points::ParticleSet particles_with_words(std::size_t count) {
+  points::ParticleSet set = some_particles(count);
+  points::ParticleWords species{"species", {"O", "Na+", "H"}, Buffer<std::uint32_t>(count)};
+  for (std::size_t i = 0; i < count; ++i) species.indices[i] = static_cast<std::uint32_t>(i * i % 3);
+  set.words.push_back(std::move(species));
+  return set;
+}
+
+TEST(ParticleFileFormats, KeepWords) {
+  const TempFolder folder;
+  const points::ParticleSet set = particles_with_words(3000);
+  for (const ParticleFileFormat format : {ParticleFileFormat::bgeo, ParticleFileFormat::xyz}) {
+    EXPECT_TRUE(stores_words(format));
+    const std::filesystem::path path = folder / ("a." + extension_of(format));
+    ASSERT_TRUE(write_particles(path, set, format));
+    ParticleReadOptions options;
+    options.all_attributes = true;
+    const auto read = read_particles(path.string(), options, Context());
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->particles.attributes.size(), 3U);
+    EXPECT_EQ(std::memcmp(read->particles.positions.data(), set.positions.data(), set.positions.size_bytes()), 0);
+    ASSERT_EQ(read->particles.words.size(), 1U);
+    const points::ParticleWords& words = read->particles.words.front();
+    EXPECT_EQ(words.name, "species");
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      ASSERT_EQ(words.words[words.indices[i]], set.words[0].words[set.words[0].indices[i]]) << i;
+    }
+    // A condition reads them, too.
+    ParticleReadOptions chosen;
+    chosen.condition = {{{"element", "species"}, true, ""}};
+    EXPECT_EQ(read_particles(path.string(), chosen, Context())->particles.words.size(), 1U);
+  }
+}
+
+TEST(ParticleFileFormats, KeepTheBoxInXyz) {
+  const TempFolder folder;
+  points::ParticleSet set = some_particles(5);
+  set.box = points::SimulationBox{{0.1, -2, 1e-30}, {3, 0, 0, 0.1, 4, 0, -1.0 / 3, 0.7, 5}, {true, false, true}};
+  ASSERT_TRUE(write_particles(folder / "a.xyz", set, ParticleFileFormat::xyz));
+  EXPECT_EQ(read_particles((folder / "a.xyz").string(), {}, Context())->particles.box, set.box);
+}
+
+TEST(ParticleFileFormats, FitParticlesToTheirNamesAndWords) {
+  const TempFolder folder;
+  points::ParticleSet set = particles_with_words(4);
+  set.words.push_back({"two words", {"a b", "c"}, Buffer<std::uint32_t>(4)});
+  set.words.push_back({"many", {}, {}, true});
+  std::ranges::fill(set.words[1].indices, 1);
+  for (const char* name : {"c_stress[1]", "P", "Age", "a_name_that_is_longer_than_all_that_are_real", "", "x"}) {
+    set.attributes.push_back({name, 1, Buffer<float>(4)});
+    std::ranges::fill(set.attributes.back().values, 7.0F);
+  }
+  const Notes notes = fit_to_file(set, ParticleFileFormat::xyz);
+  std::vector<std::string> names;
+  for (const auto& attribute : set.attributes) names.push_back(attribute.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"velocity", "age", "pair", "c_stress_1_", "P_2", "Age_2",
+                                             "a_name_that_is_longer_than_all_that_", "attribute", "x_2"}));
+  ASSERT_EQ(set.words.size(), 1U);
+  EXPECT_EQ(notes.size(), 8U);
+  EXPECT_EQ(std::ranges::count(notes, NoteId::data_left_out, &Note::id), 2);
+  EXPECT_TRUE(write_particles(folder / "a.xyz", set, ParticleFileFormat::xyz));
+  EXPECT_EQ(fit_to_file(set, ParticleFileFormat::xyz).size(), 0U);
+  EXPECT_EQ(fit_to_file(set, ParticleFileFormat::vtu).size(), 1U);  // no words there
+  EXPECT_TRUE(set.words.empty());
+}
+
+TEST(ParticleFileFormats, RejectDamagedIndicesOfWords) {
+  const TempFolder folder;
+  ASSERT_TRUE(write_particles(folder / "a.bgeo", particles_with_words(4), ParticleFileFormat::bgeo));
+  const std::string bytes = test::read_bytes(folder / "a.bgeo");
+  std::string indices;
+  for (const std::int32_t index : {0, 1, 1, 0}) indices += test::pack(index);
+  const std::size_t at = bytes.find(indices);
+  ASSERT_NE(at, std::string::npos);
+  for (const std::int32_t index : {3, -2, 1 << 30}) {
+    std::string damaged = bytes;
+    damaged.replace(at, 4, test::pack(index));
+    test::write_bytes(folder / "b.bgeo", damaged);
+    ParticleReadOptions options;
+    options.all_attributes = true;
+    const auto read = read_particles((folder / "b.bgeo").string(), options, Context());
+    ASSERT_FALSE(read) << index;
+    EXPECT_NE(read.error().message.find("one of 3 texts"), std::string::npos) << read.error().message;
+  }
+}
+
 TEST(ParticleFileFormats, AreChosenByExtension) {
   EXPECT_EQ(particle_file_format_by_path("a/b_0001.ply"), ParticleFileFormat::ply);
   EXPECT_EQ(particle_file_format_by_path("B.NPY"), ParticleFileFormat::npy);

@@ -157,9 +157,12 @@ TEST(ParticlesBgeo, ReadsNewFiles) {
     EXPECT_EQ(stated_kind(file.particles, "v"), AttributeKind::normal);  // for any name
     EXPECT_EQ(stated_kind(file.particles, "heat"), std::nullopt);
     expect_attribute(file.particles, "id", 1, {70, 71, 72});
-    ASSERT_EQ(file.notes.size(), 2U);
-    expect_in(file.notes[0].text, "'tag'");
-    expect_in(file.notes[1].text, "'odd'");
+    ASSERT_EQ(file.particles.words.size(), 1U);
+    EXPECT_EQ(file.particles.words[0].name, "tag");
+    EXPECT_EQ(file.particles.words[0].words, (std::vector<std::string>{"b", "a"}));
+    EXPECT_EQ(file.particles.words[0].indices[2], 0U);
+    ASSERT_EQ(file.notes.size(), 1U);
+    expect_in(file.notes[0].text, "'odd'");
     const particle_io::ParticleInfo info = must_inform({"a.bgeo", bytes});
     EXPECT_EQ(info.particles, 3U);
     EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"v:3 fpreal32", "heat:1 fpreal32", "id:1 int32",

@@ -70,18 +70,17 @@ TEST(NearestTree, FindsTheNearest) {
   std::vector<glm::dvec3> asked = random_positions(100, 1.2, 4);
   asked.insert(asked.end(), {points[0], points[700], points.back()});
   for (const glm::dvec3& p : asked) {
-    for (const auto same : {NearestTree::Same::counts, NearestTree::Same::ignored}) {
-      NearestTree::Found expected;
-      for (std::uint32_t i = 0; i < points.size(); ++i) {
-        const double squared = glm::dot(points[i] - p, points[i] - p);
-        if (same == NearestTree::Same::ignored && squared == 0) continue;
-        if (squared < expected.squared_distance) expected = {squared, i};
-      }
-      const NearestTree::Found found = tree->nearest(p, same);
-      EXPECT_EQ(found.squared_distance, expected.squared_distance);
-      EXPECT_EQ(found.point, expected.point);
+    NearestTree::Found expected;
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      const double squared = glm::dot(points[i] - p, points[i] - p);
+      if (squared < expected.squared_distance) expected = {squared, i};
     }
+    const NearestTree::Found found = tree->nearest(p);
+    EXPECT_EQ(found.squared_distance, expected.squared_distance);
+    EXPECT_EQ(found.point, expected.point);
+    EXPECT_LE(tree->squared_distance_to_bounds(p), expected.squared_distance);
   }
+  EXPECT_DOUBLE_EQ(tree->squared_distance_to_bounds({0.5, 0.5, -7}), 49);
 }
 
 using Triple = std::tuple<int, int, int>;

@@ -106,6 +106,35 @@ TEST(PeriodicBox, OfAFilledLatticeHasNoSurface) {
   }
 }
 
+TEST(PeriodicBox, HasTheSameSurfaceOfUnlikeRadiiAcrossTheFaces) {
+  for (const SimulationBox& box : {kCube, kSheared, kSlab}) {
+    FieldOptions options;
+    const auto ball = [&](const field::Affine& map, const glm::dvec3& steps) {
+      ParticleSet set = in_box(ball_in(box, map, steps), box);
+      ParticleAttribute radii{"radius", 1, Buffer<float>(set.size())};
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        radii.values[i] = static_cast<float>(kBoxRadius * (i % 5 == 0 ? 1.6 : i % 2 == 0 ? 0.8 : 1));
+      }
+      set.attributes.push_back(std::move(radii));
+      return field_of(set, options);
+    };
+    const ParticleField inside = ball({}, glm::dvec3(0));
+    EXPECT_EQ(inside.figures.radius_attribute, "radius");
+    const mesh::Mesh whole = surface_in(inside, Method::sph);
+    ASSERT_GT(whole.triangles.size(), 500U);
+    glm::dvec3 steps(0);
+    for (int k = 0; k < 3; ++k) {
+      if (box.periodic[static_cast<std::size_t>(k)]) steps[k] = std::round(inside.region->max[k] / 2.0);
+    }
+    const ParticleField across = ball(inside.field.index_to_world, steps);
+    const mesh::Mesh open = surface_in(across, Method::sph);
+    EXPECT_EQ(open.triangles.size(), whole.triangles.size());
+    EXPECT_NEAR(mesh::measure_size(open).area, mesh::measure_size(whole).area, 1e-5 * mesh::measure_size(whole).area);
+    EXPECT_NEAR(mesh::measure_size(surface_in(across, Method::sph, true)).volume, mesh::measure_size(whole).volume,
+                1e-5 * mesh::measure_size(whole).volume);
+  }
+}
+
 // Sums over the images of each particle up to `periods` periods away, in the world.
 double summed_images(const std::vector<glm::dvec3>& positions, const SimulationBox& box, const glm::dvec3& at,
                      double support, const std::function<double(std::size_t)>& weight, int periods) {

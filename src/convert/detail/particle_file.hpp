@@ -1,0 +1,28 @@
+// The stage that writes the chosen particles instead of a surface.
+#pragma once
+
+#include <optional>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "convert/events.hpp"
+#include "mesh_io/mesh_writer.hpp"
+
+namespace isoextract::convert {
+
+// Reads the particles with all attributes, applies condition, stride, radii of elements, box and region, and writes
+// those left to one output of `job`, completely or not at all. Without a particle, does as leave_out_empty() says and
+// returns nullopt, unless the job writes empty files. Positions are those of the input, or unwrapped ones.
+//
+// Reports how many particles were left out, and notes what the file does not state: words, the box, the unit of length,
+// and names that the format does not allow. Fails with ErrorCode::usage if the input is a volume, and as
+// particle_io::read_particles(), keep_chosen(), apply_box_options() and particle_io::write_particles() do.
+[[nodiscard]] Result<std::optional<mesh_io::WrittenFile>> write_particle_file(const ConversionJob& job,
+                                                                              const OutputFileJob& output,
+                                                                              const Context& context, Events& events);
+
+// Returns the memory that the particles take.
+[[nodiscard]] Result<std::uint64_t> particle_file_memory(const ConversionJob& job, const Context& context);
+
+}  // namespace isoextract::convert
