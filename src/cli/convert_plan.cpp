@@ -119,6 +119,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
+  if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
   TRY(check_field_options(flags));
   const bool as_field = writes_field(flags);
   TRY(as_field ? Result<void>() : check_isos(isos));
@@ -144,6 +145,9 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
          fmt::format("{}: isoextract writes {} because of --format, although the file name suggests another format",
                      *flags.output, format_name(flags, info))});
   }
+  if (flags.ascii && format == mesh_io::MeshFormat::obj) {
+    return refuse_usage("--ascii applies to ply and stl only, found obj, which is always text", "leave --ascii out");
+  }
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii applies to ply and stl only, found {}", info.name),
                         "leave --ascii out, or write ply or stl");
@@ -155,9 +159,12 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   if (const auto field = field_format(flags)) job.file = convert::FieldFileOptions{flags.half, *field};
   if (picture) job.file = *picture;
 
-  auto placement =
-      TRY(as_field ? convert::Placement()
-                   : plan_placement(flags.placement, format, flags.html || flags.contact_sheet, plan.notes));
+  auto placement = TRY(as_field ? convert::Placement()
+                                : plan_placement(flags.placement, format,
+                                                 picture                             ? MeshUse::picture
+                                                 : flags.html || flags.contact_sheet ? MeshUse::file_and_pictures
+                                                                                     : MeshUse::file,
+                                                 plan.notes));
   job.source.placement = std::move(placement);
   if (picture) {
     job.source.placement.turn_z_up_to_y_up = false;
