@@ -224,7 +224,7 @@ std::vector<std::string> failures(const StabilityFindings& findings, bool must_b
   const auto count = [&](std::uint64_t number, std::string_view what) {
     if (number > 0) words.push_back(fmt::format("{} {}", number, what));
   };
-  count(findings.not_finite, "vertices with non-finite coordinates");
+  count(findings.not_finite, "vertices with coordinates that are not finite or normals not of length 1");
   count(findings.off_edge, "vertices outside their edge");
   count(findings.repeated, "duplicate vertices or triangles");
   count(findings.zero_area, "zero-area triangles");

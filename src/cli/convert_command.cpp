@@ -197,7 +197,8 @@ convert::Outcome failed(const Error& error) {
   return outcome;
 }
 
-// Writes a report about invalid options, unless it would overwrite a file that the options name.
+// Writes a report about invalid options. Fails if it would overwrite a file that the options name, unless `error`
+// already is about this file.
 Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::string>& arguments, const Error& error) {
   if (!flags.report || flags.report->empty() || *flags.report == "-") return {};
   const auto name = plan_report_name(*flags.report);
@@ -209,10 +210,11 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   if (batch::is_manifest_name(std::filesystem::path(path).filename().string())) return {};
   files::InputFileSet read;
   for (const batch::NamedFile& file : other_files(flags, {}, {}).read) read.add(file.path, file.what);
-  TRY(read.check(path));
+  Result<void> checked = read.check(path);
   for (const convert::ConversionJob& job : plan_named_files(flags)) {
-    TRY(check_report_file(path, job, Context()));
+    if (checked) checked = check_report_file(path, job, Context());
   }
+  if (!checked) return error.message.starts_with(path + ": ") ? Result<void>() : checked;
   return write_report(path, nullptr, failed(error), {}, arguments, 0);
 }
 

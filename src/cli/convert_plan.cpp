@@ -123,6 +123,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
+  if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
   TRY(check_particle_file_options(flags));
   TRY(check_field_options(flags));
   const bool has_surfaces = makes_surfaces(flags);
@@ -149,6 +150,9 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
          fmt::format("{}: isoextract writes {} because of --format, although the file name suggests another format",
                      *flags.output, format_name(flags, info))});
   }
+  if (flags.ascii && format == mesh_io::MeshFormat::obj) {
+    return refuse_usage("--ascii applies to ply and stl only, found obj, which is always text", "leave --ascii out");
+  }
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii applies to ply and stl only, found {}", info.name),
                         "leave --ascii out, or write ply or stl");
@@ -164,9 +168,12 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   }
   if (picture) job.file = *picture;
 
-  auto placement =
-      TRY(!has_surfaces ? convert::Placement()
-                        : plan_placement(flags.placement, format, flags.html || flags.contact_sheet, plan.notes));
+  auto placement = TRY(!has_surfaces ? convert::Placement()
+                                     : plan_placement(flags.placement, format,
+                                                      picture                             ? MeshUse::picture
+                                                      : flags.html || flags.contact_sheet ? MeshUse::file_and_pictures
+                                                                                          : MeshUse::file,
+                                                      plan.notes));
   job.source.placement = std::move(placement);
   if (picture) {
     job.source.placement.turn_z_up_to_y_up = false;

@@ -11,7 +11,6 @@ namespace isoextract::cli {
 Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                      std::span<const batch::OutputSource> sources,
                                                      mesh_io::MeshFormat format, const batch::OtherFiles& others) {
-  if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
   TRY(check_piece_outputs(flags, flags.output.value_or(""), mesh_io::mesh_format_info(format)));
   return batch::name_outputs(sources, flags.output, format, other_extension(flags), others);
 }

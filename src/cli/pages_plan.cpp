@@ -28,9 +28,9 @@ std::vector<WrittenMesh> meshes_of(std::span<const batch::FrameRow> rows) {
     }
     if (mesh.files.empty()) {
       if (rows.size() == 1) continue;
-      mesh.text_if_empty = row.status == batch::FrameStatus::done || row.status == batch::FrameStatus::kept
-                               ? "no surface"
-                               : word_of(row.status);
+      using enum batch::FrameStatus;
+      const bool is_done = row.status == done || row.status == empty || row.status == kept;
+      mesh.text_if_empty = is_done ? "no surface" : word_of(row.status);
     }
     meshes.push_back(std::move(mesh));
   }

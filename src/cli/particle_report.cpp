@@ -73,7 +73,7 @@ std::string words_text(const WordCounts& words) {
 std::string range_text(const AttributeRange& range) {
   if (!range.read) return "no numbers";
   std::string text = range.min ? fmt::format("{:.6g} .. {:.6g}", *range.min, *range.max) : std::string("no values");
-  if (range.not_finite > 0) text += fmt::format(", {} not finite", range.not_finite);
+  if (range.not_finite > 0) text += fmt::format(", {} not finite as 32-bit floats", range.not_finite);
   return text;
 }
 

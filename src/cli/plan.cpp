@@ -93,7 +93,7 @@ extract::NanPolicy default_nan_policy(const InputFlags& input) {
 
 std::string extension_of(const std::string& path) { return to_lower(std::filesystem::path(path).extension().string()); }
 
-Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format, bool draws_mesh,
+Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format, MeshUse use,
                                           Notes& notes) {
   convert::Placement placement;
   placement.space = flags.space.value_or(convert::Space::world);
@@ -112,7 +112,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
   const convert::UpAxis up_out = flags.up_out.value_or(is_gltf(format) ? convert::UpAxis::y : placement.up);
   placement.turn_z_up_to_y_up = placement.up == convert::UpAxis::z && up_out == convert::UpAxis::y;
   placement.turn_y_up_to_z_up = placement.up == convert::UpAxis::y && up_out == convert::UpAxis::z;
-  if (flags.up && !flags.up_out && !is_gltf(format) && !draws_mesh) {
+  if (flags.up && !flags.up_out && !is_gltf(format) && use == MeshUse::file) {
     notes.push_back(
         {NoteId::no_effect,
          fmt::format("--up changes nothing: {} prescribes no up axis, so the mesh keeps the input's axes; --up-out "
@@ -135,7 +135,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::
   if (to) placement.to_unit = to->name;
   placement.unit = flags.unit->unit ? flags.unit->unit->name : convert::kFileUnit;
   if (flags.unit->unit) placement.scale = convert::unit_ratio(*flags.unit->unit, *to);
-  if (is_gltf(format) && placement.to_unit != convert::meter().name) {
+  if (is_gltf(format) && use != MeshUse::picture && placement.to_unit != convert::meter().name) {
     notes.push_back({NoteId::length_unit,
                      fmt::format("--to-unit {}: {} prescribes meters, so other programs read the coordinates as meters",
                                  placement.to_unit, format_name)});

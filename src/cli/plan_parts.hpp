@@ -51,9 +51,11 @@ template <class Format, class ByPath>
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
 // Returns the default of --nan: with --nodata, NaN samples are outside instead of an error.
 [[nodiscard]] extract::NanPolicy default_nan_policy(const InputFlags& input);
-// `draws_mesh` tells whether a page or a contact sheet shows the mesh; then --up has an effect in every format.
+// Notes describe the format of a mesh file; a picture has none. If pages show the mesh, --up has an effect in every
+// format.
+enum class MeshUse { file, file_and_pictures, picture };
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
-                                                        bool draws_mesh, Notes& notes);
+                                                        MeshUse use, Notes& notes);
 // Refuses repeated iso values.
 [[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos);
 

@@ -175,6 +175,16 @@ std::vector<NamedKind> written_kinds(const AttributeSource& source) {
   return kinds;
 }
 
+namespace {
+
+// Returns whether values of this kind change with the placement of the mesh: a mere move changes points only.
+bool changes_values(const field::Affine& placement, AttributeKind kind) {
+  if (kind == AttributeKind::point) return placement != field::Affine();
+  return is_transformed_with_mesh(kind) && placement.linear != glm::dmat3(1);
+}
+
+}  // namespace
+
 Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
                                                     const Context& context) {
   const auto places = TRY(world_positions(source.world_from_output, mesh, context));
@@ -186,8 +196,7 @@ Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& sourc
   for (AttributeResult& record : *records) {
     record.vertices = at.size();
     record.kind = kind_of(source, record.name);
-    record.changed =
-        record.components == 3 && is_transformed_with_mesh(record.kind) && source.output_from_world != field::Affine();
+    record.changed = record.components == 3 && changes_values(source.output_from_world, record.kind);
   }
   return records;
 }

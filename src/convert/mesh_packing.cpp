@@ -47,7 +47,8 @@ std::string details_of(const PackedMesh& mesh) {
   }
   if (facts.largest_normal_angle)
     text += fmt::format("; normals turned by at most {:.2f} degrees", *facts.largest_normal_angle);
-  if (facts.used_sequential_method) text += "; triangles stored one by one, because the mesh is not manifold";
+  if (facts.used_sequential_method)
+    text += "; triangles stored one by one, because Draco's default method does not reproduce the mesh";
   return text;
 }
 

@@ -53,9 +53,12 @@ std::string line_of(const VerificationRecord& record) {
 StageReport report_of(const VerificationRecord& record, const std::string& label) {
   StageReport report(StageName::verify, fmt::format("{} iso {}", label, record.iso), label, record.iso);
   report.add_timed(figures_of(record), record.time);
-  if (record.not_applicable.empty()) report.did = "verified";
-  report.lines.push_back({line_of(record)});
-  if (auto same = check_verification(label, record); !same) report.error = std::move(same.error());
+  if (record.not_applicable.empty()) report.did = "compared backends";
+  if (auto same = check_verification(label, record); !same) {
+    report.error = std::move(same.error());
+  } else {
+    report.lines.push_back({line_of(record)});
+  }
   return report;
 }
 

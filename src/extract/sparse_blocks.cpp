@@ -51,15 +51,17 @@ std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideR
 std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes) {
   constexpr std::uint64_t kBytesAPlace = 3 * sizeof(glm::ivec3);  // in a growing list, then in the joined list
   constexpr std::uint64_t kBefore = 7;  // places before a stored one that share a cell with it
+  constexpr std::uint64_t kOwn = 1;     // a tile of one place is itself a place without a block
   constexpr std::uint64_t kNodePlaces = (field::SparseLookup::Node::kPlaces + 1) *
                                         (field::SparseLookup::Node::kPlaces + 1) *
                                         (field::SparseLookup::Node::kPlaces + 1);
-  std::uint64_t stored = samples.blocks.size();
+  std::uint64_t places = kBefore * samples.blocks.size();
   for (const field::SparseTile& tile : samples.tiles) {
     const auto side = static_cast<std::uint64_t>(tile.size / kBlockSize);
-    if (tile.size < field::SparseLookup::Node::kSize) stored += side * side * side;
+    if (tile.size < field::SparseLookup::Node::kSize)
+      places += side == 1 ? kBefore + kOwn : kBefore * side * side * side;
   }
-  return std::min(kBefore * stored, kNodePlaces * nodes) * kBytesAPlace;
+  return std::min(places, kNodePlaces * nodes) * kBytesAPlace;
 }
 
 std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples, const field::SparseLookup& lookup,

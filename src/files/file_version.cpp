@@ -30,9 +30,11 @@ FileVersion version_of(const struct ::stat& status) {
 }
 
 bool FileVersion::is_reliable() const {
-  const std::int64_t newest = std::max(modified, changed);
+  const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+  // A program set a modification time in the future; the next write sets it back.
+  const std::int64_t newest = std::chrono::nanoseconds(modified) > now ? changed : std::max(modified, changed);
   const std::chrono::nanoseconds tick = newest % 1'000'000'000 == 0 ? 2s : 100ms;
-  return std::chrono::system_clock::now().time_since_epoch() - std::chrono::nanoseconds(newest) > tick;
+  return now - std::chrono::nanoseconds(newest) > tick;
 }
 
 std::optional<FileVersion> version_of(const std::filesystem::path& path) {

@@ -69,6 +69,7 @@ Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const Device
   std::string list;
   for (const GpuDevice& device : devices) {
     list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", device.index, describe(device));
+    if (device.problem) list += fmt::format(" ({})", device.problem->message);
   }
   return fail(ErrorCode::unavailable, fmt::format("there is no device {}; the devices are {}", words(choice), list),
               {{Remedy::see, Setting::devices}, {Remedy::leave_out, Setting::device, "the program then chooses one"}});

@@ -221,14 +221,13 @@ Result<void> check_options(const FieldOptions& options) {
         std::pair(options.cell_size.value_or(1), "a cell size in radii"),
         std::pair(options.spacing.value_or(1), "a spacing of the samples"),
         std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),
-        std::pair(anisotropy.neighborhood, "a neighborhood radius in kernel supports"),
-        std::pair(anisotropy.shortest, "a shortest axis of kernels in supports"),
-        std::pair(anisotropy.k_n, "a radius k_n of kernels with few neighbors in supports")}) {
+        std::pair(anisotropy.neighborhood, "a neighborhood radius in kernel supports")}) {
     TRY(check_positive(value, what));
   }
   for (const auto& [value, what] :
        {std::pair(anisotropy.shortest, "a shortest axis of kernels in supports"),
         std::pair(anisotropy.k_n, "a radius k_n of kernels with few neighbors in supports")}) {
+    TRY(check_positive(value, what));
     if (value > 1) return fail(ErrorCode::usage, fmt::format("expected {} of at most 1, found {}", what, value));
   }
   if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {

@@ -58,6 +58,11 @@ class PicturesTest(ProgramTest):
 
 
 class PictureTest(PicturesTest):
+    def test_notes_about_mesh_formats_are_not_about_pictures(self):
+        run = self.convert(SPHERE, "--iso", "0", "--unit", "mm", "--to-unit", "mm", "-o", "a.png")
+        self.assertNotIn("length-unit", run.err)
+        self.assertIn("length-unit", self.convert(SPHERE, "--iso", "0", "--unit", "mm", "--to-unit", "mm", "-o", "a.glb").err)
+
     def test_a_picture_shows_the_surface(self):
         run = self.convert(SPHERE, "--iso", "0", "-o", "ball.png", "--size", "120x90")
         self.assertIn("-> ball.png: ", run.err)
@@ -168,6 +173,14 @@ class PictureTest(PicturesTest):
 
 
 class ContactSheetTest(PicturesTest):
+    def test_a_frame_without_a_surface_has_the_same_words_in_every_run(self):
+        arguments = (*self.frames(3), "--empty", "skip", "-o", "m_{:02}.ply", "--resume", "--contact-sheet")
+        self.write_raw("f_01_20x20x20_f32.raw", (20, 20, 20), lambda x, y, z: -1)
+        self.convert(*arguments, "first.png")
+        run = self.convert(*arguments, "kept.png")
+        self.assertIn("3 kept from an earlier run", run.err)
+        self.assertEqual((self.folder / "first.png").read_bytes(), (self.folder / "kept.png").read_bytes())
+
     def test_frames_are_side_by_side(self):
         self.convert(*self.frames(4), "-o", "m_{:02}.ply", "--contact-sheet", "all.png")
         sheet = self.png("all.png")

@@ -75,7 +75,7 @@ class ReadmeTest(ProgramTest):
             (self.folder / name).write_bytes(header + data)
 
         for name in ("splash_0030.ply", "flip_0001.ply", "flip_0002.ply"):
-            write_ply(name, 0.047)
+            write_ply(name, 0.024)
         write_ply("dam.ply", 0.025)
         rows = "".join("{},{},{},{}\n".format(*p, p[0] / 0.003) for p in block(0.0005))
         (self.folder / "plate_0700.csv").write_text("x,y,z,damage\n" + rows)

@@ -323,6 +323,13 @@ class ReportTest(ProgramTest):
             self.assert_fails(1, self.run_program(*raw, "--report", name), "--report", "file")
         self.assertEqual(self.files(), ["a.raw"])
 
+    def test_one_error_says_that_report_and_mesh_have_one_name(self):
+        for name, part in (("x", "x: expected a name that ends in .glb"), ("x.ply", "the report and the mesh would share this file")):
+            run = self.run_program(SPHERE, "--iso", "0", "-o", name, "--report", name)
+            self.assert_fails(1, run, part)
+            self.assertEqual(run.err.count("error: "), 1, run.err)
+        self.assertEqual(self.files(), [])
+
     def test_mesh_and_report_are_not_one_stream(self):
         ply = (SPHERE, "--iso", "0", "-o", "-", "--format", "ply", "--report")
         for name in ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"):

@@ -67,6 +67,15 @@ class UsageTest(ProgramTest):
     def test_misspelt_command(self):
         self.assertIn("did you mean 'isoextract info'?", self.refused("inof", "a.vdb"))
 
+    def test_an_output_without_a_name(self):
+        for options in ((), ("--format", "ply"), ("--format", "vdb")):
+            self.assert_fails(1, self.run_program(SPHERE, *(("--iso", "0") if "vdb" not in options else ()), *options, "-o", ""),
+                              "-o needs the name of a file")
+
+    def test_ascii_of_a_format_that_is_text(self):
+        run = self.run_program(SPHERE, "--iso", "0", "--ascii", "-o", "a.obj")
+        self.assert_fails(1, run, "--ascii applies to ply and stl only, found obj, which is always text", "hint: leave --ascii out\n")
+
     def test_an_input_from_stdin_has_no_name_for_its_mesh(self):
         self.assertIn("stdin", self.refused("-", "--iso", "0"))
 

@@ -404,9 +404,14 @@ points::ParticleSet make_particles(const Context& context, const std::string& la
   return set;
 }
 
-void set_box(const points::SimulationBox& box, ParticleFile& file) {
-  if (box.is_valid()) {
+void set_box(const points::SimulationBox& box, bool in_axis_order, ParticleFile& file) {
+  if (box.is_valid() && in_axis_order) {
     file.particles.box = box;
+  } else if (box.is_periodic() && !in_axis_order) {
+    file.notes.push_back(
+        {NoteId::box_ignored,
+         "the reader ignores the periodic box of the file, because the chosen columns are not its x, y "
+         "and z in this order"});
   } else if (box.is_periodic()) {
     file.notes.push_back({NoteId::box_ignored,
                           "the reader ignores the periodic box of the file: it has no volume, or an "

@@ -295,7 +295,7 @@ class LammpsParticles final : public ParticleFormat {
     result.length_unit = frame.unit;
     result.time_step = frame.step;
     result.notes = choice.notes;
-    if (frame.box && is_in_axis_order(frame.table, choice.position)) set_box(*frame.box, result);
+    if (frame.box) set_box(*frame.box, is_in_axis_order(frame.table, choice.position), result);
     return result;
   }
 

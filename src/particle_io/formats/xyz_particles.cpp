@@ -226,7 +226,7 @@ class XyzParticles final : public ParticleFormat {
       if (frames > 1) throw_frame_error(options, frames);
     }
     result.notes = choice.notes;
-    if (frame.box && choice.position == frame.table.position) set_box(*frame.box, result);
+    if (frame.box && frame.atoms > 0) set_box(*frame.box, choice.position == frame.table.position, result);
     if (frame.box_is_unclear) {
       result.notes.push_back({NoteId::box_ignored,
                               "the reader ignores the box of the file: expected nine numbers in Lattice, three in "

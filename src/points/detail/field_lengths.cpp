@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.hpp"
+
 namespace isoextract::points {
 
 Result<void> check_positions(const ParticleSet& particles, const ParticleBounds& bounds, NonFiniteParticles bad) {
@@ -41,6 +43,12 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
   }
   figures.spacing =
       options.spacing.value_or(options.cell_size.value_or(method_info(options.method).cell_size) * figures.radius);
+  if (figures.radius == 0 && figures.spacing == 0 && !figures.radius_attribute.empty()) {
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected radii with a median above 0 in the attribute '{}', found a median of 0",
+                            particles.label, printable(figures.radius_attribute, 80)),
+                {Remedy::give, Setting::radius});
+  }
   const bool has_kernels = options.method != Method::weight && options.method != Method::spheres;
   if (has_kernels) figures.support = 2 * options.smoothing_length * figures.radius;
   if (!(figures.spacing > 0) || !std::isfinite(figures.spacing)) {

@@ -156,6 +156,16 @@ TEST_F(Checks, FindNonFiniteVertex) {
   EXPECT_EQ(check().not_finite, 1U);
 }
 
+TEST_F(Checks, FindNormalOfOtherLength) {
+  mesh_.normals = Buffer<glm::vec3>(mesh_.positions.size());
+  for (glm::vec3& normal : mesh_.normals) normal = {0, 0, 1};
+  EXPECT_EQ(check().not_finite, 0U);
+  mesh_.normals[5] = {0, 0, 2};
+  EXPECT_EQ(check().not_finite, 1U);
+  ASSERT_EQ(found().size(), 1U);
+  EXPECT_NE(found()[0].find("normals not of length 1"), std::string::npos) << found()[0];
+}
+
 TEST_F(Checks, FindDuplicates) {
   mesh_.positions[5] = mesh_.positions[6];
   EXPECT_EQ(check().repeated, 1U);

@@ -58,6 +58,18 @@ TEST(AttributeSource, TransformsVectorsFromIndexToOutputSpace) {
   }
 }
 
+TEST(AttributeSource, MovesChangePointsOnly) {
+  for (const AttributeKind kind : {AttributeKind::vector, AttributeKind::normal, AttributeKind::point}) {
+    AttributeSource source = source_of_vectors(kind, false);
+    const field::Affine moved{glm::dmat3(1), {1, 2, 3}};
+    ASSERT_TRUE(set_attribute_maps(source, moved.inverse(), moved));
+    mesh::Mesh mesh = test::unit_tetrahedron();
+    const auto records = add_attributes(source, mesh, Context());
+    ASSERT_TRUE(records);
+    EXPECT_EQ(records->front().changed, kind == AttributeKind::point) << word_of(kind);
+  }
+}
+
 TEST(AttributeSource, FindsKinds) {
   const auto kind = [](std::string name, std::string from, std::size_t components,
                        std::optional<AttributeKind> stated = {}, std::optional<AttributeKind> chosen = {}) {

@@ -60,6 +60,17 @@ TEST_F(Verification, ComparesMeshesWithEdgeKeys) {
   EXPECT_EQ(find(figures, {Key::not_applicable}), nullptr);
 }
 
+TEST_F(Verification, PrintsNoSuccessIfBackendsDiffer) {
+  VerificationRecord record;
+  record.iso = 0.5;
+  record.backends = {"cpu", "gpu"};
+  EXPECT_EQ(report_of(record, "field").lines.size(), 1U);
+  record.differences = {"one has another triangle"};
+  const StageReport report = report_of(record, "field");
+  ASSERT_TRUE(report.error);
+  EXPECT_TRUE(report.lines.empty()) << report.lines.front().text;
+}
+
 TEST_F(Verification, SkipsMethodsWithVerticesOffEdges) {
   extract::MethodInfo nets = extract::method_info(extract::Method::mc);
   nets.title = "made-up nets";

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "extract/sparse_blocks.hpp"
 #include "field/demo_field.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
@@ -155,6 +156,17 @@ TEST_P(Sparse, VisitsOnlyCrossedBricks) {
   EXPECT_LE(stats.bricks_visited, count_crossed(samples, brick, 1));
   EXPECT_LT(stats.bricks_visited, stats.bricks / (brick == glm::ivec3(8) ? 4 : 2));
   EXPECT_GT(stats.bricks_visited, 0U);
+}
+
+// A tile as small as a block is itself a place without a block.
+TEST(SparsePlaces, ReservesMemoryForSmallTiles) {
+  field::SparseSamples samples;
+  samples.background = -1;
+  for (int n = 0; n < 3; ++n) samples.tiles.push_back({{32 * n, 0, 0}, 8, 1});
+  const field::SparseLookup lookup(samples);
+  const auto places = find_unstored_places(samples, lookup, {{1, 1, 1}, false});
+  EXPECT_EQ(places.size(), 3U * 8);
+  EXPECT_GE(unstored_places_bytes(samples, lookup.nodes().size()), 3 * places.size() * sizeof(glm::ivec3));
 }
 
 TEST_P(Sparse, RefusesBlocksAtEndsOfIndexRange) {

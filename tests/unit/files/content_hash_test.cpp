@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "files/content_hash.hpp"
+#include "files/file_version.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::files {
@@ -38,6 +39,20 @@ TEST(ContentHash, HashesAnUnchangedFileOnce) {
   EXPECT_GE(once, kBytes);
   for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(hash_file(path, Context()).value(), *first);
   EXPECT_LT(bytes_read() - before, once + kBytes);
+}
+
+// Such a time is set by a program (touch, tar, a copy from another clock); the next write sets another one.
+TEST(FileVersion, IsReliableWithATimeInTheFuture) {
+  using namespace std::chrono_literals;
+  const std::chrono::nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
+  const auto at = [&](std::chrono::nanoseconds modified, std::chrono::nanoseconds changed) {
+    return FileVersion{1, 2, 3, (now + modified).count(), (now + changed).count()};
+  };
+  EXPECT_TRUE(at(-10s, -10s).is_reliable());
+  EXPECT_TRUE(at(1h, -10s).is_reliable());
+  EXPECT_FALSE(at(1h, 0s).is_reliable());
+  EXPECT_FALSE(at(1h, 1h).is_reliable());
+  EXPECT_FALSE(at(0s, -10s).is_reliable());
 }
 
 TEST(ContentHash, DetectsChanges) {

@@ -306,6 +306,14 @@ TEST(ParticlesLammps, ReadsTheBoxOfTheSimulation) {
   EXPECT_EQ(box_of(upright, {{"x", "y", "z"}}), cube);
   EXPECT_EQ(box_of(upright, {{"x", "z", "y"}}), std::nullopt);
   EXPECT_EQ(box_of(upright, {{"x", "y", "vx"}}), std::nullopt);
+  particle_io::ParticleReadOptions turned;
+  turned.columns = {"x", "z", "y"};
+  const auto notes_of = [&](const std::string& box) {
+    return must_read_particles({"a.dump", head + box + atoms}, turned).notes;
+  };
+  ASSERT_EQ(notes_of(upright).size(), 1U);
+  expect_in(notes_of(upright)[0].text, "the chosen columns are not its x, y and z in this order");
+  EXPECT_TRUE(notes_of("ITEM: BOX BOUNDS ff ff ff\n2 6\n10 14\n-3 1\n").empty()) << "such a box has no effect";
   // Old dumps do not say whether the box is periodic.
   EXPECT_EQ(box_of("ITEM: BOX BOUNDS\n2 6\n10 14\n-3 1\n")->periodic, (std::array{false, false, false}));
   for (const char* none : {"2 6\n10 14\n-3 -3\n", "2 6\n10 nan\n-3 1\n", "2 6\n10 1e999\n-3 1\n"}) {

@@ -86,7 +86,10 @@ TEST(SphereSet, RejectsInvalidRadii) {
     EXPECT_NE(refused.error().message.find("in the attribute 'pscale'"), std::string::npos) << refused.error().message;
   }
   // All particles have radius 0, which gives no spacing.
-  EXPECT_FALSE(make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {0, 0}), spheres(), Context()));
+  const auto zero = make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {0, 0}), spheres(), Context());
+  ASSERT_FALSE(zero);
+  EXPECT_NE(zero.error().message.find("median above 0 in the attribute 'pscale'"), std::string::npos)
+      << zero.error().message;
 }
 
 TEST(SphereSet, IsRejectedByMakeField) {
