@@ -22,7 +22,7 @@ extern "C" {
 #endif
 
 /* Increases with every change of this file. Plug-ins of other versions are rejected. */
-#define ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION 3
+#define ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION 4
 
 /* An input grid: sparse samples, or a full box of them. */
 typedef struct isoextract_grid_input {
@@ -74,6 +74,14 @@ typedef struct isoextract_filter_job {
   uint32_t iterations;
 } isoextract_filter_job;
 
+/* A level set on another lattice: near the surface the linear interpolant of the input, else distances from it. */
+typedef struct isoextract_rebuild_job {
+  isoextract_grid_input grid; /* a level set with perpendicular axes */
+  double first[3];            /* the output's sample (0, 0, 0), as an index of the input */
+  double step[3];             /* between output samples, in voxels of the input; above 0, for cubic output voxels */
+  double half_band;           /* of the output, in its voxels on either side of the surface; 2 to 1000 */
+} isoextract_rebuild_job;
+
 typedef struct isoextract_named_grid {
   isoextract_grid_input grid;
   const char* name;
@@ -90,13 +98,15 @@ typedef struct isoextract_vdb_job {
   int (*overwrite)(void* sink, uint64_t place, const void* bytes, uint64_t count);
 } isoextract_vdb_job;
 
-typedef struct isoextract_grid_tools_plugin_v3 {
+typedef struct isoextract_grid_tools_plugin_v4 {
   uint32_t version; /* ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION; the first member in every version */
   const char* id;   /* the ID in the file name */
 
   /* Return 0 on success; then free_output is called once for each output. */
   int (*spheres)(const isoextract_sphere_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output);
   int (*filter)(const isoextract_filter_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output);
+  /* The transform of this output has no meaning. */
+  int (*rebuild)(const isoextract_rebuild_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output);
   void (*free_output)(isoextract_grid_output* output);
 
   /* Writes float grids as an OpenVDB file; other sample types are rounded to float. A voxel is active if its value
@@ -106,13 +116,13 @@ typedef struct isoextract_grid_tools_plugin_v3 {
 
   /* Returns why this thread's last call failed: what was expected and what was found. */
   const char* (*error_text)(void);
-} isoextract_grid_tools_plugin_v3;
+} isoextract_grid_tools_plugin_v4;
 
 /* The one function that a plug-in exports. Its result must live as long as the process. */
 #if defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const isoextract_grid_tools_plugin_v3*
+const isoextract_grid_tools_plugin_v4*
 isoextract_grid_tools_plugin(void);
 
 #ifdef __cplusplus

@@ -1,13 +1,11 @@
-// Grid tools with OpenVDB: level sets from particles, level set filters, and VDB files (grid_tools_plugin.h).
+// Grid tools with OpenVDB: level sets from particles, filtered and rebuilt level sets, and VDB files
+// (grid_tools_plugin.h).
 //
 // Uses openvdb::tools::ParticlesToLevelSet for the union of spheres, and openvdb::points::rasterizeSmoothSpheres for
 // the smooth surface: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
-#include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <ostream>
 #include <span>
 #include <unordered_map>
@@ -16,207 +14,21 @@
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointRasterizeSDF.h>
+#include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetFilter.h>
+#include <openvdb/tools/LevelSetRebuild.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/ParticlesToLevelSet.h>
+#include <openvdb/tree/LeafManager.h>
 
 #include <grid_tools_plugin.h>
 #include "openvdb_file.hpp"
+#include "openvdb_input.hpp"
 #include "openvdb_parts.hpp"
 
 namespace {
 
 using namespace isoextract_openvdb;  // NOLINT(google-build-using-namespace): all of this file is of it
-using openvdb::FloatGrid;
-using openvdb::FloatTree;
-using Leaf = FloatTree::LeafNodeType;
-
-constexpr double kMostIndex = 1 << 29;  // limit of voxel indices; keeps arithmetic within an int
-
-// Grids that come in.
-
-template <class F>
-void visit_samples(std::int32_t type, const void* data, F&& use) {
-  const auto as = [&]<class T>(std::type_identity<T>) { use(static_cast<const T*>(data)); };
-  switch (type) {
-    case ISOEXTRACT_U8: return as(std::type_identity<std::uint8_t>{});
-    case ISOEXTRACT_I8: return as(std::type_identity<std::int8_t>{});
-    case ISOEXTRACT_U16: return as(std::type_identity<std::uint16_t>{});
-    case ISOEXTRACT_I16: return as(std::type_identity<std::int16_t>{});
-    case ISOEXTRACT_U32: return as(std::type_identity<std::uint32_t>{});
-    case ISOEXTRACT_I32: return as(std::type_identity<std::int32_t>{});
-    case ISOEXTRACT_F16: return as(std::type_identity<openvdb::math::half>{});
-    case ISOEXTRACT_F32: return as(std::type_identity<float>{});
-    case ISOEXTRACT_F64: return as(std::type_identity<double>{});
-    default: throw PluginError("expected samples of a known type, found type " + std::to_string(type));
-  }
-}
-
-bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
-
-class GridBuilder {
- public:
-  GridBuilder(const isoextract_grid_input& input, Reserved& memory) : input_(input), memory_(memory) {}
-
-  FloatGrid::Ptr build() {
-    if (input_.sparse != nullptr) {
-      from_sparse(*input_.sparse);
-    } else {
-      from_box();
-    }
-    const bool is_level_set = input_.kind == ISOEXTRACT_LEVEL_SET;
-    grid_->setGridClass(is_level_set ? openvdb::GRID_LEVEL_SET : openvdb::GRID_FOG_VOLUME);
-    openvdb::Mat4d matrix = openvdb::Mat4d::identity();
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 4; ++column) matrix[column][row] = input_.index_to_world[4 * row + column];
-    }
-    grid_->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
-    return grid_;
-  }
-
- private:
-  [[nodiscard]] float value_of(double stored) const {
-    const bool as_it_is = input_.slope == 1 && input_.intercept == 0;
-    return static_cast<float>(as_it_is ? stored : input_.slope * stored + input_.intercept);
-  }
-
-  // Floats are unchanged bit by bit.
-  template <class T>
-  [[nodiscard]] float sample(T stored) const {
-    if constexpr (std::is_same_v<T, float>) {
-      if (input_.slope == 1 && input_.intercept == 0) return stored;
-    }
-    return value_of(static_cast<double>(stored));
-  }
-
-  // Returns whether a voxel is active: the background can restore all other values.
-  [[nodiscard]] bool is_active(float value) const {
-    const float background = grid_->background();
-    if (input_.kind == ISOEXTRACT_LEVEL_SET && same_bits(value, -background)) return false;
-    return !same_bits(value, background);
-  }
-
-  void from_sparse(const isoextract_sparse_samples& samples) {
-    grid_ = FloatGrid::create(value_of(samples.background));
-    memory_.take(samples.block_count * kLeafBytes + (std::uint64_t{1} << 20));
-    reserve_nodes_above(samples);
-    for (std::size_t i = 0; i < samples.tile_count; ++i) add_tile(samples.tiles[i]);
-    for (std::size_t i = 0; i < samples.block_count; ++i) {
-      const isoextract_sparse_block& block = samples.blocks[i];
-      Leaf& leaf = *grid_->tree().touchLeaf({block.origin[0], block.origin[1], block.origin[2]});
-      visit_samples(samples.sample_type, block.values, [&](const auto* values) {
-        for (openvdb::Index n = 0; n < kLeafValues; ++n) put(leaf, n, sample(values[n]));
-      });
-    }
-  }
-
-  // Scattered bricks can each have their own nodes, which are far larger than a brick.
-  void reserve_nodes_above(const isoextract_sparse_samples& samples) {
-    using Upper = FloatTree::RootNodeType::ChildNodeType;
-    using Lower = Upper::ChildNodeType;
-    memory_.take((samples.block_count + samples.tile_count) * sizeof(openvdb::Coord));
-    std::vector<openvdb::Coord> nodes;
-    nodes.reserve(samples.block_count + samples.tile_count);
-    const auto add = [&](const std::int32_t* origin) { nodes.emplace_back(origin[0], origin[1], origin[2]); };
-    const auto distinct = [&](openvdb::Index side) {
-      for (openvdb::Coord& node : nodes) node &= ~(static_cast<std::int32_t>(side) - 1);
-      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());  // most duplicates are consecutive
-      std::ranges::sort(nodes, [](const openvdb::Coord& a, const openvdb::Coord& b) { return a < b; });
-      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-      return static_cast<std::uint64_t>(nodes.size());
-    };
-    const std::span tiles(samples.tiles, samples.tile_count);
-    for (const isoextract_sparse_block& block : std::span(samples.blocks, samples.block_count)) add(block.origin);
-    for (const isoextract_sparse_tile& tile : tiles) {
-      if (tile.size < static_cast<int>(Lower::DIM)) add(tile.origin);
-    }
-    const std::uint64_t lower = distinct(Lower::DIM);
-    for (const isoextract_sparse_tile& tile : tiles) {
-      if (tile.size >= static_cast<int>(Lower::DIM) && tile.size < static_cast<int>(Upper::DIM)) add(tile.origin);
-    }
-    memory_.take(lower * sizeof(Lower) + distinct(Upper::DIM) * sizeof(Upper));
-  }
-
-  void put(Leaf& leaf, openvdb::Index n, float value) const {
-    leaf.setValueOnly(n, value);
-    leaf.setActiveState(n, is_active(value));
-  }
-
-  // Fills the tile with cubes of the tree's node sizes.
-  void add_tile(const isoextract_sparse_tile& tile) {
-    const float value = value_of(tile.value);
-    openvdb::Index level = 1;
-    int size = 8;
-    if (tile.size >= 4096) {
-      level = 3;
-      size = 4096;
-    } else if (tile.size >= 128) {
-      level = 2;
-      size = 128;
-    }
-    for (int x = 0; x < tile.size; x += size) {
-      for (int y = 0; y < tile.size; y += size) {
-        for (int z = 0; z < tile.size; z += size) {
-          grid_->tree().addTile(level, {tile.origin[0] + x, tile.origin[1] + y, tile.origin[2] + z}, value,
-                                is_active(value));
-        }
-      }
-    }
-  }
-
-  void from_box() {
-    std::array<int, 3> dims{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (input_.dims[axis] == 0 || input_.dims[axis] >= static_cast<std::uint64_t>(kMostIndex)) {
-        throw PluginError("expected fewer than 2^29 samples along each axis");
-      }
-      dims[axis] = static_cast<int>(input_.dims[axis]);
-    }
-    std::uint64_t leaves = 1;
-    for (const int dim : dims) leaves *= static_cast<std::uint64_t>((dim + 7) / 8);
-    memory_.take(leaves * kLeafBytes);
-    visit_samples(input_.sample_type, input_.data, [&](const auto* data) {
-      const std::size_t count = input_.dims[0] * input_.dims[1] * input_.dims[2];
-      grid_ = FloatGrid::create(outside(data, count));
-      for (int x = 0; x < dims[0]; x += 8) {
-        for (int y = 0; y < dims[1]; y += 8) {
-          for (int z = 0; z < dims[2]; z += 8) put_box(data, dims, {x, y, z});
-        }
-      }
-    });
-  }
-
-  // Returns the least value of a density, the greatest of a level set: outside for every iso value.
-  template <class T>
-  [[nodiscard]] float outside(const T* data, std::size_t count) const {
-    const bool greatest = input_.kind == ISOEXTRACT_LEVEL_SET;
-    std::optional<float> found;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float value = sample(data[i]);
-      if (std::isfinite(value) && (!found || (greatest ? value > *found : value < *found))) found = value;
-    }
-    return found.value_or(0.0F);
-  }
-
-  template <class T>
-  void put_box(const T* data, const std::array<int, 3>& dims, const openvdb::Coord& origin) {
-    Leaf* leaf = nullptr;  // null if all values are the background
-    for (openvdb::Index n = 0; n < kLeafValues; ++n) {
-      const openvdb::Coord at = origin + Leaf::offsetToLocalCoord(n);
-      if (at.x() >= dims[0] || at.y() >= dims[1] || at.z() >= dims[2]) continue;
-      const auto row = static_cast<std::size_t>(at.y()) + input_.dims[1] * static_cast<std::size_t>(at.z());
-      const float value = sample(data[static_cast<std::size_t>(at.x()) + input_.dims[0] * row]);
-      if (leaf == nullptr && same_bits(value, grid_->background())) continue;
-      if (leaf == nullptr) leaf = grid_->tree().touchLeaf(origin);
-      put(*leaf, n, value);
-    }
-  }
-
-  const isoextract_grid_input& input_;
-  Reserved& memory_;
-  FloatGrid::Ptr grid_;
-};
-
 // Grids that go out.
 
 void give(const FloatGrid& grid, std::int32_t kind, Reserved& memory, isoextract_grid_output* output) {
@@ -300,11 +112,33 @@ class TableMemory {
   std::uint64_t entries_ = 0;
 };
 
+// Leaves of a grid to be made, each counted once.
+class LeafCount {
+ public:
+  explicit LeafCount(const isoextract_plugin_host& host) : memory_(host) {}
+
+  // Adds the leaves of a box of leaf coordinates.
+  void add(const openvdb::CoordBBox& box) {
+    for (auto at = box.begin(); at && !is_full(); ++at) {
+      if (touched_.insert(*at).second) memory_.add_entry();
+    }
+  }
+  [[nodiscard]] bool is_full() const { return touched_.size() > kMost; }
+  [[nodiscard]] std::uint64_t count() const {
+    return is_full() ? std::numeric_limits<std::uint32_t>::max() : touched_.size();
+  }
+
+ private:
+  static constexpr std::size_t kMost = std::size_t{1} << 24;
+
+  TableMemory memory_;
+  std::unordered_set<openvdb::Coord> touched_;
+};
+
 // Returns an upper bound for the leaves that the narrow band and its construction touch. Particles in one leaf count
-// once, with the largest reach among them. Stops counting at `kMost`.
+// once, with the largest reach among them.
 std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sphere_job& job,
                                  const isoextract_plugin_host& host) {
-  constexpr std::size_t kMost = std::size_t{1} << 24;
   TableMemory memory(host);
   std::unordered_map<openvdb::Coord, int> reach;  // of a leaf's particles, in leaves
   for (std::size_t i = 0; i < particles.size(); ++i) {
@@ -319,14 +153,9 @@ std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sp
     if (is_new) memory.add_entry();
     known->second = std::max(known->second, static_cast<int>(leaves));
   }
-  std::unordered_set<openvdb::Coord> touched;
-  for (const auto& [leaf, leaves] : reach) {
-    for (auto at = openvdb::CoordBBox(leaf.offsetBy(-leaves), leaf.offsetBy(leaves)).begin(); at; ++at) {
-      if (touched.insert(*at).second) memory.add_entry();
-      if (touched.size() > kMost) return std::numeric_limits<std::uint32_t>::max();
-    }
-  }
-  return touched.size();
+  LeafCount touched(host);
+  for (const auto& [leaf, leaves] : reach) touched.add({leaf.offsetBy(-leaves), leaf.offsetBy(leaves)});
+  return touched.count();
 }
 
 FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_sphere_job& job,
@@ -361,12 +190,16 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
   return surface;
 }
 
+void check_half_band(double half_band) {
+  if (!(half_band >= 2 && half_band <= 1000)) {
+    throw PluginError("expected a narrow band of 2 to 1000 voxels on either side of the surface");
+  }
+}
+
 void check_spheres(const isoextract_sphere_job& job) {
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
   if (!positive(job.voxel)) throw PluginError("expected a voxel size above 0");
-  if (!(job.half_band >= 2 && job.half_band <= 1000)) {
-    throw PluginError("expected a narrow band of 2 to 1000 voxels on either side of the surface");
-  }
+  check_half_band(job.half_band);
   if (job.method == ISOEXTRACT_SMOOTH_SPHERES && !positive(job.search_radius)) {
     throw PluginError("expected a search radius above 0");
   }
@@ -431,6 +264,136 @@ int filter(const isoextract_filter_job* job, const isoextract_plugin_host* host,
   });
 }
 
+// Rebuilding.
+
+// The axes of a rebuild, without rotation and translation: distances do not depend on them, and OpenVDB's mesh has
+// float positions, which would lose digits far from the origin.
+struct RebuildAxes {
+  openvdb::Coord start;  // of the input, at the local origin
+  openvdb::Vec3d edges;  // of an input voxel, in world units
+  double voxel = 0;      // edge of an output voxel
+  openvdb::Vec3d shift;  // local position of output sample (0, 0, 0)
+
+  // Return the index in the other grid, with a fraction.
+  [[nodiscard]] openvdb::Vec3d output_index(const openvdb::Coord& input) const {
+    return (edges * (input - start).asVec3d() - shift) / voxel;
+  }
+  [[nodiscard]] openvdb::Vec3d input_index(const openvdb::Coord& output) const {
+    return (voxel * output.asVec3d() + shift) / edges + start.asVec3d();
+  }
+};
+
+RebuildAxes axes_of(const isoextract_rebuild_job& job, const FloatGrid& grid) {
+  constexpr double kRounding = 1e-5;
+  const openvdb::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
+  RebuildAxes axes;
+  const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
+  if (!active.empty()) axes.start = active.min();
+  std::array<openvdb::Vec3d, 3> along;
+  for (int axis = 0; axis < 3; ++axis) {
+    along.at(axis) = {matrix[axis][0], matrix[axis][1], matrix[axis][2]};
+    axes.edges[axis] = along.at(axis).length();
+    const double voxel = axes.edges[axis] * job.step[axis];
+    if (!(std::isfinite(voxel) && voxel > 0)) throw PluginError("expected a voxel size above 0");
+    if (axis == 0) axes.voxel = voxel;
+    if (std::abs(voxel - axes.voxel) > kRounding * axes.voxel) throw PluginError("expected cubic voxels");
+    axes.shift[axis] = axes.edges[axis] * (job.first[axis] - axes.start[axis]);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const int next = (axis + 1) % 3;
+    if (std::abs(along.at(axis).dot(along.at(next))) > kRounding * axes.edges[axis] * axes.edges[next]) {
+      throw PluginError("expected perpendicular axes");
+    }
+  }
+  return axes;
+}
+
+// Reserves the memory of the mesh and of the new band, from the voxels at the surface.
+void reserve_rebuild(const FloatGrid& grid, const RebuildAxes& axes, double half_band,
+                     const isoextract_plugin_host& host, Reserved& memory) {
+  constexpr std::uint64_t kBytesPerVoxel = 128;  // of the mesh, at the surface
+  LeafCount touched(host);
+  std::uint64_t at_surface = 0;
+  openvdb::CoordBBox last;
+  auto neighbors = grid.getConstAccessor();
+  const openvdb::Vec3d margin(half_band + 1);
+  for (auto voxel = grid.cbeginValueOn(); voxel; ++voxel) {
+    const openvdb::Coord at = voxel.getCoord();
+    const bool inside = *voxel < 0;
+    const auto differs = [&](int x, int y, int z) { return (neighbors.getValue(at.offsetBy(x, y, z)) < 0) != inside; };
+    if (!differs(1, 0, 0) && !differs(0, 1, 0) && !differs(0, 0, 1) && !differs(-1, 0, 0) && !differs(0, -1, 0) &&
+        !differs(0, 0, -1)) {
+      continue;
+    }
+    ++at_surface;
+    const openvdb::Vec3d low = axes.output_index(at.offsetBy(-1)) - margin;
+    const openvdb::Vec3d high = axes.output_index(at.offsetBy(1)) + margin;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(low[axis] > -kMostIndex && high[axis] < kMostIndex)) {
+        throw PluginError("expected output indices within 2^29");
+      }
+    }
+    const openvdb::CoordBBox box(openvdb::Coord::floor(low / 8), openvdb::Coord::floor(high / 8));
+    if (box != last) touched.add(box);
+    last = box;
+  }
+  // The mesh's signs and indices of points; distances and nearest polygons, of each thread and of all.
+  memory.take(at_surface * kBytesPerVoxel + 2 * grid.constTree().leafCount() * kLeafBytes +
+              4 * touched.count() * kLeafBytes);
+}
+
+// Gives the voxels near the surface the linear interpolant of the input, so that both have the same surface. OpenVDB's
+// mesh has its vertices inside the convex parts, which shrinks them. Keeps the distances where the input has its
+// background, or where its values are no distances.
+void keep_surface(const FloatGrid& input, const RebuildAxes& axes, FloatGrid& rebuilt) {
+  using openvdb::tools::BoxSampler;
+  const float input_band = 0.999F * input.background();
+  const float band = rebuilt.background();
+  const double most_moved = 0.25 * std::min({axes.edges[0], axes.edges[1], axes.edges[2]});
+  openvdb::tree::LeafManager<FloatTree> leaves(rebuilt.tree());
+  leaves.foreach ([&](Leaf& leaf, std::size_t /*number*/) {
+    auto samples = input.getConstAccessor();
+    for (auto voxel = leaf.beginValueOn(); voxel; ++voxel) {
+      const openvdb::Vec3d at = axes.input_index(voxel.getCoord());
+      const openvdb::Coord low = openvdb::Coord::floor(at);
+      float corners[2][2][2];  // NOLINT(modernize-avoid-c-arrays): OpenVDB's parameter
+      BoxSampler::getValues(corners, samples, low);
+      const bool is_cut =
+          std::ranges::any_of(std::span(&corners[0][0][0], 8), [&](float c) { return !(std::abs(c) < input_band); });
+      if (is_cut) continue;
+      const float value = BoxSampler::trilinearInterpolation(corners, at - low.asVec3d());
+      if (std::abs(value) < band && std::abs(value - *voxel) <= most_moved) voxel.setValue(value);
+    }
+  });
+}
+
+int rebuild(const isoextract_rebuild_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output) {
+  return catch_exceptions([&] {
+    *output = {};
+    Reserved for_work(*host);
+    Reserved for_samples(*host);
+    HostInterrupter interrupter(*host);
+    if (job->grid.kind != ISOEXTRACT_LEVEL_SET) throw PluginError("expected a level set, found a density");
+    check_half_band(job->half_band);
+    FloatGrid::Ptr grid = GridBuilder(job->grid, for_work).build();
+    const RebuildAxes axes = axes_of(*job, *grid);
+    reserve_rebuild(*grid, axes, job->half_band, *host, for_work);
+    openvdb::math::Transform::Ptr from = openvdb::math::Transform::createLinearTransform();
+    from->preScale(axes.edges);
+    from->preTranslate(-axes.start.asVec3d());
+    grid->setTransform(from);
+    openvdb::math::Transform::Ptr to = openvdb::math::Transform::createLinearTransform(axes.voxel);
+    to->postTranslate(axes.shift);
+    const auto band = static_cast<float>(job->half_band);
+    auto rebuilt = openvdb::tools::levelSetRebuild(*grid, 0.0F, band, band, to.get(),
+                                                   static_cast<openvdb::util::NullInterrupter*>(&interrupter));
+    interrupter.check();
+    keep_surface(*grid, axes, *rebuilt);
+    openvdb::tools::pruneLevelSet(rebuilt->tree());
+    give(*rebuilt, ISOEXTRACT_LEVEL_SET, for_samples, output);
+  });
+}
+
 void free_output(isoextract_grid_output* output) { delete static_cast<SparseStore*>(output->owner); }
 
 // Files.
@@ -458,9 +421,9 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_grid_tools_plugin_v3 kPlugin{
-    ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, free_output, write_vdb, error_text};
+constexpr isoextract_grid_tools_plugin_v4 kPlugin{
+    ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, rebuild, free_output, write_vdb, error_text};
 
 }  // namespace
 
-const isoextract_grid_tools_plugin_v3* isoextract_grid_tools_plugin() { return &kPlugin; }
+const isoextract_grid_tools_plugin_v4* isoextract_grid_tools_plugin() { return &kPlugin; }

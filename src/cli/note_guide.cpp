@@ -81,6 +81,10 @@ constexpr std::array kGuide{
               "Give --color-by NAME:MAP:MIN,MAX to choose the range, and to save the pass."},
     NoteGuide{labels_assumed, "All samples are whole numbers, so the program takes them as labels.", ""},
     NoteGuide{labels_lost, "The coarser grid has no sample of some labels.", "Choose a finer grid."},
+    NoteGuide{level_set_interpolated,
+              "A written level set has interpolated values and the narrow band of the input, which is too narrow for "
+              "other programs if its voxels are larger.",
+              "Give one number to --voxel-size, and no --kernel: the level set gets a band of three voxels."},
     NoteGuide{means_not_possible,
               "The volume is too large for resampling by averages, so isoextract interpolates, which can miss detail.",
               "Choose a finer --resolution, or resample in several steps."},

@@ -17,6 +17,7 @@
 #include "convert/simulation_box.hpp"
 #include "convert/stages/field_blur.hpp"
 #include "convert/stages/level_set_filter.hpp"
+#include "convert/stages/level_set_rebuild.hpp"
 #include "convert/stages/mesh_clip.hpp"
 #include "field/distinct_values.hpp"
 #include "field/resample.hpp"
@@ -128,6 +129,13 @@ void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& g
 // Replaces the field by one resampled at the requested resolution.
 Result<void> change_resolution(const SourceOptions& options, const SourceUse& use, const Context& context,
                                Events& events, Source& source) {
+  if (use.field_format) {
+    auto rebuilt = TRY(rebuild_level_set(options, *use.field_format, source.field, context, events));
+    if (rebuilt) {
+      source.field = std::move(*rebuilt);
+      return context.check();
+    }
+  }
   const Stopwatch watch;
   auto resolution = TRY(options.resolution ? Result<glm::ivec3>(*options.resolution)
                                            : field::resolution_of_voxel_size(source.field, *options.voxel_size));
@@ -379,9 +387,10 @@ SourceUse use_of(const ConversionJob& job) {
   use.keep_data = job.error.has_value();
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
+  const auto* file = job.writes<FieldFileOptions>();
+  if (file != nullptr) use.field_format = file->format;
   // With NanPolicy::error the extractor finds spread NaN samples, and only those in its region.
-  if (job.surface.nan == extract::NanPolicy::error && job.writes<FieldFileOptions>() == nullptr)
-    use.nan = field::NanHandling::spread;
+  if (job.surface.nan == extract::NanPolicy::error && file == nullptr) use.nan = field::NanHandling::spread;
   // Methods with whole voxels cannot cut a voxel at a face of the region.
   if (job.source.roi_snap || extract::method_info(job.surface.method).traits.always_closed)
     use.region_ends = RegionEnds::samples;

@@ -76,13 +76,16 @@ struct SourceUse {
   // samples, or if an attribute is missing; a missing attribute fails later, if there is a surface.
   bool empty_is_fine = false;
   RegionEnds region_ends = RegionEnds::faces;
+  // The format if the output is the field itself: resampling then keeps the narrow band of level sets.
+  std::optional<volume_io::VolumeFileFormat> field_format;
   field::NanHandling nan = field::NanHandling::left_out;  // how resampling treats NaN
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
 // Opens the input and returns a source that is ready for extraction. Fails as the functions it calls do: read_volume(),
-// filter_field(), blur_field(), resample(), place_field(), resolve_isos() and read_volume_attributes(). For particles
-// it fails as is_particles(), read_particles(), make_particle_field() and find_attributes() do.
+// filter_field(), blur_field(), resample(), rebuild_level_set(), place_field(), resolve_isos() and
+// read_volume_attributes(). For particles it fails as is_particles(), read_particles(), make_particle_field() and
+// find_attributes() do.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

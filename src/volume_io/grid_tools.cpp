@@ -21,7 +21,7 @@
 namespace isoextract::volume_io {
 namespace {
 
-using Tools = isoextract_grid_tools_plugin_v3;
+using Tools = isoextract_grid_tools_plugin_v4;
 
 // Searches the folders on every call, which is cheap beside the work; the loaded library stays open.
 Result<const Tools*> grid_tools_for(const std::string& work) {
@@ -99,6 +99,15 @@ Result<field::ScalarField> made_field(std::shared_ptr<MadeGrid> made, const std:
   if (!samples) return fail(ErrorCode::input, fmt::format("{}: the plug-in returns {}", work, samples.error()));
   field.samples = std::move(*samples);
   return field;
+}
+
+// Returns `field` with the samples of `made`.
+Result<field::ScalarField> with_samples_of(const field::ScalarField& field, Result<field::ScalarField> made) {
+  if (!made) return made;
+  field::ScalarField result = field;
+  result.scale = {};
+  result.samples = std::move(made->samples);
+  return result;
 }
 
 Result<void> check_sphere_options(const points::ParticleSet& particles, const SphereOptions& options) {
@@ -255,11 +264,30 @@ Result<field::ScalarField> filter_level_set(const field::ScalarField& field, Lev
     return tl::unexpected(made->memory.refusal_or(tools_failed(*tools, work)));
   }
   made->is_given = true;
-  auto filtered = made_field(made, work);
-  if (!filtered) return filtered;
-  field::ScalarField result = field;
-  result.scale = {};
-  result.samples = std::move(filtered->samples);
+  return with_samples_of(field, made_field(made, work));
+}
+
+Result<field::ScalarField> rebuild_level_set(const field::ScalarField& field, const field::Affine& old_from_new,
+                                             double half_band, const Context& context) {
+  const std::string work = field.source + ": rebuilding the level set";
+  const auto tools = TRY(grid_tools_for(work));
+  const auto lists = TRY(context.reserve(list_bytes(field), work));
+  const GridInput input(field);
+  isoextract_rebuild_job job{};
+  job.grid = input.get();
+  job.half_band = half_band;
+  for (int axis = 0; axis < 3; ++axis) {
+    job.first[axis] = old_from_new.offset[axis];
+    job.step[axis] = old_from_new.linear[axis][axis];
+  }
+  const auto made = std::make_shared<MadeGrid>(*tools, context, work);
+  if (tools->rebuild(&job, &made->memory.host(), &made->output) != 0) {
+    return tl::unexpected(made->memory.refusal_or(tools_failed(*tools, work)));
+  }
+  made->is_given = true;
+  auto result = TRY(with_samples_of(field, made_field(made, work)));
+  result.index_to_world = field.index_to_world.after(old_from_new);
+  result.index_to_file = field.index_to_file.after(old_from_new);
   return result;
 }
 

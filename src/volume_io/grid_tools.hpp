@@ -1,5 +1,5 @@
 // Grid operations by OpenVDB, in a plug-in that is opened on demand (plugins/grid_tools_plugin.h): level sets of
-// spheres, level set filters, and VDB output.
+// spheres, filtered and rebuilt level sets, and VDB output.
 //
 // All functions fail with ErrorCode::unavailable if the plug-in is missing or incompatible, with ErrorCode::usage for
 // options out of range, and with ErrorCode::input (write_vdb(): ErrorCode::output) for fields and particles that the
@@ -66,6 +66,16 @@ inline constexpr int kMaxFilterWidth = 64;
 // neighborhood extends `width` voxels (1 to 64). Reads the field as f32 and returns a sparse f32 field.
 [[nodiscard]] Result<field::ScalarField> filter_level_set(const field::ScalarField& field, LevelSetFilter filter,
                                                           int width, int iterations, const Context& context);
+
+// Returns the level set on another lattice, sparse, in f32: the signed distance from its surface in world units. Near
+// the surface this is the linear interpolant of the field, else the distance from the meshed surface
+// (openvdb::tools::levelSetRebuild). The values are negative inside, and +- half_band voxels beyond the narrow band.
+// `half_band` (2 to 1000) is the band's width on either side, in new voxels.
+// `old_from_new` maps new to old indices: a scale per axis, above 0, and an offset. The axes must be perpendicular and
+// the new voxels cubic. The result is the same for any number of threads.
+[[nodiscard]] Result<field::ScalarField> rebuild_level_set(const field::ScalarField& field,
+                                                           const field::Affine& old_from_new, double half_band,
+                                                           const Context& context);
 
 struct VdbWriteOptions {
   std::string name;      // name of the grid; if empty, the field's name

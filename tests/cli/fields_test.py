@@ -359,6 +359,96 @@ class FieldFileTest(FieldsTest):
         self.assert_fails(1, run, "this is the input; it is not overwritten")
 
 
+class ResampledLevelSetTest(FieldsTest):
+    """A level set that is written with other voxels has distances up to three of them, and no means of the old band."""
+
+    SPHERE = ("one.csv", "--particles", "spheres", "--radius", "1.5", "--cell-size", "0.1")  # voxels of 0.15
+
+    def setUp(self):
+        super().setUp()
+        self.write_csv("one.csv", [(0.3, -0.2, 5)])
+
+    def values(self, name):
+        """Shape, least and greatest value, and the gradient's length near the surface, of an array."""
+        script = f"""import json, numpy
+a = numpy.load({name!r}).astype(float)
+near = abs(a) < 0.6 * a.max()
+g = numpy.sqrt(sum(d**2 for d in numpy.gradient(a)))[near]
+print(json.dumps([a.shape, a.min(), a.max(), g.mean(), abs(a[0]).min(), int((a < 0).sum())]))"""
+        run = subprocess.run(["/usr/bin/python3", "-c", script], cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return json.loads(run.stdout)
+
+    @needs_plugin
+    def test_other_voxels_have_the_whole_band(self):
+        self.convert(*self.SPHERE, "-o", "own.vdb")
+        for voxel in (0.25, 0.04):
+            with self.subTest(voxel):
+                report, run = self.report("own.vdb", "--voxel-size", voxel, "--explain", "-o", "other.vdb")
+                self.assertRegex(run.err, rf"resampled: the level set, with voxels of {voxel} and a band of 3 voxels on either side: \d+ active")
+                self.assertNotIn("note[", run.err.replace("note[grid-chosen]", ""))
+                self.assertEqual([s["stage"] for s in report["stages"]].count("resample"), 1)
+                field = json.loads(self.convert("info", "other.vdb", "--json").text)[0]["field"]
+                self.assertEqual((field["kind"], field["spacing"]), ("level set", [voxel] * 3))
+                self.assertAlmostEqual(field["background"], 3 * voxel, delta=1e-6)
+                self.convert("other.vdb", "-o", "other.ply")
+                # A mesh of voxels this large has its facets inside the sphere, in the same way as one made with them.
+                self.convert(*self.SPHERE[:-1], voxel / 1.5, "-o", "direct.ply")
+                self.assertAlmostEqual(self.mesh("other.ply").volume() / self.mesh("direct.ply").volume(), 1, delta=0.01)
+                low, high = self.mesh("other.ply").bounds()
+                for axis, middle in enumerate((0.3, -0.2, 5)):
+                    self.assertAlmostEqual(low[axis], middle - 1.5, delta=0.02)
+                    self.assertAlmostEqual(high[axis], middle + 1.5, delta=0.02)
+                # Dense files have the same samples.
+                self.convert("own.vdb", "--voxel-size", voxel, "-o", "other.npy")
+                shape, least, greatest, gradient, outermost, inside = self.values("other.npy")
+                self.assertAlmostEqual(greatest, 3 * voxel, delta=1e-6)
+                self.assertAlmostEqual(least, -3 * voxel, delta=1e-6)
+                self.assertAlmostEqual(gradient / voxel, 1, delta=0.03)
+                self.assertAlmostEqual(outermost, 3 * voxel, delta=1e-6)
+                self.assertAlmostEqual(inside * voxel**3 / (4 / 3 * math.pi * 1.5**3), 1, delta=0.06)
+
+    @needs_plugin
+    def test_the_same_bytes_for_any_number_of_threads(self):
+        self.ball("ball.csv", bump=0.04)
+        for threads in (1, 2, 7):
+            self.convert("ball.csv", "--particles", "spheres", "--radius", "0.1", "--voxel-size", "0.07", "--threads", threads,
+                         "-o", f"{threads}.vdb")
+        self.assertEqual(self.bytes("1.vdb"), self.bytes("2.vdb"))
+        self.assertEqual(self.bytes("1.vdb"), self.bytes("7.vdb"))
+
+    @needs_plugin
+    def test_what_is_interpolated_says_so(self):
+        self.convert(*self.SPHERE, "-o", "own.vdb")
+        for options, why in ((("--voxel-size", "0.2", "--kernel", "cubic"), "because the options choose a kernel: its distances end 2.25 of the new voxels"),
+                             (("--voxel-size", "0.2,0.1,0.2"), "because the new voxels are not cubic"),
+                             (("--resolution", "20,20,21"), "because the new voxels are not cubic")):
+            run = self.convert("own.vdb", *options, "-o", "other.vdb")
+            self.assertIn("note[level-set-interpolated]: own.vdb", run.err)
+            self.assertIn(why, run.err)
+        run = self.convert("own.vdb", "--resolution", "20", "-o", "other.npy")
+        self.assertIn("because the options set the number of samples", run.err)
+        self.assertEqual(self.values("other.npy")[0], [20, 20, 20])
+        # Half the steps along each axis are cubic voxels; neither meshes nor densities say anything.
+        run = self.convert("own.vdb", "--resolution", "53,55,55", "--explain", "-o", "cube.vdb")
+        self.assertIn("resampled: the level set, with voxels of 0.075 and a band of 3 voxels", run.err)
+        for command in (("own.vdb", "--voxel-size", "0.2", "-o", "a.ply"), (SPHERE, "--voxel-size", "0.2", "-o", "a.vdb"),
+                        ("own.vdb", "--inside", "above", "--voxel-size", "0.2", "-o", "a.vdb")):
+            self.assertNotIn("level-set-interpolated", self.convert(*command).err)
+        # The same voxels are the same file.
+        run = self.convert("own.vdb", "--voxel-size", "0.15", "--explain", "-o", "same.vdb")
+        self.assertIn("left out: resampling, because the data has the requested resolution", run.err)
+        self.assertEqual(self.bytes("own.vdb"), self.bytes("same.vdb"))
+
+    @needs_plugin
+    def test_memory_and_nothing(self):
+        run = self.run_program(*self.SPHERE, "--voxel-size", "0.01", "--memory-limit", "50M", "-o", "a.vdb")
+        self.assert_fails(2, run, "rebuilding the level set", "--memory-limit")
+        self.write_csv("none.csv", [])
+        self.convert("none.csv", "--particles", "spheres", "--radius", "1", "--voxel-size", "0.2", "--empty", "write", "-o", "none.vdb")
+        self.assertTrue((self.folder / "none.vdb").exists())
+
+
 class PluginTest(FieldsTest):
     def test_the_program_is_linked_with_none_of_the_large_libraries(self):
         linked = subprocess.run(["ldd", PROGRAM], check=True, capture_output=True, text=True).stdout.lower()

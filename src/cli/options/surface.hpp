@@ -80,7 +80,8 @@ struct SurfaceFlags : OptionSet {
   Value<glm::dvec3> voxel_size{
       *this, "--voxel-size", "SX,SY,SZ", parse_spacing,
       "Voxel size of that grid, in place of --resolution. In units of the input's world; one number, such as 0.5, is "
-      "for all axes. The size is rounded so that voxels divide the box, with a note."};
+      "for all axes. The size is rounded so that voxels divide the box, with a note. A level set that is written as a "
+      "file gets voxels of exactly this size, and distances up to 3 voxels from the surface again."};
   Value<field::ResampleKernel> kernel{
       *this, "--kernel",
       "Interpolation of a finer grid (default: linear). cubic is a smooth curve through the samples (Catmull-Rom). "

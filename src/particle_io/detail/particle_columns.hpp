@@ -108,8 +108,8 @@ void check_count(const ContentReader& content, std::uint64_t count, std::uint64_
 [[nodiscard]] points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
                                                  const ColumnChoice& choice);
 
-// Gives the set of `file` the box of its frame. Leaves out a box without a volume, and every box if the chosen columns are
-// not along the axes of the file (`in_axis_order`); adds a note if it is periodic.
+// Gives the set of `file` the box of its frame. Leaves out a box without a volume, and every box if the chosen columns
+// are not along the axes of the file (`in_axis_order`); adds a note if it is periodic.
 void set_box(const points::SimulationBox& box, bool in_axis_order, ParticleFile& file);
 
 [[noreturn]] void throw_particle_error(std::size_t particle, std::size_t particles);

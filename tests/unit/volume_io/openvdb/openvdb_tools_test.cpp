@@ -4,6 +4,8 @@
 #include <cstring>
 #include <numbers>
 
+#include <openvdb/tools/Diagnostics.h>
+#include <openvdb/tools/LevelSetMeasure.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include "unit/volume_io/vdb_files.hpp"
@@ -257,6 +259,70 @@ TEST(OpenVdbTools, SmoothsALevelSetByFilters) {
             "expected a level set, found a density");
 }
 
+openvdb::FloatGrid::Ptr read_with_openvdb(const std::filesystem::path& path) {
+  openvdb::io::File file(path.string());
+  file.open();
+  const auto grids = file.getGrids();
+  return openvdb::gridPtrCast<openvdb::FloatGrid>(grids->front());
+}
+
+// OpenVDB judges the written file: finer and coarser, far from the origin and turned.
+TEST(OpenVdbTools, RebuildsALevelSetWithAFullBand) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  openvdb::initialize();
+  constexpr float kVoxel = 0.5F;
+  constexpr float kRadius = 10;
+  const TempFolder folder;
+  for (const double far : {0.0, 1e7}) {
+    const auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(kRadius, {3, -2, 5}, kVoxel);
+    ball->transform().postRotate(0.3, openvdb::math::Z_AXIS);
+    ball->transform().postTranslate({far, -far, 0});
+    write_vdb(folder / "ball.vdb", {ball});
+    const field::ScalarField field = must_read(folder / "ball.vdb");
+    for (const double step : {0.4, 1.7, 3.0}) {
+      SCOPED_TRACE(testing::Message() << "step " << step << ", offset " << far);
+      field::Affine lattice = field::scaling(glm::dvec3(step));
+      lattice.offset = {0.25, 0, -7};
+      const auto rebuilt = volume_io::rebuild_level_set(field, lattice, 3, Context());
+      ASSERT_TRUE(rebuilt) << rebuilt.error().message;
+      EXPECT_EQ(rebuilt->kind, field::FieldKind::level_set);
+      EXPECT_EQ(rebuilt->index_to_world, field.index_to_world.after(lattice));
+      ASSERT_TRUE(volume_io::write_vdb(folder / "rebuilt.vdb", *rebuilt, {}, Context()));
+      const auto grid = read_with_openvdb(folder / "rebuilt.vdb");
+      const double voxel = step * kVoxel;
+      EXPECT_EQ(grid->getGridClass(), openvdb::GRID_LEVEL_SET);
+      EXPECT_NEAR(grid->background(), 3 * voxel, 1e-5 * voxel);
+      EXPECT_EQ(openvdb::tools::checkLevelSet(*grid), "");
+      float low = 0;
+      float high = 0;
+      double error = 0;  // largest near the surface, and the mean of all
+      double sum = 0;
+      const openvdb::Vec3d middle = ball->transform().indexToWorld(openvdb::Vec3d(3, -2, 5) / kVoxel);
+      for (auto value = grid->cbeginValueOn(); value; ++value) {
+        low = std::min(low, *value);
+        high = std::max(high, *value);
+        const double known = (grid->indexToWorld(value.getCoord()) - middle).length() - kRadius;
+        if (std::abs(known) < kVoxel) error = std::max(error, std::abs(known - *value));
+        sum += std::abs(known - *value);
+      }
+      EXPECT_LE(low, -2.9 * voxel);
+      EXPECT_GE(high, 2.9 * voxel);
+      EXPECT_LT(error, 0.03 * kVoxel);
+      EXPECT_LT(sum / static_cast<double>(grid->activeVoxelCount()), 0.05 * voxel);
+      const auto same =
+          openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(kRadius, {}, static_cast<float>(voxel));
+      EXPECT_NEAR(openvdb::tools::levelSetVolume(*grid) / openvdb::tools::levelSetVolume(*same), 1, 0.01);
+    }
+  }
+  EXPECT_FALSE(volume_io::rebuild_level_set(must_read(folder / "ball.vdb"), field::scaling({1, 2, 2}), 3, Context()));
+  EXPECT_EQ(volume_io::rebuild_level_set(must_read(folder / "ball.vdb"), field::scaling(glm::dvec3(0.1)), 3,
+                                         with_memory(std::uint64_t{8} << 20))
+                .error()
+                .hint,
+            Hint(Remedy::raise, Setting::memory_limit));
+}
+
 TEST(OpenVdbTools, NamesTheMissingPlugin) {
   const PluginFolder plugins("/nowhere");
   const TempFolder folder;
@@ -270,6 +336,7 @@ TEST(OpenVdbTools, NamesTheMissingPlugin) {
   };
   expect_missing(volume_io::write_vdb(folder / "w.vdb", field, {}, Context()).error());
   expect_missing(volume_io::filter_level_set(field, volume_io::LevelSetFilter::mean, 1, 1, Context()).error());
+  expect_missing(volume_io::rebuild_level_set(field, {}, 3, Context()).error());
   expect_missing(volume_io::rasterize_spheres(two_balls(), options, Context()).error());
   EXPECT_FALSE(std::filesystem::exists(folder / "w.vdb"));
   options.voxel = 0;

@@ -1,0 +1,29 @@
+// The stage that resamples a level set which is written as a file.
+#pragma once
+
+#include <optional>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "convert/events.hpp"
+#include "field/scalar_field.hpp"
+#include "volume_io/volume_writer.hpp"
+
+namespace isoextract::convert {
+
+// Returns the level set `field` at the resolution that `options` ask for, and reports it. The result has a narrow band
+// of three new voxels on either side, where interpolated samples keep the width of the old band. A voxel size is exact.
+//
+// Returns nothing if the caller has to interpolate:
+// - if `field` is no narrow band by its own file: a density, dense samples, or a kind that the user chose
+// - with a note, if OpenVDB makes no such level set: the new voxels are not cubic, or the axes are not perpendicular
+// - with a note, if the options fix other samples: a kernel, or a resolution for a file of dense samples
+//
+// Fails as volume_io::rebuild_level_set() does.
+[[nodiscard]] Result<std::optional<field::ScalarField>> rebuild_level_set(const SourceOptions& options,
+                                                                          volume_io::VolumeFileFormat format,
+                                                                          const field::ScalarField& field,
+                                                                          const Context& context, Events& events);
+
+}  // namespace isoextract::convert
