@@ -219,6 +219,12 @@ Value box_figures(const std::optional<points::SimulationBox>& box) {
                  {Key::periodic, Value(box->periodic)}};
 }
 
+// Returns the figures of the moment of a frame, or null.
+Value frame_figures(const particle_io::FrameTime& frame) {
+  if (frame == particle_io::FrameTime()) return {};
+  return Figures{{Key::step, frame.step}, {Key::time, frame.time}};
+}
+
 // Runs two stages: reads particles, and makes a field from them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
@@ -257,7 +263,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   report.add_timed(
       {{Key::format, file.format},
        {Key::length_unit, file.length_unit},
-       Figure::of_tables(Key::time_step, file.time_step),
+       {Key::frame, frame_figures(file.time)},
        {Key::method, word_of(method)},
        {Key::radius, figures.radius},
        {Key::radius_suggested, figures.radius_suggested},
