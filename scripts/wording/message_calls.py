@@ -136,7 +136,7 @@ def errors_of(room, source, hints):
             code, rest = args[0][0].removeprefix("ErrorCode::"), args[1:]
         elif token in BY_MESSAGE:
             args = arguments(tokens, i + 1)
-            code, rest = BY_MESSAGE[token], args
+            code, rest = BY_MESSAGE[token], args[:1] if token == "TruncatedFrame" else args  # its second text is no hint
         elif token == "expected_found":
             args = arguments(tokens, i + 1)
             expected = pattern(args[0]) if args else ""

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "convert/conversion_job.hpp"
+#include "particle_io/particle_format.hpp"
 
 namespace isoextract::batch {
 
@@ -23,9 +24,19 @@ struct FrameJob {
 struct AnimationJob {
   std::string path;
   double frames_per_second = 24;
+  // When each frame starts, in seconds, ascending from 0; empty: by the frames' numbers (mesh_io/animation_writer.hpp).
+  std::vector<double> starts = {};
 
   friend bool operator==(const AnimationJob&, const AnimationJob&) = default;
 };
+
+// Returns AnimationJob::starts for frames whose times are known. The distances of the frames in time are those in the
+// file; the first and the last frame start as they do by their numbers, so that `frames_per_second` is the mean rate.
+// Returns nothing if a frame has no time, if the times do not ascend, or if they differ from the numbers by less than a
+// thousandth of a frame. `numbers` ascend.
+[[nodiscard]] std::vector<double> animation_starts(std::span<const std::int64_t> numbers,
+                                                   std::span<const particle_io::FrameTime> times,
+                                                   double frames_per_second);
 
 struct BatchJob {
   std::vector<FrameJob> frames;           // ordered by number; without `animation`, no two write the same file

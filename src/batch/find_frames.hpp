@@ -11,13 +11,16 @@
 #include "base/error.hpp"
 #include "base/note.hpp"
 #include "batch/frame_range.hpp"
+#include "particle_io/particle_format.hpp"
 
 namespace isoextract::batch {
 
 struct Frame {
   std::int64_t number = 0;
-  std::string input;                 // a path or demo:NAME, as read_volume() takes it
-  std::optional<std::int64_t> step;  // the time step in `input`, if its time steps are frames; not set by find_frames()
+  std::string input;  // a path or demo:NAME, as read_volume() takes it
+  // Not set by find_frames(): the volume or frame of particles in `input`, if those are the frames, and its moment.
+  std::optional<std::int64_t> volume;
+  particle_io::FrameTime time = {};
 
   friend bool operator==(const Frame&, const Frame&) = default;
 };

@@ -139,7 +139,8 @@ Json json_of(const std::vector<SurfaceFigures>& list) {
 
 Json json_of(const FrameFigures& figures) {
   return {{"surfaces", json_of(figures.surfaces)},
-          {"time_step", figures.time_step},
+          {"step", convert::optional_json(figures.time.step)},
+          {"time", convert::optional_json(figures.time.time)},
           {"lacked_attributes", figures.lacked_attributes},
           {"bytes", figures.bytes},
           {"wall_seconds", figures.wall_seconds},
@@ -166,7 +167,7 @@ std::vector<SurfaceFigures> surfaces_of(const Json& json) {
 FrameFigures figures_of(const Json& json) {
   FrameFigures figures;
   figures.surfaces = surfaces_of(json.at("surfaces"));
-  figures.time_step = json.at("time_step").get<std::string>();
+  figures.time = {optional_of<std::int64_t>(json, "step"), optional_of<double>(json, "time")};
   figures.lacked_attributes = json.value("lacked_attributes", std::vector<std::string>());
   figures.unit = json.value("unit", std::string());
   figures.bytes = json.at("bytes").get<std::uint64_t>();
@@ -305,7 +306,11 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
     add_error(outcome, surface);
     add_files(outcome, surface);
   }
-  figures.time_step = text_at(outcome, StageName::particles_to_field, Key::time_step);
+  if (const StageReport* const particles = outcome.first(StageName::particles_to_field)) {
+    const Figures& made = particles->entries.front();
+    figures.time = {value_at<std::int64_t>(made, {Key::frame, Key::step}),
+                    value_at<double>(made, {Key::frame, Key::time})};
+  }
   figures.unit = text_at(outcome, StageName::place, Key::unit_of_lengths);
   for (const mesh_io::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
   figures.wall_seconds = outcome.total.wall_seconds;

@@ -11,6 +11,7 @@
 #include "convert/json_type.hpp"
 #include "convert/outcome.hpp"
 #include "files/content_hash.hpp"
+#include "particle_io/particle_format.hpp"
 
 namespace isoextract::batch {
 
@@ -45,7 +46,7 @@ struct FrameFigures {
   std::uint64_t bytes = 0;               // written in all
   double wall_seconds = 0;
   std::uint64_t memory = 0;                    // peak of the reserved memory, in bytes
-  std::string time_step;                       // the frame's time step in a particle input; empty if none
+  particle_io::FrameTime time;                 // of a frame of particles
   std::vector<std::string> lacked_attributes;  // optional attributes that the input lacks
   std::string unit = {};                       // of lengths in the meshes: "mm"; empty if unknown
 

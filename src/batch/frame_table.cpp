@@ -43,7 +43,7 @@ bool is_empty(const FrameFigures& figures) {
 std::string table_csv(std::span<const FrameRow> rows) {
   std::string text =
       "frame,input,output,status,iso,asked,triangles,vertices,area,volume,closed,components,seconds,memory,bytes,"
-      "error,time_step,error_rms,error_max,coverage_rms,coverage_max,grid,lacked_attributes,unit\r\n";
+      "error,step,time,error_rms,error_max,coverage_rms,coverage_max,grid,lacked_attributes,unit\r\n";
   for (const FrameRow& row : rows) {
     const bool known = has_figures(row);
     const auto line = [&](const SurfaceFigures* surface) {
@@ -67,7 +67,8 @@ std::string table_csv(std::span<const FrameRow> rows) {
           known ? fmt::format("{}", row.figures.memory) : std::string(),
           surface != nullptr ? cell(figures.bytes) : cell(known ? std::optional(row.figures.bytes) : std::nullopt),
           csv_cell(row.error),
-          csv_cell(row.figures.time_step),
+          cell(row.figures.time.step),
+          cell(row.figures.time.time),
           cell(figures.error_rms),
           cell(figures.error_max),
           cell(figures.coverage_rms),
@@ -109,7 +110,8 @@ Json row_json(const FrameRow& row) {
           {"outputs", row.outputs},
           {"status", word_of(row.status)},
           {"surfaces", std::move(surfaces)},
-          {"time_step", row.figures.time_step.empty() ? Json(nullptr) : Json(row.figures.time_step)},
+          {"step", convert::optional_json(row.figures.time.step)},
+          {"time", convert::optional_json(row.figures.time.time)},
           {"lacked_attributes", row.figures.lacked_attributes},
           {"unit", row.figures.unit.empty() ? Json(nullptr) : Json(row.figures.unit)},
           {"seconds", known ? Json(row.figures.wall_seconds) : Json(nullptr)},

@@ -52,7 +52,7 @@ struct FrameRow {
 //   triangles, vertices, area, volume, closed, components
 //   seconds, memory, bytes         `bytes` of the row's files
 //   error                          why the frame failed
-//   time_step
+//   step, time                     of a frame of particles, as the file states them
 //   error_rms, error_max           in voxels, from the mesh to the data's surface
 //   coverage_rms, coverage_max     in voxels, from the data's surface to the mesh
 //   grid                           if the frame has several
@@ -60,7 +60,7 @@ struct FrameRow {
 //   unit                           of the lengths in area and volume
 //
 // Unknown values are empty cells, but seconds, memory and bytes are 0 for a kept frame without a record. Seconds,
-// memory, time step, attributes and unit belong to the frame and repeat in each of its rows.
+// memory, step, time, attributes and unit belong to the frame and repeat in each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
 // Returns a frame as an object with a list of its rows_of(). Unknown values are null or 0 as in table_csv().

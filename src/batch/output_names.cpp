@@ -144,6 +144,12 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                             label_of_source(source)),
                 "choose the grid by its name");
   }
+  if (names.uses(OutputWord::step) && !source.step) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: expected the number of a time step for {{step}} in the output name, found none",
+                            label_of_source(source)),
+                "put {frame} or {stem} into the name instead");
+  }
   const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
   const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
   if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !names.uses(OutputWord::iso)) {
@@ -190,7 +196,7 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
   OutputFiles files;
   for (const std::string& grid : grids) {
     const auto only = by_grid ? std::optional(grid) : std::nullopt;
-    OutputWords words{stem_of(source.input), source.frame, grid, {}};
+    OutputWords words{stem_of(source.input), source.frame, grid, {}, source.step.value_or(0)};
     if (!names.uses(OutputWord::iso)) {
       files.push_back({names.expand(words), source.isos, only});
       continue;

@@ -22,6 +22,7 @@ struct OutputSource {
   bool alone = false;                    // the run has no other conversion, so messages need no frame number
   // Further grids of this conversion; each gets a file if the name contains {grid}.
   std::vector<std::string> more_grids = {};
+  std::optional<std::int64_t> step = {};  // of a frame of particles
 
   friend bool operator==(const OutputSource&, const OutputSource&) = default;
 };
@@ -59,6 +60,7 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // Fails with ErrorCode::usage in these cases:
 //   - the template is invalid, or `output` is empty;
 //   - the name contains {grid}, but a source has no grid name;
+//   - the name contains {step}, but a source has no step;
 //   - the name contains {iso}, and all labels are requested;
 //   - the name contains {piece} but not {iso}, for several iso values or for all labels;
 //   - several iso values, labels or grids share a file of a format that holds one mesh.

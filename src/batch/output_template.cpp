@@ -24,8 +24,9 @@ Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
     if (!word) {
       return fail(
           ErrorCode::usage,
-          fmt::format("{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{grid}}, {{iso}} or {{piece}}, found '{}'",
-                      printable(name), printable(part.text)),
+          fmt::format(
+              "{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{step}}, {{grid}}, {{iso}} or {{piece}}, found '{}'",
+              printable(name), printable(part.text)),
           "write {{ and }} for braces");
     }
     result.parts_.push_back({std::exchange(result.end_, {}), *word, part.width});
@@ -44,6 +45,7 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
     switch (part.word) {
       case OutputWord::stem: name += safe_file_name(words.stem); break;
       case OutputWord::frame: name += frame_digits(words.frame, part.width); break;
+      case OutputWord::step: name += fmt::format("{}", words.step); break;
       case OutputWord::grid: name += safe_file_name(words.grid); break;
       case OutputWord::iso: name += words.iso; break;
       case OutputWord::piece: name += convert::kPiecePlaceholder; break;

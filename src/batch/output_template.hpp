@@ -12,10 +12,10 @@
 
 namespace isoextract::batch {
 
-enum class OutputWord { stem, frame, grid, iso, piece };
+enum class OutputWord { stem, frame, step, grid, iso, piece };
 constexpr auto words_of(OutputWord /*type*/) {
-  return std::array{Word{OutputWord::stem, "stem"}, Word{OutputWord::frame, "frame"}, Word{OutputWord::grid, "grid"},
-                    Word{OutputWord::iso, "iso"}, Word{OutputWord::piece, "piece"}};
+  return std::array{Word{OutputWord::stem, "stem"}, Word{OutputWord::frame, "frame"}, Word{OutputWord::step, "step"},
+                    Word{OutputWord::grid, "grid"}, Word{OutputWord::iso, "iso"},     Word{OutputWord::piece, "piece"}};
 }
 
 // Values of the words.
@@ -23,7 +23,8 @@ struct OutputWords {
   std::string stem;
   std::int64_t frame = 0;
   std::string grid;
-  std::string iso;  // in the form of convert::file_name_part()
+  std::string iso;        // in the form of convert::file_name_part()
+  std::int64_t step = 0;  // number of the simulation's time step
 };
 
 class OutputTemplate {

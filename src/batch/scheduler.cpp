@@ -17,6 +17,7 @@
 #include "base/stopwatch.hpp"
 #include "batch/detail/frame_queue.hpp"
 #include "convert/mesh_packing.hpp"
+#include "files/parked_streams.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -36,6 +37,7 @@ class Scheduler {
         memory_of_one_(options.memory_per_frame) {}
 
   BatchCounts run() {
+    const files::StreamKeeper keeper(context_, static_cast<std::size_t>(std::max(options_.jobs, 1)));
     {
       // This thread works too, so a single job needs no other thread.
       std::vector<std::jthread> others;

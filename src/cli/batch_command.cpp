@@ -23,7 +23,6 @@
 #include "cli/gnuplot.hpp"
 #include "cli/html_page.hpp"
 #include "cli/messages.hpp"
-#include "cli/output_plan.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
 #include "cli/sequence_values.hpp"
@@ -68,11 +67,11 @@ class FramePrinter final : public batch::RunEvents {
     return note;
   }
 
-  bool has_report(std::size_t frame) override { return !plan_.report || files::is_there(report_path_of(frame)); }
+  bool has_report(std::size_t frame) override { return plan_.reports.empty() || files::is_there(plan_.reports[frame]); }
 
   Result<void> write_report(std::size_t frame, const convert::Outcome& outcome) override {
-    if (!plan_.report) return {};
-    const std::string path = report_path_of(frame);
+    if (plan_.reports.empty()) return {};
+    const std::string& path = plan_.reports[frame];
     const convert::ConversionJob& job = plan_.batch.frames[frame].job;
     TRY(check_report_file(path, job, plan_.common.context));
     return cli::write_report(path, &job, outcome, plan_.frame_notes, arguments_, plan_.common.context.memory().limit());
@@ -105,12 +104,6 @@ class FramePrinter final : public batch::RunEvents {
     for (const Note& note : outcome.notes) progress_.detail(fmt::format("frame {}: {}", row.frame, note.text));
     progress_.detail(fmt::format("frame {}: {}: {:.2f} s, {}", row.frame, printable(row.input),
                                  row.figures.wall_seconds, format_byte_size(row.figures.bytes)));
-  }
-
-  [[nodiscard]] std::string report_path_of(std::size_t frame) const {
-    const batch::FrameJob& job = plan_.batch.frames[frame];
-    const convert::SourceOptions& source = job.job.source;
-    return report_path(*plan_.report, {job.number, source.input, source.read.grid.value_or(""), job.job.isos(), false});
   }
 
   const BatchPlan& plan_;
@@ -178,7 +171,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
       .jobs = plan.jobs,
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
       .fail_fast = plan.flags.fail_fast,
-      .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
+      .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || !plan.reports.empty() || plan.common.pages.html,
                  .volume_hint = std::string(kHowToKeepVolumes),
                  .read = read ? &*read : nullptr}};
   auto run = TRY(batch::BatchRun::open(plan.batch, std::move(options), context));

@@ -47,6 +47,7 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
   for (const batch::Frame& frame : found.frames) {
     batch::OutputSource source{frame.number, frame.input, flags.input.grid().value_or(""), flags.isos, false};
     source.more_grids = flags.input.more_grids();
+    source.step = frame.time.step;
     if (table) {
       const auto isos = table->isos_of(frame.number);
       source.isos.assign(isos.begin(), isos.end());
@@ -93,14 +94,18 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::Rea
   source.input = inputs.front();
   source.read = read;
   source.particles = std::move(particles);
-  const auto count = TRY(convert::count_frames(source, context.beside()));
+  auto list = TRY(convert::list_frames(source, context.beside()));
+  const std::uint64_t count = list.count;
   if (count > batch::kMaxFrames) {
     return refuse_usage(fmt::format("{}: found {} volumes, expected at most {}, the limit of frames in a batch",
                                     inputs.front(), count, batch::kMaxFrames));
   }
+  list.times.resize(count);
   batch::Frames found;
+  found.notes = std::move(list.notes);
   for (std::int64_t k = 0; k < static_cast<std::int64_t>(count); ++k) {
-    if (!flags.batch.frames || flags.batch.frames->contains(k)) found.frames.push_back({k, inputs.front(), k});
+    if (flags.batch.frames && !flags.batch.frames->contains(k)) continue;
+    found.frames.push_back({k, inputs.front(), k, list.times[static_cast<std::size_t>(k)]});
   }
   if (found.frames.empty()) {
     return refuse_usage(
@@ -110,18 +115,18 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::Rea
   return found;
 }
 
-Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
-  if (!flags.report) return {};
+// Returns the name of the reports.
+Result<std::optional<batch::OutputTemplate>> plan_report(const ConvertFlags& flags) {
+  if (!flags.report) return std::nullopt;
   auto name = TRY(plan_report_name(*flags.report));
-  if (!name.uses(batch::OutputWord::frame)) {
+  if (!name.uses(batch::OutputWord::frame) && !name.uses(batch::OutputWord::step)) {
     return refuse_usage(
         fmt::format(
             "--report {}: each frame has its own report, and this file name has no placeholder for the frame number",
             *flags.report),
         "write --report r_{:04}.json, or write one file for all frames with --table");
   }
-  plan.report = std::move(name);
-  return {};
+  return name;
 }
 
 Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
@@ -186,6 +191,25 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
   TRY(batch::check_outputs(sources, outputs, format, others));
   for (std::size_t i = 1; i < sources.size(); ++i) outputs[i] = {{job.animation->path, sources[i].isos}};
   return outputs;
+}
+
+// Sets when the frames start, if the file states unevenly spaced times.
+void plan_animation_times(std::span<const batch::Frame> frames, batch::AnimationJob& animation, Notes& notes) {
+  std::vector<std::int64_t> numbers;
+  std::vector<particle_io::FrameTime> times;
+  for (const batch::Frame& frame : frames) {
+    numbers.push_back(frame.number);
+    times.push_back(frame.time);
+  }
+  animation.starts = batch::animation_starts(numbers, times, animation.frames_per_second);
+  if (animation.starts.empty()) return;
+  const double range = *times.back().time - *times.front().time;
+  notes.push_back(
+      {NoteId::animation_times,
+       fmt::format("{}: the frames start at their times in {}, {:.6g} to {:.6g}, of which a second of the animation "
+                   "shows {:.6g}; --fps {:.6g} is the mean number of frames per second",
+                   animation.path, printable(frames.front().input), *times.front().time, *times.back().time,
+                   range / animation.starts.back(), animation.frames_per_second)});
 }
 
 // Fills `note` if the environment has a job scheduler's variable and --shard is absent.
@@ -296,19 +320,22 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
     std::string note = cameras_note(*picture);
     if (!note.empty()) plan.common.notes.push_back({NoteId::one_camera, std::move(note)});
   }
-  TRY(plan_report(flags, plan));
+  TRY(find_steps(flags, plan.common.job.source, context, sources));
+  const auto report = TRY(plan_report(flags));
   TRY(plan_tables(flags.batch, plan));
-  plan.others = other_files(flags, sources, plan.report);
+  plan.others = other_files(flags, sources, report);
   const mesh_io::MeshFormat format = plan.common.job.meshes().format;
   auto outputs = TRY(flags.batch.animate ? plan_animation(flags, sources, format, plan.others, plan.batch)
                                          : plan_outputs(flags, sources, format, plan.others));
   TRY(check_piece_folders(outputs));
+  if (plan.batch.animation) plan_animation_times(found.frames, *plan.batch.animation, plan.common.notes);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();
+    if (report) plan.reports.push_back(report_path(*report, sources[i]));
     frame.number = found.frames[i].number;
     frame.job = plan.common.job;
     frame.job.source.input = found.frames[i].input;
-    if (found.frames[i].step) frame.job.source.read.volume = found.frames[i].step;
+    if (found.frames[i].volume) frame.job.source.read.volume = found.frames[i].volume;
     frame.job.outputs = std::move(outputs[i]);
     TRY(number_attributes(frame.job.source.attributes, frame.number));
   }

@@ -15,7 +15,6 @@
 #include "batch/batch_run.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
-#include "batch/output_template.hpp"
 #include "batch/shard.hpp"
 #include "cli/options.hpp"
 #include "cli/plan.hpp"
@@ -38,8 +37,8 @@ struct BatchPlan {
   bool make_folders = false;
   PictureFormat picture = PictureFormat::svg;
   ProgressStyle progress = ProgressStyle::bar;
-  std::optional<batch::OutputTemplate> report;  // one report per frame
-  batch::OtherFiles others;                     // files read and written besides the frames' inputs and outputs
+  std::vector<std::string> reports;  // the path of each frame's report; empty: none
+  batch::OtherFiles others;          // files read and written besides the frames' inputs and outputs
 };
 
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.
@@ -50,7 +49,7 @@ struct BatchPlan {
 
 // Plans the batch. `environment` is std::getenv or a replacement in tests; it gives the job scheduler's variables for
 // --shard auto, and without --shard for a note. Fails with ErrorCode::usage for options, and as batch::find_frames(),
-// batch::IsoTable::read(), volume_io::LabelTable::read() and convert::count_frames() do.
+// batch::IsoTable::read(), volume_io::LabelTable::read() and convert::list_frames() do.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
 
 }  // namespace isoextract::cli

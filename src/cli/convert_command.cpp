@@ -202,8 +202,8 @@ convert::Outcome failed(const Error& error) {
 Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::string>& arguments, const Error& error) {
   if (!flags.report || flags.report->empty() || *flags.report == "-") return {};
   const auto name = plan_report_name(*flags.report);
-  // The frames are unknown.
-  if (!name || name->uses(batch::OutputWord::frame)) return {};
+  // The frames and their steps are unknown.
+  if (!name || name->uses(batch::OutputWord::frame) || name->uses(batch::OutputWord::step)) return {};
   const std::vector<std::string>& inputs = flags.input.inputs;
   const std::string path = report_path(*name, {1, inputs.empty() ? "" : inputs.front(), flags.input.grid().value_or(""),
                                                flags.isos, true, flags.input.more_grids()});

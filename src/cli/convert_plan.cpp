@@ -220,8 +220,9 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   TRY(check_output_name(flags, format));
   const auto found = TRY(batch::find_frames(inputs, std::nullopt));
   const std::int64_t number = found.frames.front().number;
-  const batch::OutputSource source{number,     inputs.front(), flags.input.grid().value_or(""),
-                                   flags.isos, true,           flags.input.more_grids()};
+  batch::OutputSource source{number,     inputs.front(), flags.input.grid().value_or(""),
+                             flags.isos, true,           flags.input.more_grids()};
+  TRY(find_steps(flags, plan->job.source, context, {&source, 1}));
   std::optional<batch::OutputTemplate> report;
   if (plan->report) {
     auto name = TRY(plan_report_name(*plan->report));

@@ -34,6 +34,9 @@ constexpr std::array kGuide{
               "Check the order with --dry-run; number the files with whole numbers of equal length."},
     NoteGuide{grid_chosen, "The file has several grids; the reader takes the only one with scalar values.",
               "To use another grid, give --grid NAME."},
+    NoteGuide{incomplete_frame, "The file ends within its last frame: the simulation is still running, or ended early.",
+              "When the simulation has written more, run again with --resume. If no line is missing, end the last line "
+              "with a line end."},
     NoteGuide{missing_frames, "Frames of the sequence have no input, or failed.",
               "Add the missing files. --missing error makes this an error."},
     NoteGuide{newer_version, "The file has a newer version than the reader knows.",
@@ -148,6 +151,10 @@ constexpr std::array kGuide{
     // Output
     NoteGuide{animation_kept, "A frame failed, so the animation of an earlier run stays.",
               "Repair the frame and run again."},
+    NoteGuide{animation_times,
+              "The file states the times of its frames, and they are not evenly spaced; the animation shows each frame "
+              "at its time.",
+              ""},
     NoteGuide{empty_picture, "The camera sees nothing.", "Change --camera or --look-at, or the transfer function."},
     NoteGuide{flat_normals, "Flat normals in glTF need three vertices for each triangle.", "Use --normals none."},
     NoteGuide{frames_kept, "Some frames of the simulation exist already; the program does not overwrite them.",

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "convert/particle_source.hpp"
 
 namespace isoextract::cli {
 
@@ -26,7 +28,30 @@ Result<batch::OutputTemplate> plan_report_name(const std::string& report) {
 
 std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source) {
   return name.expand({batch::stem_of(source.input), source.frame, source.grid,
-                      source.isos.empty() ? "" : file_name_part(source.isos.front())});
+                      source.isos.empty() ? "" : file_name_part(source.isos.front()), source.step.value_or(0)});
+}
+
+Result<void> find_steps(const ConvertFlags& flags, const convert::SourceOptions& read, const Context& context,
+                        std::span<batch::OutputSource> sources) {
+  const auto uses_step = [](const Value<std::string>& name) {
+    const auto parsed = name ? batch::OutputTemplate::parse(*name) : Result<batch::OutputTemplate>();
+    return parsed && parsed->uses(batch::OutputWord::step);
+  };
+  const bool in_report = uses_step(flags.report);
+  if (!in_report && !uses_step(flags.output)) return {};
+  for (batch::OutputSource& source : sources) {
+    if (!source.step) {
+      convert::SourceOptions one = read;
+      one.input = source.input;
+      source.step = TRY(convert::find_frame_time(one, context.beside())).step;
+    }
+    if (in_report && !source.step) {
+      return refuse_usage(fmt::format("--report {}: expected the number of a time step for {{step}}, found none in {}",
+                                      *flags.report, printable(source.input)),
+                          "put {frame} into the name instead");
+    }
+  }
+  return {};
 }
 
 batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::OutputSource> sources,

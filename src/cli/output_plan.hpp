@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
 #include "cli/options.hpp"
+#include "convert/conversion_job.hpp"
 #include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::cli {
@@ -23,6 +25,12 @@ namespace isoextract::cli {
 
 // Parses the value of --report. Fails with ErrorCode::usage, also for {piece}.
 [[nodiscard]] Result<batch::OutputTemplate> plan_report_name(const std::string& report);
+
+// Sets the step of each source that has none, if -o or --report contain {step}: reads the header of its frame. `read`
+// are the options of its input. Fails as convert::find_frame_time() does, and with ErrorCode::usage if a name of
+// --report needs a step and the file states none.
+[[nodiscard]] Result<void> find_steps(const ConvertFlags& flags, const convert::SourceOptions& read,
+                                      const Context& context, std::span<batch::OutputSource> sources);
 
 // Returns the path of a source's report; {iso} stands for the source's first iso value.
 [[nodiscard]] std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source);

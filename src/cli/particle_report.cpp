@@ -21,7 +21,27 @@
 namespace isoextract::cli {
 namespace {
 
+using particle_io::FrameTime;
+
 constexpr std::size_t kShownName = 80;  // bytes
+
+// Returns the least and the greatest step or time of the frames; nothing if no frame states one.
+template <class T>
+std::optional<std::pair<T, T>> range_of(const std::vector<FrameTime>& frames, std::optional<T> FrameTime::*member) {
+  std::optional<std::pair<T, T>> range;
+  for (const FrameTime& frame : frames) {
+    if (!(frame.*member)) continue;
+    const T value = *(frame.*member);
+    if (!range) range = {value, value};
+    range = {std::min(range->first, value), std::max(range->second, value)};
+  }
+  return range;
+}
+
+template <class T>
+convert::Json range_json(const std::optional<std::pair<T, T>>& range) {
+  return range ? convert::Json{range->first, range->second} : convert::Json(nullptr);
+}
 
 std::vector<AttributeRange> ranges_of(const std::vector<particle_io::ParticleQuantity>& quantities,
                                       const points::ParticleSet& particles) {
@@ -133,6 +153,9 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   }
   TRY(convert::give_element_radii(file, asked, context));
   report.notes = file.notes;
+  for (const Note& note : report.info.notes) {
+    if (std::ranges::find(report.notes, note) == report.notes.end()) report.notes.push_back(note);
+  }
   report.words = words_of_particles(file.particles);
   file.particles.words.clear();
   TRY(convert::apply_box_options(asked.particles.simulation_box, file.particles));
@@ -168,6 +191,14 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
     lines.add("frames", fmt::format("{}, counted from 0; this report describes {}, choose another with --volume K",
                                     report.info.frames, report.frame.value_or(0)));
   }
+  if (report.info.frames > 1) {
+    if (const auto steps = range_of(report.info.times, &FrameTime::step)) {
+      lines.add("steps", fmt::format("{} to {}", steps->first, steps->second));
+    }
+    if (const auto times = range_of(report.info.times, &FrameTime::time)) {
+      lines.add("times", fmt::format("{:.6g} to {:.6g}", times->first, times->second));
+    }
+  }
   if (!report.info.frame_name.empty()) lines.add("frame", printable(report.info.frame_name, kShownName));
   const points::ParticleBounds& bounds = report.statistics.bounds;
   if (bounds.finite > 0) lines.add("bounds", convert::box_text(bounds.box));
@@ -198,6 +229,8 @@ convert::Json json_of(const ParticleReport& report) {
                      {"count", report.particles},
                      {"chosen", convert::optional_json(report.chosen)},
                      {"frames", report.info.frames},
+                     {"steps", range_json(range_of(report.info.times, &FrameTime::step))},
+                     {"times", range_json(range_of(report.info.times, &FrameTime::time))},
                      {"frame", convert::optional_json(report.frame)},
                      {"frame_name", report.info.frame_name},
                      {"length_unit", report.info.length_unit},

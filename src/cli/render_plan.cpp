@@ -95,7 +95,7 @@ Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderP
                                                               batch::text_of(found.gaps, batch::kShownFrameRuns))});
   }
   for (batch::Frame& frame : found.frames) {
-    if (frame.step) {
+    if (frame.volume) {
       return refuse_usage(fmt::format("{}: render cannot draw the time steps of one file as frames", frame.input),
                           "choose one time step with --volume");
     }

@@ -92,13 +92,19 @@ Result<std::vector<files::FilePart>> list_source_parts(const SourceOptions& opti
   return parts;
 }
 
-Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context) {
+Result<FrameList> list_frames(const SourceOptions& options, const Context& context) {
   const auto particles = TRY(is_particles(options, context));
-  if (!particles) return volume_io::count_volumes(options.input, options.read, context);
+  if (!particles) return FrameList{TRY(volume_io::count_volumes(options.input, options.read, context))};
   particle_io::ParticleReadOptions read = particle_read_options(options);
   read.frame.reset();
-  const auto info = TRY(particle_io::list_particles(options.input, read, context));
-  return info.frames;
+  auto info = TRY(particle_io::list_particles(options.input, read, context));
+  return FrameList{info.frames, std::move(info.times), std::move(info.notes)};
+}
+
+Result<particle_io::FrameTime> find_frame_time(const SourceOptions& options, const Context& context) {
+  const auto particles = TRY(is_particles(options, context));
+  if (!particles) return particle_io::FrameTime();
+  return particle_io::find_frame_time(options.input, particle_read_options(options), context);
 }
 
 particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options, bool allow_missing) {

@@ -9,6 +9,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
 #include "field/scalar_field.hpp"
@@ -33,8 +34,15 @@ namespace isoextract::convert {
 // its whole file.
 [[nodiscard]] Result<std::vector<files::FilePart>> list_source_parts(const SourceOptions& options,
                                                                      const Context& context);
-// Returns the number of the input's volumes or particle frames.
-[[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context);
+// The volumes or the particle frames of an input.
+struct FrameList {
+  std::uint64_t count = 0;
+  std::vector<particle_io::FrameTime> times = {};  // of each frame; empty for inputs without steps and times
+  Notes notes = {};
+};
+[[nodiscard]] Result<FrameList> list_frames(const SourceOptions& options, const Context& context);
+// Returns the step and the time of the selected frame, or of the first; unset for volumes.
+[[nodiscard]] Result<particle_io::FrameTime> find_frame_time(const SourceOptions& options, const Context& context);
 
 // Returns the read options. With `allow_missing` no attribute has to exist; optional attributes never have to.
 [[nodiscard]] particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options,

@@ -272,7 +272,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   report.add_timed(
       {{Key::format, file.format},
        {Key::length_unit, file.length_unit},
-       Figure::of_tables(Key::time_step, file.time_step),
+       {Key::frame, frame_figures(file.time)},
        {Key::method, word_of(method)},
        {Key::radius, figures.radius},
        {Key::radius_suggested, figures.radius_suggested},
@@ -341,6 +341,11 @@ Result<field::ScalarField> read_field(const std::string& input, const volume_io:
   TRY(context.check());
   TRY(volume_io::check_mapping_intact(*field));
   return field;
+}
+
+Value frame_figures(const particle_io::FrameTime& frame) {
+  if (frame == particle_io::FrameTime()) return {};
+  return Figures{{Key::step, frame.step}, {Key::time, frame.time}};
 }
 
 Value box_figures(const std::optional<points::SimulationBox>& box) {

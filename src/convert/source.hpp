@@ -65,6 +65,9 @@ struct Source {
 // Returns the figures of a box, or null.
 [[nodiscard]] Value box_figures(const std::optional<points::SimulationBox>& box);
 
+// Returns the figures of the moment of a frame, or null.
+[[nodiscard]] Value frame_figures(const particle_io::FrameTime& frame);
+
 // How a source will be used.
 struct SourceUse {
   bool keep_data = false;  // keep Source::data, to measure the error of the surface against it

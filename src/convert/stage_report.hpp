@@ -42,7 +42,7 @@ namespace isoextract::convert {
   NAME(changed) NAME(changed_components) NAME(chosen) NAME(chosen_of) NAME(closed) NAME(closed_form) NAME(component_table) NAME(components) \
   NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) NAME(degrees) \
   NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(edges) NAME(error) NAME(euler) \
-  NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) NAME(found_by) \
+  NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) NAME(found_by) NAME(frame) \
   NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
   NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) NAME(length_unit) \
   NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) NAME(measured) \
@@ -53,7 +53,7 @@ namespace isoextract::convert {
   NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
   NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
   NAME(samples) NAME(scale) NAME(simulation_box) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \
-  NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(time_step) NAME(to_unit) \
+  NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(to_unit) \
   NAME(too_small) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \
   NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) NAME(unreached) NAME(upper) \
   NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) NAME(wall_seconds) \

@@ -21,6 +21,19 @@ CompressedInput::CompressedInput(const InputFile& file, std::uint64_t begin, std
   stream_.reset(stream.release());
 }
 
+CompressedInput CompressedInput::copy_for(const InputFile& file) const {
+  CompressedInput copy;
+  copy.file_ = &file;
+  copy.next_ = next_;
+  copy.end_ = end_;
+  auto stream = std::make_unique<z_stream_s>();
+  if (::inflateCopy(stream.get(), stream_.get()) != Z_OK) throw std::bad_alloc();
+  copy.stream_.reset(stream.release());
+  copy.packed_.assign(packed_.end() - static_cast<std::ptrdiff_t>(stream_->avail_in), packed_.end());
+  copy.stream_->next_in = reinterpret_cast<Bytef*>(copy.packed_.data());
+  return copy;
+}
+
 Result<void> CompressedInput::refill() {
   constexpr std::uint64_t kBlock = std::uint64_t{1} << 18;
   const std::size_t left = stream_->avail_in;

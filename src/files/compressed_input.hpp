@@ -20,6 +20,10 @@ class CompressedInput {
   // inflateInit2(). Throws std::bad_alloc.
   CompressedInput(const InputFile& file, std::uint64_t begin, std::uint64_t end, int window_bits);
 
+  // Returns a copy that goes on from the same byte. It reads from `file`, which must be the same version of the file.
+  // Throws std::bad_alloc.
+  [[nodiscard]] CompressedInput copy_for(const InputFile& file) const;
+
   [[nodiscard]] const InputFile& file() const { return *file_; }
   // Returns the stream for inflate(): next_in and avail_in are the bytes read and not yet decompressed.
   [[nodiscard]] z_stream_s& stream() { return *stream_; }
@@ -32,13 +36,15 @@ class CompressedInput {
   [[nodiscard]] Result<void> refill();
 
  private:
+  CompressedInput() = default;
+
   struct End {
     void operator()(z_stream_s* stream) const;
   };
 
-  const InputFile* file_;
-  std::uint64_t next_;
-  std::uint64_t end_;
+  const InputFile* file_ = nullptr;
+  std::uint64_t next_ = 0;
+  std::uint64_t end_ = 0;
   std::unique_ptr<z_stream_s, End> stream_;
   std::vector<std::byte> packed_;
 };

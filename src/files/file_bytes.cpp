@@ -29,8 +29,7 @@ std::string input_label(const std::filesystem::path& path) {
 }
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path, const Context& context) {
-  const auto opened = context.opened_files(
-      [](std::shared_ptr<OpenedFiles> before) { return std::make_shared<OpenedFiles>(std::move(before)); });
+  const auto opened = opened_files_of(context);
   const bool is_stdin = is_standard_input(path);
   if (!is_stdin) {
     if (auto file = opened->find(path)) return InputFile(path, std::move(file), context);

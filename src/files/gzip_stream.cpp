@@ -6,6 +6,11 @@
 #include <zlib.h>
 
 namespace isoextract::files {
+namespace {
+
+constexpr const char* kCutOff = "unexpected end of file";
+
+}  // namespace
 
 Result<GzipStream> GzipStream::open(const InputFile& file, std::uint64_t offset) {
   constexpr int kGzipOnly = 16 + MAX_WBITS;
@@ -30,14 +35,28 @@ tl::unexpected<Error> GzipStream::damaged(const char* why) const {
                                             why != nullptr ? why : "compressed data error"));
 }
 
+GzipStream GzipStream::copy_for(const InputFile& file) const {
+  GzipStream copy(input_.copy_for(file));
+  copy.ended_ = ended_;
+  copy.is_cut_off_ = is_cut_off_;
+  return copy;
+}
+
 Result<std::size_t> GzipStream::inflate(std::span<std::byte> out) {
+  const auto bytes = TRY(inflate_to_cut(out));
+  if (is_cut_off_) return damaged(kCutOff);
+  return bytes;
+}
+
+Result<std::size_t> GzipStream::inflate_to_cut(std::span<std::byte> out) {
   z_stream& stream = input_.stream();
   stream.next_out = reinterpret_cast<Bytef*>(out.data());
   stream.avail_out = static_cast<uInt>(out.size());
   while (stream.avail_out > 0 && !ended_) {
     if (stream.avail_in == 0) {
       TRY(input_.refill());
-      if (stream.avail_in == 0) return damaged("unexpected end of file");
+      is_cut_off_ = stream.avail_in == 0;
+      if (is_cut_off_) break;
     }
     const int code = ::inflate(&stream, Z_NO_FLUSH);
     if (code == Z_MEM_ERROR) throw std::bad_alloc();

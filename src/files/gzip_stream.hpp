@@ -23,6 +23,12 @@ class GzipStream {
   // Returns the number of bytes written to `out`; it is smaller than out.size() only at the end of intact data. `out`
   // must be smaller than 4 GiB. Fails with ErrorCode::input if the data is damaged or cut off.
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
+  // Does the same, but if the data is cut off, returns the bytes up to there, and then 0. is_cut_off() becomes true.
+  [[nodiscard]] Result<std::size_t> inflate_to_cut(std::span<std::byte> out);
+  [[nodiscard]] bool is_cut_off() const { return is_cut_off_; }
+
+  // Returns a copy that goes on from the same place; see CompressedInput::copy_for().
+  [[nodiscard]] GzipStream copy_for(const InputFile& file) const;
 
  private:
   explicit GzipStream(CompressedInput input) : input_(std::move(input)) {}
@@ -33,6 +39,7 @@ class GzipStream {
 
   CompressedInput input_;
   bool ended_ = false;  // whether the last member is fully read
+  bool is_cut_off_ = false;
 };
 
 }  // namespace isoextract::files

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -65,16 +66,17 @@ struct AnimationWriter::State {
   std::optional<std::int64_t> first;
   std::int64_t last = 0;
   std::optional<FrameSpan> span;
-  std::uint64_t count = 0;      // number of frames added
-  std::uint64_t collapsed = 0;  // triangles of all frames that rounding makes flat
-  std::uint64_t triangles = 0;  // of all frames
+  std::map<std::int64_t, double> starts;  // in seconds; empty: by the frames' numbers
+  std::uint64_t count = 0;                // number of frames added
+  std::uint64_t collapsed = 0;            // triangles of all frames that rounding makes flat
+  std::uint64_t triangles = 0;            // of all frames
   Notes notes;
   std::set<Note> told;  // the same notes, for lookup
   std::vector<PackedFacts> packed;
   std::optional<Error> failure;
 
   [[nodiscard]] Result<void> check() const;
-  // Returns the key time in seconds of the frame `later` frames after `frame`.
+  // Returns the key time in seconds of the frame `later` (0 or 1) frames after `frame`.
   [[nodiscard]] float time_of(std::int64_t frame, int later = 0) const;
   [[nodiscard]] Result<void> check_frame(std::int64_t frame) const;
   // Returns why the frame was refused, or nullopt. Fails with errors that end the whole file.
@@ -119,6 +121,10 @@ Result<void> AnimationWriter::State::check() const {
 }
 
 float AnimationWriter::State::time_of(std::int64_t frame, int later) const {
+  if (!starts.empty()) {
+    const auto at = later == 0 ? starts.lower_bound(frame) : starts.upper_bound(frame);
+    return key_time(at != starts.end() ? at->second : starts.rbegin()->second + 1 / frames_per_second);
+  }
   const std::int64_t start = span ? span->first : first.value_or(frame);
   const std::uint64_t since = static_cast<std::uint64_t>(frame) - static_cast<std::uint64_t>(start);
   return key_time((static_cast<double>(since) + later) / frames_per_second);
@@ -306,6 +312,10 @@ AnimationWriter::AnimationWriter(AnimationWriter&&) noexcept = default;
 AnimationWriter& AnimationWriter::operator=(AnimationWriter&&) noexcept = default;
 AnimationWriter::~AnimationWriter() = default;
 
+void AnimationWriter::set_starts(std::span<const std::int64_t> frames, std::span<const double> starts) {
+  for (std::size_t i = 0; i < frames.size(); ++i) state_->starts.emplace(frames[i], starts[i]);
+}
+
 void AnimationWriter::span(std::int64_t first, std::int64_t last) { state_->span = FrameSpan{first, last}; }
 
 Result<void> AnimationWriter::check() const { return state_->check(); }
@@ -314,6 +324,7 @@ Result<void> AnimationWriter::check_times(std::span<const std::int64_t> frames) 
   State trial;
   trial.path = state_->path;
   trial.frames_per_second = state_->frames_per_second;
+  trial.starts = state_->starts;
   for (const std::int64_t frame : frames) {
     if (auto possible = trial.check_frame(frame); !possible) {
       possible.error().code = ErrorCode::usage;

@@ -54,6 +54,10 @@ class AnimationWriter {
   // Sets the time line to the frames `first` to `last`, whichever of them are added. Call before add().
   void span(std::int64_t first, std::int64_t last);
 
+  // Sets when each frame starts, in seconds, instead of by its number; the last one still ends 1 / frames_per_second
+  // later. `frames` and `starts` ascend and have the same size. Call before add(), only with these frames.
+  void set_starts(std::span<const std::int64_t> frames, std::span<const double> starts);
+
   // Checks the options before any file is created. Fails with ErrorCode::usage if the format is not binary GLB, the
   // frame rate is not a positive number, or the path is a stream; add() and finish() then fail alike.
   [[nodiscard]] Result<void> check() const;

@@ -61,10 +61,19 @@ struct ParticleQuantity {
   bool numeric = true;  // can be read as an attribute
 };
 
+// The moment of a frame, as the file states it.
+struct FrameTime {
+  std::optional<std::int64_t> step;  // number of the simulation's time step
+  std::optional<double> time;        // finite, in the file's own unit
+
+  friend bool operator==(const FrameTime&, const FrameTime&) = default;
+};
+
 // Contents of a file or of one frame.
 struct ParticleInfo {
   std::string format;                        // the format's id
-  std::uint64_t frames = 1;                  // number of frames; ParticleReadOptions::frame selects one
+  std::uint64_t frames = 1;                  // number of whole frames; ParticleReadOptions::frame selects one
+  std::vector<FrameTime> times;              // of each frame; empty for formats without steps and times
   std::uint64_t particles = 0;               // in the selected frame; default: the first one
   std::string frame_name;                    // the file's name of that frame: "time step 1000"; may be empty
   std::vector<ParticleQuantity> quantities;  // without the position

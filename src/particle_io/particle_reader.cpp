@@ -96,7 +96,7 @@ void check_options(const files::InputFile& file, const ParticleFormatDescription
 
 // Calls work(file), which may throw, and returns its result. Catches all exceptions.
 template <class F>
-auto with_input(const std::string& input, const Context& context, F&& work)
+auto with_input(const std::string& input, const ParticleReadOptions& options, const Context& context, F&& work)
     -> Result<decltype(work(std::declval<const files::InputFile&>()))> {
   const std::string name = files::input_label(input);
   try {
@@ -104,6 +104,10 @@ auto with_input(const std::string& input, const Context& context, F&& work)
     return work(file);
   } catch (const Refused& refused) {
     return tl::unexpected(refused.error);
+  } catch (const TruncatedFrame& cut) {
+    if (options.frame.value_or(0) == 0) return fail(ErrorCode::input, fmt::format("{}: {}", name, cut.what()));
+    return fail(ErrorCode::input, fmt::format("{}: frame {} is incomplete: {}", name, *options.frame, cut.found),
+                "convert the frames before it, or wait until the simulation has written it");
   } catch (const InvalidParticleFile& damaged) {
     return fail(ErrorCode::input, fmt::format("{}: {}", name, damaged.what()), damaged.hint);
   } catch (const std::bad_alloc&) {
@@ -166,16 +170,17 @@ void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames)
 Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
                                                                   const ParticleReadOptions& options,
                                                                   const Context& context) {
-  return with_input(input, context, [&](const files::InputFile& file) -> std::optional<ParticleFormatDescription> {
-    const ParticleFormat* format = format_of(file, options, true);
-    if (format == nullptr) return std::nullopt;
-    return format->about();
-  });
+  return with_input(input, options, context,
+                    [&](const files::InputFile& file) -> std::optional<ParticleFormatDescription> {
+                      const ParticleFormat* format = format_of(file, options, true);
+                      if (format == nullptr) return std::nullopt;
+                      return format->about();
+                    });
 }
 
 Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
                                     const Context& context) {
-  return with_input(input, context, [&](const files::InputFile& file) {
+  return with_input(input, options, context, [&](const files::InputFile& file) {
     const ParticleFormat& format = checked_format(file, options);
     ParticleInfo info = format.info(file, options);
     info.format = format.about().id;
@@ -185,15 +190,21 @@ Result<ParticleInfo> list_particles(const std::string& input, const ParticleRead
 
 Result<files::FilePart> find_frame_part(const std::string& input, const ParticleReadOptions& options,
                                         const Context& context) {
-  return with_input(input, context, [&](const files::InputFile& file) {
-    const auto range = checked_format(file, options).frame_range(file, options);
-    return files::FilePart{input, range ? std::vector{*range} : std::vector<files::ByteRange>()};
+  return with_input(input, options, context, [&](const files::InputFile& file) {
+    return files::FilePart{input, checked_format(file, options).frame_ranges(file, options)};
+  });
+}
+
+Result<FrameTime> find_frame_time(const std::string& input, const ParticleReadOptions& options,
+                                  const Context& context) {
+  return with_input(input, options, context, [&](const files::InputFile& file) {
+    return checked_format(file, options).frame_time(file, options);
   });
 }
 
 Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
                                     const Context& context) {
-  return with_input(input, context, [&](const files::InputFile& file) {
+  return with_input(input, options, context, [&](const files::InputFile& file) {
     const ParticleFormat& format = checked_format(file, options);
     ParticleFile read = format.read(file, options);
     complete(read, format, file);
@@ -203,7 +214,7 @@ Result<ParticleFile> read_particles(const std::string& input, const ParticleRead
 
 Result<DescribedParticles> describe_particles(const std::string& input, const ParticleReadOptions& options,
                                               const Context& context) {
-  return with_input(input, context, [&](const files::InputFile& file) {
+  return with_input(input, options, context, [&](const files::InputFile& file) {
     const ParticleFormat& format = checked_format(file, options);
     DescribedParticles described = format.describe(file, options);
     described.info.format = format.about().id;

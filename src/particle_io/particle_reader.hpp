@@ -28,7 +28,10 @@ namespace isoextract::particle_io {
                                                                                 const Context& context);
 
 // Returns the frames and attributes of a file. Reads only the header if it states the numbers of particles and
-// frames, else (CSV, XYZ, LAMMPS) the file to its end.
+// frames, else (CSV, XYZ, LAMMPS, GROMACS, PDB) the file to its end.
+//
+// A text file that ends within a frame (an interrupted or running simulation) has the frames before it, with a note.
+// It is damaged if there are none, or if the options select the incomplete frame.
 [[nodiscard]] Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
 
@@ -38,18 +41,23 @@ namespace isoextract::particle_io {
 [[nodiscard]] Result<files::FilePart> find_frame_part(const std::string& input, const ParticleReadOptions& options,
                                                       const Context& context);
 
+// Returns the step and the time of the selected frame, or of the first. Reads up to its first particle, and the frames
+// before if no earlier call found where it begins.
+[[nodiscard]] Result<FrameTime> find_frame_time(const std::string& input, const ParticleReadOptions& options,
+                                                const Context& context);
+
 struct ParticleFile {
   points::ParticleSet particles;
-  std::string format;          // the format's id
-  std::string length_unit;     // of the positions; may be empty
-  std::string time_step = {};  // the frame's time step as the file states it (LAMMPS); may be empty
-  std::string creator = {};    // see ScalarField::creator
-  Notes notes;                 // omissions, assumptions and changes made while reading
+  std::string format;       // the format's id
+  std::string length_unit;  // of the positions; may be empty
+  FrameTime time = {};
+  std::string creator = {};  // see ScalarField::creator
+  Notes notes;               // omissions, assumptions and changes made while reading
 };
 
-// Reads one frame, which must be selected if there are several. Positions are in the file's coordinates and can be NaN
-// or infinite as in the file; an empty field of a table is NaN. Reserves memory in the context and reads the file in
-// blocks, never as a whole.
+// Reads one frame, which must be selected if there are several whole ones. Positions are in the file's coordinates and
+// can be NaN or infinite as in the file; an empty field of a table is NaN. Reserves memory in the context and reads the
+// file in blocks, never as a whole.
 [[nodiscard]] Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
 

@@ -46,6 +46,22 @@ class Animated:
 
 
 class AnimateTest(ProgramTest):
+    def test_frames_of_a_file_start_at_its_times(self):
+        frame = "1\nProperties=pos:R:3 Time={}\n1 1 1\n"
+        run = {}
+        for name, times in (("even", (5, 7, 9, 11)), ("uneven", (5, 6, 9, 11)), ("none", (5, "x", 9, 11))):
+            (self.folder / f"{name}.xyz").write_text("".join(frame.format(time) for time in times))
+            run[name] = self.animate("-o", f"{name}.glb", "--fps", "10", inputs=(f"{name}.xyz", "--volume", "all", "--radius", "1"))
+        self.assertIn("note[animation-times]: uneven.glb: the frames start at their times in uneven.xyz, 5 to 11, of which a second of "
+                      "the animation shows 20; --fps 10 is the mean", run["uneven"].err)
+        for name, starts in (("even", (0, 0.1, 0.2, 0.3)), ("uneven", (0, 0.05, 0.2, 0.3)), ("none", (0, 0.1, 0.2, 0.3))):
+            played = Animated(self.folder / f"{name}.glb")
+            self.assertAlmostEqual(played.length, 0.4, places=6)
+            for k, start in enumerate(starts):
+                self.assertAlmostEqual(played.shown[f"{name}_{k:04}"][0], start, places=6)
+            if name != "uneven":
+                self.assertNotIn("animation-times", run[name].err)
+
     def write_frames(self, numbers):
         """Raw files of 6 x 6 x 6 bytes with one voxel that is inside."""
         for number in numbers:

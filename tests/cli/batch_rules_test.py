@@ -127,21 +127,25 @@ class BatchRulesTest(ProgramTest):
         step = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 4\n0 4\n0 4\nITEM: ATOMS id x y z\n1 1 1 1\n2 2 2 2\n"
         (self.folder / "a.dump").write_text(step.format(0) + step.format(2500))
         self.convert("a.dump", "--volume", "all", "--radius", "1", "-o", "out/{}.ply", "--mkdir", "--table", "t.csv")
-        self.assertEqual([(row["frame"], row["time_step"]) for row in self.table()], [("0", "0"), ("1", "2500")])
+        self.assertEqual([(row["frame"], row["step"], row["time"]) for row in self.table()], [("0", "0", ""), ("1", "2500", "")])
 
     def test_a_dump_that_was_cut_off_in_its_last_frame(self):
-        """As where the simulation was ended: the program converts the frames before and reports the last one."""
+        """As where the simulation was ended: the program converts the frames before, with a note about the last one."""
         lammps = "ITEM: TIMESTEP\n{0}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 4\n0 4\n0 4\nITEM: ATOMS id x y z\n1 1 1 1\n2 2 2 2\n"
         xyz = "2\nframe {0}\nH 1 1 1\nH 2 2 2\n"
         for name, frame, cuts in (("a.dump", lammps, (8, 20, 60, 90)), ("a.xyz", xyz, (8, 16, 20))):
             for cut in cuts:
                 with self.subTest(name=name, cut=cut):
                     (self.folder / name).write_text(frame.format(0) + frame.format(1) + frame.format(2)[:-cut])
-                    self.assertRegex(self.run_program("info", name, "--volume", "0").out.decode(), "frames +3,")
-                    run = self.run_program(name, "--volume", "all", "--radius", "1", "-o", "out/{}.ply", "--mkdir")
-                    self.assertEqual(run.code, 5, run.err)
-                    self.assertIn("2 of 3 frames", run.err)
-                    self.assertIn(f"error: frame 2: {name}: ", run.err)
+                    info = self.convert("info", name, "--volume", "0")
+                    self.assertRegex(info.out.decode(), "frames +2,")
+                    told = f"the last frame (2) of {name} is incomplete: "
+                    self.assertIn("note[incomplete-frame]: " + told, info.err)
+                    run = self.convert(name, "--volume", "all", "--radius", "1", "-o", "out/{}.ply", "--mkdir")
+                    self.assertIn("2 of 2 frames", run.err)
+                    self.assertIn(told, run.err)
+                    self.assert_fails(2, self.run_program(name, "--volume", "2", "--radius", "1", "-o", "x.ply"),
+                                      f"{name}: frame 2 is incomplete: ")
                     for made in (self.folder / "out").iterdir():
                         made.unlink()
 

@@ -25,6 +25,12 @@ std::string key_of(const std::string& animation, const FrameJob& frame) {
   return files::content_hash(fmt::format("{} frame {}", animation, frame.number));
 }
 
+std::vector<std::int64_t> numbers_of(const BatchJob& batch) {
+  std::vector<std::int64_t> numbers;
+  for (const FrameJob& frame : batch.frames) numbers.push_back(frame.number);
+  return numbers;
+}
+
 mesh_io::MeshWriteOptions write_options(const BatchJob& batch) {
   const convert::ConversionJob& job = batch.frames.front().job;
   const convert::MeshFileOptions meshes = job.meshes();
@@ -38,13 +44,12 @@ Animation::Animation(const BatchJob& batch, const Context& context, std::uint64_
       writer_(batch.animation->path, write_options(batch), batch.animation->frames_per_second, batch.frames.size(),
               context, largest_file) {
   writer_.span(batch.frames.front().number, batch.frames.back().number);
+  if (!batch.animation->starts.empty()) writer_.set_starts(numbers_of(batch), batch.animation->starts);
 }
 
 Result<void> Animation::check() const {
   TRY(writer_.check());
-  std::vector<std::int64_t> numbers;
-  for (const FrameJob& frame : batch_.frames) numbers.push_back(frame.number);
-  TRY(writer_.check_times(numbers));
+  TRY(writer_.check_times(numbers_of(batch_)));
   files::InputFileSet read;
   if (std::error_code none; std::filesystem::exists(batch_.animation->path, none)) {
     for (const FrameJob& frame : batch_.frames) convert::add_read_files(read, frame.job, Context());

@@ -189,7 +189,8 @@ struct ConvertFlags : OptionSet {
       "field itself, resampled and filtered: it needs no --iso and takes no options of surfaces. .bgeo, .vtu and .xyz "
       "write the chosen particles with their attributes. .png draws the surfaces. "
       "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file; {piece} for the "
-      "number of a body, with --split-components. A file gets its name when it is complete. A killed run may leave a "
+      "number of a body, with --split-components. {step} stands for the time step that a file of particles states. A "
+      "file gets its name when it is complete. A killed run may leave a "
       "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};
   Value<OutputFormat> format{only_convert(OptionGroup::output), "--format", output_formats(),
                              "Format of the output, whatever the extension."};

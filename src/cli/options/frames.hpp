@@ -56,13 +56,17 @@ struct BatchFlags : OptionSet {
                                "CSV file with an iso value for each frame. Its columns are frame and iso. Takes the "
                                "place of --iso, and its values are written like those of --iso.",
                                About::surface};
-  Flag animate{*this, "--animate",
-               "Write all frames into one .glb file that plays them. It is named after -o. The first frame starts at 0 "
-               "seconds, and gaps in the numbering keep their time. A frame that fails is left out, and the frame "
-               "before it is shown longer. An animation over 4 GiB continues in NAME.part2.glb.",
-               About::surface | About::mesh_file};
-  Value<double> fps{*this, "--fps", "N", parse_positive,
-                    "Frames per second of --animate (default: 24). Blender 3.4 rounds it to a whole number."};
+  Flag animate{
+      *this, "--animate",
+      "Write all frames into one .glb file that plays them. It is named after -o. The first frame starts at 0 "
+      "seconds, and gaps in the numbering keep their time. With --volume all, frames that state their times start at "
+      "these times, in proportion. A frame that fails is left out, and the frame "
+      "before it is shown longer. An animation over 4 GiB continues in NAME.part2.glb.",
+      About::surface | About::mesh_file};
+  Value<double> fps{
+      *this, "--fps", "N", parse_positive,
+      "Frames per second of --animate (default: 24). If frames state their times, it is the mean. Blender 3.4 "
+      "rounds it to a whole number."};
   Value<int> jobs{*this, "--jobs", "N", parse_thread_count,
                   "Number of frames to convert at the same time. They share --threads and --memory-limit; a GPU draws "
                   "one frame after another. Default: one for each thread. The output does not depend on it."};

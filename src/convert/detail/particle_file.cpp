@@ -100,7 +100,7 @@ void tell_choice(const ChosenParticles& chosen, const ConversionJob& job, Events
       {{Key::path, job.source.input},
        {Key::format, chosen.file.format},
        {Key::length_unit, chosen.file.length_unit},
-       Figure::of_tables(Key::time_step, chosen.file.time_step),
+       {Key::frame, frame_figures(chosen.file.time)},
        {Key::particles, particles.size()},
        {Key::chosen, chosen.chosen ? Value(chosen.chosen->chosen) : Value()},
        {Key::chosen_of, chosen.chosen ? Value(chosen.chosen->of) : Value()},

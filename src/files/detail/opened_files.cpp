@@ -31,4 +31,22 @@ void OpenedFiles::add(std::shared_ptr<const OpenFile> file) {
   files_.push_back(std::move(file));
 }
 
+void OpenedFiles::keep_streams(std::shared_ptr<ParkedStreams> streams) {
+  const std::lock_guard lock(mutex_);
+  streams_ = std::move(streams);
+}
+
+std::shared_ptr<ParkedStreams> OpenedFiles::streams() const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (streams_) return streams_;
+  }
+  return before_ ? before_->streams() : nullptr;
+}
+
+std::shared_ptr<OpenedFiles> opened_files_of(const Context& context) {
+  return context.opened_files(
+      [](std::shared_ptr<OpenedFiles> before) { return std::make_shared<OpenedFiles>(std::move(before)); });
+}
+
 }  // namespace isoextract::files

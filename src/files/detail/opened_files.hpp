@@ -8,9 +8,12 @@
 #include <mutex>
 #include <vector>
 
+#include "base/context.hpp"
 #include "files/file_version.hpp"
 
 namespace isoextract::files {
+
+class ParkedStreams;  // parked_streams.hpp
 
 // Owns its descriptor and closes it.
 struct OpenFile {
@@ -35,12 +38,21 @@ class OpenedFiles {
   [[nodiscard]] std::shared_ptr<const OpenFile> find(const std::filesystem::path& path) const;
   void add(std::shared_ptr<const OpenFile> file);
 
+  // Sets the streams that readers of this table may keep; null: none.
+  void keep_streams(std::shared_ptr<ParkedStreams> streams);
+  // Returns the streams of this table, else those of `before`; null if there are none.
+  [[nodiscard]] std::shared_ptr<ParkedStreams> streams() const;
+
  private:
   [[nodiscard]] std::shared_ptr<const OpenFile> find(const FileVersion& version) const;
 
   std::shared_ptr<OpenedFiles> before_;
   mutable std::mutex mutex_;
   std::vector<std::shared_ptr<const OpenFile>> files_;  // most recent last
+  std::shared_ptr<ParkedStreams> streams_;
 };
+
+// Returns the table of the context; makes it if there is none.
+[[nodiscard]] std::shared_ptr<OpenedFiles> opened_files_of(const Context& context);
 
 }  // namespace isoextract::files

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
 #include "base/printable.hpp"
+#include "files/parked_streams.hpp"
 #include "particle_io/detail/particle_source.hpp"
 
 namespace isoextract::particle_io {
@@ -16,6 +18,9 @@ namespace {
 
 constexpr std::size_t kMostBuffered = 2 * ContentReader::kMaxPeekedBytes;
 constexpr std::uint64_t kLeastPiece = std::uint64_t{1} << 16;
+// Bytes to inflate at a time once the line end is known: a parked stream keeps those that were not read.
+constexpr std::size_t kInflatedPiece = std::size_t{1} << 16;
+constexpr std::size_t kMostParked = 4 * kInflatedPiece;
 
 }  // namespace
 
@@ -24,14 +29,14 @@ ContentReader::ContentReader(const files::InputFile& file) : file_(file), most_(
   if (file.size() >= start.size()) must(file.read_at(0, start));
   std::uint64_t buffered = kMostBuffered;
   if (files::is_gzip(start)) {
-    gzip_ = must(files::GzipStream::open(file, 0));
+    is_compressed_ = true;
     most_ = checked_product(file.size(), files::kMaxDeflateRatio).value_or(~std::uint64_t{0});
   } else {
     buffered = std::min<std::uint64_t>(buffered, file.size());
   }
   memory_ = must(file.context().reserve(buffered, file.name() + ": a block of the file"));
   buffer_ = Buffer<std::byte>(static_cast<std::size_t>(buffered));
-  file.context().progress().begin("reading", gzip_ ? 0 : file.size());
+  file.context().progress().begin("reading", is_compressed_ ? 0 : file.size());
 }
 
 Reservation ContentReader::reserve(std::uint64_t bytes, std::string_view what) const {
@@ -51,9 +56,14 @@ std::size_t ContentReader::refill() {
   }
   const auto room = buffer_.span().subspan(end_);
   std::size_t got = 0;
-  if (gzip_) {
-    got = must(gzip_->inflate(room));
-    at_end_ = got < room.size();
+  if (is_compressed_) {
+    if (!gzip_) gzip_ = must(files::GzipStream::open(file_, 0));
+    const auto piece = line_end_ == 0 ? room : room.first(std::min(room.size(), kInflatedPiece));
+    got = must(gzip_->inflate_to_cut(piece));
+    if (got == 0 && gzip_->is_cut_off()) {
+      throw TruncatedFrame("the gzip data is damaged or cut off: unexpected end of file", "the gzip data ends");
+    }
+    at_end_ = got < piece.size() && !gzip_->is_cut_off();
   } else {
     got = static_cast<std::size_t>(std::min({std::uint64_t{room.size()}, file_.size() - taken_, piece_}));
     piece_ = std::min<std::uint64_t>(2 * std::max(piece_, kLeastPiece), kMostBuffered);
@@ -94,7 +104,39 @@ void ContentReader::skip(std::uint64_t bytes, std::string_view what) {
   }
 }
 
+void ContentReader::inflate_to(std::uint64_t place) {
+  const auto streams = files::kept_streams(file_.context());
+  const auto version = must(files::version_of(file_));
+  if (auto parked = streams ? streams->find(file_, version, place) : std::nullopt) {
+    gzip_ = std::move(parked->stream);
+    std::ranges::copy(parked->unread, buffer_.data());
+    start_ = parked->position;
+    begin_ = 0;
+    end_ = parked->unread.size();
+  }
+  while (position() < place) {
+    if (begin_ == end_ && refill() == 0) break;
+    begin_ += static_cast<std::size_t>(std::min<std::uint64_t>(end_ - begin_, place - position()));
+  }
+}
+
+void ContentReader::park() {
+  const auto streams = files::kept_streams(file_.context());
+  const std::size_t unread = end_ - begin_;
+  if (!streams || !gzip_ || unread > kMostParked || (at_end_ && unread == 0)) return;
+  const auto version = must(files::version_of(file_));
+  if (!version.is_reliable()) return;
+  const auto bytes = std::as_const(buffer_).span().subspan(begin_, unread);
+  streams->park(version, {position(), {bytes.begin(), bytes.end()}, std::move(*gzip_)});
+}
+
 void ContentReader::go_to(const LineStart& place, std::uint64_t expected) {
+  if (is_compressed_) {
+    line_end_ = place.line_end;
+    inflate_to(place.position);
+    line_number_ = place.number;
+    return;
+  }
   start_ = place.position;
   taken_ = place.position;
   begin_ = 0;
@@ -123,6 +165,7 @@ std::optional<std::string_view> ContentReader::next_line() {
     if (found != nullptr) {
       const auto length = static_cast<std::size_t>(static_cast<const char*>(found) - text);
       ++line_number_;
+      line_has_end_ = true;
       advance(length + 1);
       return std::string_view(text, length > 0 && text[length - 1] == '\r' ? length - 1 : length);
     }
@@ -134,6 +177,7 @@ std::optional<std::string_view> ContentReader::next_line() {
     if (refill() > 0) continue;
     if (rest.empty()) return std::nullopt;
     ++line_number_;
+    line_has_end_ = false;
     advance(looked);
     return std::string_view(text, text[looked - 1] == '\r' ? looked - 1 : looked);
   }
@@ -149,8 +193,21 @@ std::optional<std::string_view> ContentReader::peek_line() {
 }
 
 void ContentReader::expected(std::string_view what, std::string_view found) const {
-  throw InvalidParticleFile(fmt::format("line {}: expected {}, found {}", line_number_, what,
-                                        found.empty() ? "nothing" : fmt::format("'{}'", printable(found, 40))));
+  const std::string shown = found.empty() ? "nothing" : fmt::format("'{}'", printable(found, 40));
+  if (!line_has_end_) {
+    throw TruncatedFrame(fmt::format("line {}: expected {}, found {}", line_number_, what, shown),
+                         "the file ends within a line");
+  }
+  throw InvalidParticleFile(fmt::format("line {}: expected {}, found {}", line_number_, what, shown));
+}
+
+void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes) {
+  const auto least = checked_product(count, least_bytes);
+  if (least && *least <= content.max_remaining_bytes()) return;
+  throw TruncatedFrame(
+      fmt::format("{} particles need at least {} bytes, at most {} follow from byte {} on", count,
+                  least ? std::to_string(*least) : "2^64", content.max_remaining_bytes(), content.position()),
+      fmt::format("its {} particles need more bytes than follow", count));
 }
 
 }  // namespace isoextract::particle_io

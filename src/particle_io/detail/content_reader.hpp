@@ -50,34 +50,47 @@ class ContentReader {
   [[nodiscard]] std::optional<std::string_view> next_line();
   // Returns the next line without consuming it.
   [[nodiscard]] std::optional<std::string_view> peek_line();
+  // Returns whether the last line read has a line end; false for the last line of a file that was cut off within it.
+  [[nodiscard]] bool line_has_end() const { return line_has_end_; }
   // Returns the number of the last line read, from 1.
   [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
-  // next_line_start() returns the start of the next line. go_to() returns to a start found by an earlier reader of the
-  // same file; not for gzip files. If `expected` is not 0, it reads that many bytes at first, so that a short frame
-  // does not cost a whole block.
+  // next_line_start() returns the start of the next line. go_to() goes to a start found by an earlier reader of the
+  // same file, before anything was read. If `expected` is not 0, it reads that many bytes at first, so that a short
+  // frame does not cost a whole block. A gzip file is inflated from the nearest stream that is parked before, else from
+  // its start.
   [[nodiscard]] LineStart next_line_start() const { return {position(), line_number_, line_end_}; }
-  [[nodiscard]] bool can_go_to_lines() const { return !gzip_; }
   void go_to(const LineStart& place, std::uint64_t expected);
+  [[nodiscard]] bool is_compressed() const { return is_compressed_; }
+  // Parks the stream of a gzip file here for later readers, if the context keeps streams (files/parked_streams.hpp).
+  // Call last.
+  void park();
 
-  // Throws "line 3: expected WHAT, found 'FOUND'".
+  // Throws "line 3: expected WHAT, found 'FOUND'": TruncatedFrame if the line has no end, else InvalidParticleFile.
   [[noreturn]] void expected(std::string_view what, std::string_view found) const;
 
  private:
   [[nodiscard]] std::size_t refill();
+  // Inflates the content up to a position behind, starting at a parked stream if there is one.
+  void inflate_to(std::uint64_t place);
 
   const files::InputFile& file_;
-  std::optional<files::GzipStream> gzip_;
-  std::uint64_t most_ = 0;   // upper bound for the bytes of the content
-  std::uint64_t taken_ = 0;  // bytes read from the file, if not gzip
-  std::uint64_t start_ = 0;  // position of the buffer in the content
-  std::size_t begin_ = 0;    // unread bytes of the buffer: [begin_, end_)
+  bool is_compressed_ = false;
+  std::optional<files::GzipStream> gzip_;  // set once bytes are inflated
+  std::uint64_t most_ = 0;                 // upper bound for the bytes of the content
+  std::uint64_t taken_ = 0;                // bytes read from the file, if not gzip
+  std::uint64_t start_ = 0;                // position of the buffer in the content
+  std::size_t begin_ = 0;                  // unread bytes of the buffer: [begin_, end_)
   std::size_t end_ = 0;
   std::uint64_t piece_ = kMaxPeekedBytes * 2;  // bytes to read at a time, if there is room
   bool at_end_ = false;
   char line_end_ = 0;  // 0 if unknown
+  bool line_has_end_ = true;
   std::uint64_t line_number_ = 0;
   Reservation memory_;
   Buffer<std::byte> buffer_;
 };
+
+// Throws TruncatedFrame if the rest of the content is too short for `count` particles of at least `least_bytes`.
+void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes);
 
 }  // namespace isoextract::particle_io

@@ -13,7 +13,7 @@ constexpr std::size_t kMostFiles = 4;
 
 struct FramePlace {
   LineStart at;
-  std::string carried;
+  Inherited inherited;
 };
 
 // Positions of the frames 0, stride, 2 stride, ...
@@ -57,8 +57,8 @@ Store& store() {
 FrameIndex::FrameIndex(const files::InputFile& file)
     : file_(must(files::version_of(file))), is_settled_(file_.is_reliable()) {}
 
-std::uint64_t FrameIndex::seek_nearest_frame(ContentReader& content, std::uint64_t wanted, std::string& carried) const {
-  if (!is_settled_ || !content.can_go_to_lines()) return 0;
+std::uint64_t FrameIndex::seek_nearest_frame(ContentReader& content, std::uint64_t wanted, Inherited& inherited) const {
+  if (!is_settled_) return 0;
   const std::lock_guard lock(store().mutex);
   const FramePlaces& known = store().of(file_);
   if (known.places.empty()) return 0;
@@ -68,14 +68,14 @@ std::uint64_t FrameIndex::seek_nearest_frame(ContentReader& content, std::uint64
   const std::size_t measured = i + 1 < known.places.size() ? i + 1 : i;
   content.go_to(place.at,
                 measured == 0 ? 0 : known.places[measured].at.position - known.places[measured - 1].at.position);
-  carried = place.carried;
+  inherited = place.inherited;
   return i * known.stride;
 }
 
-void FrameIndex::add(std::uint64_t number, const ContentReader& content, const std::string& carried) const {
-  if (!is_settled_ || !content.can_go_to_lines()) return;
+void FrameIndex::add(std::uint64_t number, const ContentReader& content, const Inherited& inherited) const {
+  if (!is_settled_) return;
   const std::lock_guard lock(store().mutex);
-  store().of(file_).add(number, {content.next_line_start(), carried});
+  store().of(file_).add(number, {content.next_line_start(), inherited});
 }
 
 }  // namespace isoextract::particle_io

@@ -377,14 +377,6 @@ void describe_table(const ParticleTable& table, const ParticleReadOptions& optio
   }
 }
 
-void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes) {
-  const auto least = checked_product(count, least_bytes);
-  if (least && *least <= content.max_remaining_bytes()) return;
-  throw InvalidParticleFile(fmt::format("{} particles need at least {} bytes, at most {} follow from byte {} on", count,
-                                        least ? std::to_string(*least) : "2^64", content.max_remaining_bytes(),
-                                        content.position()));
-}
-
 points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
                                    const ColumnChoice& choice) {
   const auto numbers =

@@ -101,9 +101,6 @@ void check_numbers(const ParticleTable& table, std::span<const std::size_t> want
 // reason; throws InvalidParticleFile instead if options.columns is set.
 void describe_table(const ParticleTable& table, const ParticleReadOptions& options, ParticleInfo& info);
 
-// Throws InvalidParticleFile if the rest of the content is too short for `count` particles of at least `least_bytes`.
-void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes);
-
 // Makes a set without values; reserves its memory first. `label` starts the message of a failure.
 [[nodiscard]] points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
                                                  const ColumnChoice& choice);

@@ -33,9 +33,11 @@ struct InvalidParticleFile : std::runtime_error {
   Hint hint;
 };
 
-// The file ends within a frame, such as the dump of an interrupted simulation.
+// The file ends within a frame, such as the dump of an interrupted or a running simulation.
 struct TruncatedFrame : InvalidParticleFile {
-  using InvalidParticleFile::InvalidParticleFile;
+  explicit TruncatedFrame(const std::string& message, std::string the_found = "the file ends in its header")
+      : InvalidParticleFile(message), found(std::move(the_found)) {}
+  std::string found;  // the part of the frame that the file has: "812 of 1,000 particles"
 };
 
 // Wraps any other error unchanged.
@@ -75,11 +77,16 @@ class ParticleFormat {
   [[nodiscard]] virtual ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
   // Returns everything except ParticleFile::format. Labels the set if the file's name is not enough.
   [[nodiscard]] virtual ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
-  // Returns the bytes of the selected frame. Returns nothing if the options select no frame, or if the frame depends on
-  // other bytes of the file.
-  [[nodiscard]] virtual std::optional<files::ByteRange> frame_range(const files::InputFile& /*file*/,
-                                                                    const ParticleReadOptions& /*options*/) const {
-    return std::nullopt;
+  // Returns the bytes that the selected frame depends on. Returns nothing if the options select no frame, or if the
+  // frame depends on the whole file.
+  [[nodiscard]] virtual std::vector<files::ByteRange> frame_ranges(const files::InputFile& /*file*/,
+                                                                   const ParticleReadOptions& /*options*/) const {
+    return {};
+  }
+  // Returns the step and the time of the selected frame, or of the first; unset for formats without them.
+  [[nodiscard]] virtual FrameTime frame_time(const files::InputFile& /*file*/,
+                                             const ParticleReadOptions& /*options*/) const {
+    return {};
   }
   // Returns both without these members; see describe_particles() for frame and attributes.
   [[nodiscard]] virtual DescribedParticles describe(const files::InputFile& file,

@@ -12,22 +12,28 @@
 namespace isoextract::particle_io {
 namespace {
 
-[[noreturn]] void text_ends(const ContentReader& content, std::uint64_t found, std::uint64_t count) {
-  throw TruncatedFrame(fmt::format("expected {} lines of particles, found {} before the end of the file at line {}",
-                                   count, found, content.line_number()));
+// Returns the number with commas between thousands: "1,000".
+std::string with_commas(std::uint64_t number) {
+  std::string text = std::to_string(number);
+  for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
+  return text;
 }
 
-// Calls use(row, line) for the next `count` lines. Throws InvalidParticleFile if the text ends before.
-template <class Use>
-void for_each_row(ContentReader& content, std::uint64_t count, Use&& use) {
-  for (std::uint64_t row = 0; row < count; ++row) {
-    const auto line = content.next_line();
-    if (!line) text_ends(content, row, count);
-    use(row, *line);
-  }
+std::string part_of_rows(std::uint64_t found, std::uint64_t count) {
+  return fmt::format("{} of {} particles", with_commas(found), with_commas(count));
 }
 
 }  // namespace
+
+void throw_missing_rows(const ContentReader& content, std::uint64_t found, std::uint64_t count) {
+  throw TruncatedFrame(fmt::format("expected {} lines of particles, found {} before the end of the file at line {}",
+                                   count, found, content.line_number()),
+                       part_of_rows(found, count));
+}
+
+void throw_cut_row(const TruncatedFrame& cut, std::uint64_t found, std::uint64_t count) {
+  throw TruncatedFrame(cut.what(), part_of_rows(found, count));
+}
 
 std::optional<double> number_in(std::string_view word) {
   if (word.starts_with('+')) {
@@ -71,6 +77,17 @@ std::optional<std::uint64_t> parse_whole_number(std::string_view word) {
   const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (status != std::errc{} || end != word.data() + word.size()) return std::nullopt;
   return value;
+}
+
+std::optional<std::int64_t> parse_step(std::string_view word) {
+  const auto step = parse_whole_number(word);
+  if (!step || *step > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) return std::nullopt;
+  return static_cast<std::int64_t>(*step);
+}
+
+std::optional<double> parse_time(std::string_view word) {
+  const auto time = number_in(word);
+  return time && std::isfinite(*time) ? time : std::nullopt;
 }
 
 void split_words(std::string_view line, std::vector<std::string_view>& words) {
@@ -136,8 +153,11 @@ void read_rows(ContentReader& content, const ParticleTable& table, std::uint64_t
   });
 }
 
-void skip_rows(ContentReader& content, std::uint64_t count) {
-  for_each_row(content, count, [](std::uint64_t, std::string_view) {});
+void skip_rows(ContentReader& content, std::uint64_t count, std::size_t columns) {
+  std::vector<std::string_view> words;
+  for_each_row(content, count, [&](std::uint64_t, std::string_view line) {
+    if (!content.line_has_end() && columns > 0) words_of_row(content, line, columns, words);
+  });
 }
 
 void mark_text_columns(ParticleTable& table, std::span<const std::string_view> fields, bool commas) {

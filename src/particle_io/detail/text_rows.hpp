@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "particle_io/detail/particle_columns.hpp"
+#include "particle_io/detail/particle_source.hpp"
 
 namespace isoextract::particle_io {
 
@@ -16,6 +17,9 @@ namespace isoextract::particle_io {
 // numbers too large.
 [[nodiscard]] std::optional<double> number_in(std::string_view word);
 [[nodiscard]] std::optional<std::uint64_t> parse_whole_number(std::string_view word);
+// Returns the step or the time of a frame; nothing for other texts.
+[[nodiscard]] std::optional<std::int64_t> parse_step(std::string_view word);
+[[nodiscard]] std::optional<double> parse_time(std::string_view word);
 
 // Parses numbers with a decimal point or comma, whichever the first one uses: some languages write commas. Returns
 // nothing for a number with the other mark or with both, which may be a thousands separator.
@@ -45,11 +49,30 @@ void words_of_row(const ContentReader& content, std::string_view line, std::size
 void deliver_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
                  std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals = nullptr);
 
-// Reads the next `count` lines as rows of words. Throws InvalidParticleFile if the text ends before.
+// Throws TruncatedFrame: the frame has `found` of `count` particles, because the text ends, or ends within a line.
+[[noreturn]] void throw_missing_rows(const ContentReader& content, std::uint64_t found, std::uint64_t count);
+[[noreturn]] void throw_cut_row(const TruncatedFrame& cut, std::uint64_t found, std::uint64_t count);
+
+// Calls use(row, line) for the next `count` lines. Throws TruncatedFrame if the text ends before or within one of them.
+template <class Use>
+void for_each_row(ContentReader& content, std::uint64_t count, Use&& use) {
+  for (std::uint64_t row = 0; row < count; ++row) {
+    const auto line = content.next_line();
+    if (!line) throw_missing_rows(content, row, count);
+    try {
+      use(row, *line);
+    } catch (const TruncatedFrame& cut) {
+      throw_cut_row(cut, row, count);
+    }
+  }
+}
+
+// Reads the next `count` lines as rows of words. Throws as for_each_row() does, and InvalidParticleFile.
 void read_rows(ContentReader& content, const ParticleTable& table, std::uint64_t count,
                std::span<const ColumnSink> sinks);
-// Skips the next `count` lines. Throws InvalidParticleFile if the text ends before.
-void skip_rows(ContentReader& content, std::uint64_t count);
+// Skips the next `count` lines. Throws TruncatedFrame if the text ends before, or if it ends within the last line and
+// that line does not have `columns` words; 0: any number.
+void skip_rows(ContentReader& content, std::uint64_t count, std::size_t columns = 0);
 
 // Marks columns as text whose field in the first row is not a number. `commas`: accepts decimal commas.
 void mark_text_columns(ParticleTable& table, std::span<const std::string_view> fields, bool commas = false);

@@ -9,7 +9,7 @@
 
 #include "base/printable.hpp"
 #include "files/file_start.hpp"
-#include "particle_io/detail/frame_index.hpp"
+#include "particle_io/detail/frame_walk.hpp"
 #include "particle_io/detail/particle_columns.hpp"
 #include "particle_io/detail/text_rows.hpp"
 
@@ -18,8 +18,9 @@ namespace {
 
 struct LammpsFrame {
   std::uint64_t begin = 0;  // position of its first byte in the content
-  std::string step;
-  std::string units;
+  std::string step;         // as in the file
+  FrameTime time;
+  Inherited inherited;  // the units, which the file states once for all later frames
   std::uint64_t atoms = 0;
   std::optional<points::SimulationBox> box;  // as in the file, possibly without a volume
   ParticleTable table;
@@ -111,16 +112,27 @@ void find_lammps_position(LammpsFrame& frame) {
   }
 }
 
-// Reads the next time step up to its first atom; returns false at the end of the file.
-bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
-  const std::string units = std::move(frame.units);
+struct LammpsFrames {
+  using Frame = LammpsFrame;
+  static InvalidParticleFile no_frames() { return InvalidParticleFile("expected 'ITEM: TIMESTEP', found nothing"); }
+  static constexpr bool kEndsInRow = true;
+
+  static bool next(ContentReader& content, LammpsFrame& frame);
+  static void skip(ContentReader& content, const LammpsFrame& frame) {
+    skip_rows(content, frame.atoms, frame.table.columns.size());
+  }
+};
+
+bool LammpsFrames::next(ContentReader& content, LammpsFrame& frame) {
+  const Inherited units = std::move(frame.inherited);
   frame = {};
   frame.begin = content.position();
-  frame.units = units;
+  frame.inherited = units;
   bool has_atoms = false;
   bool has_step = false;
   std::vector<std::string_view> words;
   while (true) {
+    const std::uint64_t begin = content.position();
     const auto line = content.next_line();
     if (!line && !has_step && !has_atoms) return false;
     if (!line) throw TruncatedFrame("expected 'ITEM: ATOMS', found the end of the file");
@@ -128,10 +140,16 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
     if (words.empty() && !has_step) continue;
     if (words.size() < 2 || words[0] != "ITEM:") content.expected("a line 'ITEM: ...'", *line);
     if (words[1] == "TIMESTEP") {
-      frame.step = printable(line_of(content, "a time step"), 40);
+      split_words(line_of(content, "a time step"), words);
+      frame.step = words.empty() ? std::string() : printable(words.front(), 40);
+      frame.time.step = parse_step(words.empty() ? std::string_view() : words.front());
       has_step = true;
+    } else if (words[1] == "TIME") {
+      split_words(line_of(content, "a time"), words);
+      frame.time.time = parse_time(words.empty() ? std::string_view() : words.front());
     } else if (words[1] == "UNITS") {
-      frame.units = printable(line_of(content, "the units"), 40);
+      frame.inherited.text = printable(line_of(content, "the units"), 40);
+      frame.inherited.stated = {begin, content.position() - begin};
     } else if (words[1] == "NUMBER" && words.size() == 4 && words[3] == "ATOMS") {
       const std::string_view text = line_of(content, "the number of atoms");
       const auto count = parse_whole_number(text);
@@ -154,39 +172,14 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
       static_cast<void>(line_of(content, "the data of an ITEM"));  // skips the data of an ITEM that is not needed
     }
   }
+  if (frame.atoms > 0 && !content.line_has_end()) throw_missing_rows(content, 0, frame.atoms);
   if (frame.table.columns.empty()) content.expected("the names of columns after 'ITEM: ATOMS'", "");
   find_lammps_position(frame);
   if (frame.atoms > 0) mark_text_columns_ahead(content, frame.table);
   group_by_names(frame.table);
   frame.table.has_words = true;
-  frame.unit = length_unit_of(frame.units);
+  frame.unit = length_unit_of(frame.inherited.text);
   return true;
-}
-
-// Moves to the wanted frame; throws if there is none of that number.
-LammpsFrame find_lammps_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
-  const std::uint64_t wanted = wanted_frame(options);
-  LammpsFrame frame;
-  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, frame.units);; ++k) {
-    index.add(k, content, frame.units);
-    if (!next_lammps_frame(content, frame)) {
-      if (k == 0) throw InvalidParticleFile("expected 'ITEM: TIMESTEP', found nothing");
-      throw_frame_error(options, k);
-    }
-    if (k == wanted) return frame;
-    skip_rows(content, frame.atoms);
-  }
-}
-
-// Counts all frames, starting with number `next`; `frame` is the one before.
-std::uint64_t count_lammps_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next,
-                                  LammpsFrame frame) {
-  return count_frames(next, [&](std::uint64_t number) {
-    index.add(number, content, frame.units);
-    if (!next_lammps_frame(content, frame)) return false;
-    skip_rows(content, frame.atoms);
-    return true;
-  });
 }
 
 // Returns the box edge whose fractions the column holds; nothing for other columns.
@@ -263,52 +256,43 @@ class LammpsParticles final : public ParticleFormat {
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    ContentReader content(file);
-    const FrameIndex index(file);
-    const LammpsFrame frame = find_lammps_frame(content, index, options);
     ParticleInfo info;
+    const LammpsFrame frame = survey_frames<LammpsFrames>(file, options, info);
     info.particles = frame.atoms;
     info.frame_name = "time step " + frame.step;
     describe_table(frame.table, options, info);
     info.length_unit = frame.unit;
-    skip_rows(content, frame.atoms);
-    info.frames = count_lammps_frames(content, index, wanted_frame(options) + 1, frame);
     return info;
+  }
+
+  [[nodiscard]] FrameTime frame_time(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    return find_time<LammpsFrames>(file, options);
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     ContentReader content(file);
     const FrameIndex index(file);
-    const LammpsFrame frame = find_lammps_frame(content, index, options);
+    const LammpsFrame frame = find_frame<LammpsFrames>(content, index, options);
     const ColumnChoice choice = choose_columns(frame.table, options);
     check_count(content, frame.atoms, 2 * frame.table.columns.size() - 1);
     ParticleFile result;
     result.particles =
         make_particles(file.context(), fmt::format("{}, time step {}", file.name(), frame.step), frame.atoms, choice);
     read_rows(content, frame.table, frame.atoms, sinks_of(result.particles, choice));
-    index.add(wanted_frame(options) + 1, content, frame.units);
-    if (!options.frame) {
-      const std::uint64_t frames = count_lammps_frames(content, index, 1, frame);
-      if (frames > 1) throw_frame_error(options, frames);
-    }
+    index.add(wanted_frame(options) + 1, content, frame.inherited);
+    result.notes = check_only_frame<LammpsFrames>(file, content, index, options, frame);
+    content.park();
+    result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
     unscale(result.particles.positions, frame, choice.position);
     result.length_unit = frame.unit;
-    result.time_step = frame.step;
-    result.notes = choice.notes;
+    result.time = frame.time;
     if (frame.box) set_box(*frame.box, is_in_axis_order(frame.table, choice.position), result);
     return result;
   }
 
-  [[nodiscard]] std::optional<files::ByteRange> frame_range(const files::InputFile& file,
-                                                            const ParticleReadOptions& options) const override {
-    ContentReader content(file);
-    if (!options.frame || !content.can_go_to_lines()) return std::nullopt;
-    const FrameIndex index(file);
-    const LammpsFrame frame = find_lammps_frame(content, index, options);
-    if (!frame.units.empty()) return std::nullopt;  // an earlier frame may state them
-    skip_rows(content, frame.atoms);
-    index.add(wanted_frame(options) + 1, content, frame.units);
-    return files::ByteRange{frame.begin, content.position() - frame.begin};
+  [[nodiscard]] std::vector<files::ByteRange> frame_ranges(const files::InputFile& file,
+                                                           const ParticleReadOptions& options) const override {
+    return find_ranges<LammpsFrames>(file, options);
   }
 };
 

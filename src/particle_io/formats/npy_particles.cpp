@@ -1,4 +1,5 @@
-// NumPy's array files: one row per particle, N x 3 or wider, or a structured array with named fields.
+// NumPy's array files: one row per particle, N x 3 or wider, frames of rows (F x N x 3), or a structured array with
+// named fields.
 #include <algorithm>
 #include <charconv>
 
@@ -73,7 +74,10 @@ std::optional<NpyElement> npy_element(std::string_view descr) {
 
 struct NpyParticleFile {
   volume_io::NpyHeader header;
-  std::uint64_t particles = 0;
+  std::uint64_t frames = 1;
+  std::uint64_t whole = 1;      // frames that the file is long enough for
+  std::uint64_t particles = 0;  // in each frame
+  std::uint64_t frame_bytes = 0;
   ParticleTable table;
   RecordLayout layout;
   bool by_column = false;  // column by column instead of row by row
@@ -83,6 +87,10 @@ struct NpyParticleFile {
 [[noreturn]] void refuse_npy_type(std::string_view descr) {
   throw InvalidParticleFile(fmt::format("expected numbers, found the type {}", printable(descr, 40)),
                             "convert the array in NumPy, for example with a.astype('f4')");
+}
+
+bool are_frames(const volume_io::NpyHeader& header) {
+  return header.fields.empty() && header.shape.size() == 3 && header.shape[2] == 3;
 }
 
 bool are_rows(const volume_io::NpyHeader& header) {
@@ -127,7 +135,7 @@ void add_npy_fields(NpyParticleFile& npy) {
 void add_npy_columns(NpyParticleFile& npy) {
   const auto element = npy_element(npy.header.descr);
   if (!element || !element->number) refuse_npy_type(npy.header.descr);
-  const std::size_t count = static_cast<std::size_t>(npy.header.shape[1]);
+  const std::size_t count = static_cast<std::size_t>(npy.header.shape.back());
   for (std::size_t i = 0; i < count; ++i) {
     add_tuple(npy.table, fmt::format("column {}", i + 1), std::string(number_name(*element->number)), 1);
     npy.layout.fields.push_back({element->number, npy.layout.bytes, element->endian});
@@ -142,13 +150,20 @@ void add_npy_columns(NpyParticleFile& npy) {
 NpyParticleFile open_npy_particles(const files::InputFile& file) {
   NpyParticleFile npy;
   npy.header = must(volume_io::read_npy_header(file));
-  if (!are_rows(npy.header)) {
+  const bool has_frames = are_frames(npy.header);
+  if (!has_frames && !are_rows(npy.header)) {
     throw InvalidParticleFile(
-        fmt::format("expected an array with one row per particle, N x 3 to N x {}, or a structured "
-                    "array with one axis, found shape ({}) of {}",
+        fmt::format("expected an array with one row per particle, N x 3 to N x {}, frames of rows, F x N x 3, or a "
+                    "structured array with one axis, found shape ({}) of {}",
                     kMaxParticleColumns, fmt::join(npy.header.shape, ", "), printable(npy.header.descr, 40)));
   }
-  npy.particles = npy.header.shape[0];
+  if (has_frames && npy.header.fortran_order) {
+    throw InvalidParticleFile("expected frames one after another, found an array in Fortran order",
+                              "convert the array in NumPy with numpy.ascontiguousarray(a)");
+  }
+  if (has_frames) npy.frames = npy.header.shape[0];
+  if (npy.frames == 0) throw InvalidParticleFile("expected at least one frame, found an array without frames");
+  npy.particles = npy.header.shape[has_frames ? 1 : 0];
   if (npy.header.fields.empty()) {
     add_npy_columns(npy);
     npy.by_column = npy.header.fortran_order;
@@ -159,7 +174,25 @@ NpyParticleFile open_npy_particles(const files::InputFile& file) {
     throw InvalidParticleFile(
         fmt::format("expected records of 1 to {} bytes, found {}", ContentReader::kMaxPeekedBytes, npy.layout.bytes));
   }
+  npy.frame_bytes = checked_product(npy.particles, npy.layout.bytes).value_or(~std::uint64_t{0});
+  npy.whole = npy.frames;
+  const std::uint64_t data = file.size() - std::min(file.size(), npy.header.data_offset);
+  if (has_frames && npy.frame_bytes > 0) npy.whole = std::min(npy.frames, data / npy.frame_bytes);
+  if (npy.whole > 0 && npy.whole < npy.frames) {
+    npy.notes.push_back(
+        {NoteId::incomplete_frame, fmt::format("{} ends within frame {} of {}; the reader uses the frames before it",
+                                               printable(file.name()), npy.whole, npy.frames)});
+  }
   return npy;
+}
+
+// Returns the number of the frame to read. Throws as throw_frame_error() does.
+std::uint64_t wanted_npy_frame(const NpyParticleFile& npy, const ParticleReadOptions& options) {
+  const std::uint64_t wanted = wanted_frame(options);
+  // A file without a whole frame fails when its bytes are counted.
+  const std::uint64_t frames = std::max<std::uint64_t>(npy.whole, 1);
+  if (wanted >= frames || (!options.frame && frames > 1)) throw_frame_error(options, frames);
+  return wanted;
 }
 
 void read_npy_columns(ContentReader& content, const NpyParticleFile& npy, std::span<const ColumnSink> sinks) {
@@ -179,52 +212,77 @@ void read_npy_columns(ContentReader& content, const NpyParticleFile& npy, std::s
   }
 }
 
+// Returns the notes about the file that apply with these options.
+Notes notes_of(const NpyParticleFile& npy, const ParticleReadOptions& options) {
+  Notes notes = npy.notes;
+  if (options.columns) std::erase_if(notes, [](const Note& note) { return note.id == NoteId::assumed_columns; });
+  return notes;
+}
+
 class NpyParticles final : public ParticleFormat {
  public:
   NpyParticles()
       : ParticleFormat({.id = "npy",
-                        .title = "NumPy array, a row a particle, or structured",
+                        .title = "NumPy array, a row a particle, frames of rows, or structured",
                         .extensions = {".npy"},
+                        .has_frames = true,
                         .has_columns = true}) {}
 
-  // Arrays with more axes are volumes.
+  // Other arrays with more axes are volumes.
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     if (start.packed) return false;
     const auto header = volume_io::npy_header_in(start.bytes);
-    return header && are_rows(*header);
+    return header && (are_rows(*header) || are_frames(*header));
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
     const NpyParticleFile npy = open_npy_particles(file);
     ParticleInfo info;
+    ParticleReadOptions one = options;
+    one.frame = options.frame.value_or(0);
+    static_cast<void>(wanted_npy_frame(npy, one));
+    info.frames = std::max<std::uint64_t>(npy.whole, 1);
     info.particles = npy.particles;
-    if (!options.columns) info.notes = npy.notes;
+    info.notes = notes_of(npy, options);
     describe_table(npy.table, options, info);
     return info;
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    NpyParticleFile npy = open_npy_particles(file);
+    const NpyParticleFile npy = open_npy_particles(file);
+    const std::uint64_t frame = wanted_npy_frame(npy, options);
     const ColumnChoice choice = choose_columns(npy.table, options);
     check_numbers(npy.table, choice.position, "x, y and z", "say which columns of numbers are x, y and z");
     ContentReader content(file);
-    content.skip(npy.header.data_offset, "the header");
+    content.go_to({.position = npy.header.data_offset + frame * npy.frame_bytes, .number = 0, .line_end = '\n'},
+                  npy.frame_bytes);
     check_count(content, npy.particles, npy.layout.bytes);
     ParticleFile result;
-    result.particles = make_particles(file.context(), file.name(), npy.particles, choice);
+    result.particles = make_particles(file.context(), label_of_frame(file.name(), options), npy.particles, choice);
     const auto sinks = sinks_of(result.particles, choice);
     if (npy.by_column) {
       read_npy_columns(content, npy, sinks);
     } else {
       read_records(content, npy.layout, npy.particles, sinks);
     }
-    if (content.max_remaining_bytes() > 0) {
-      throw InvalidParticleFile(fmt::format("expected {} particles of {} bytes, found {} bytes more", npy.particles,
-                                            npy.layout.bytes, content.max_remaining_bytes()));
+    const std::uint64_t later = checked_product(npy.frames - frame - 1, npy.frame_bytes).value_or(~std::uint64_t{0});
+    if (content.max_remaining_bytes() > later) {
+      throw InvalidParticleFile(fmt::format("expected {} particles of {} bytes, found {} bytes more",
+                                            npy.frames * npy.particles, npy.layout.bytes,
+                                            content.max_remaining_bytes() - later));
     }
-    if (!options.columns) result.notes = std::move(npy.notes);
+    result.notes = notes_of(npy, options);
     result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
     return result;
+  }
+
+  [[nodiscard]] std::vector<files::ByteRange> frame_ranges(const files::InputFile& file,
+                                                           const ParticleReadOptions& options) const override {
+    if (!options.frame) return {};
+    const NpyParticleFile npy = open_npy_particles(file);
+    const std::uint64_t frame = wanted_npy_frame(npy, options);
+    if (npy.frames == 1) return {};
+    return {{0, npy.header.data_offset}, {npy.header.data_offset + frame * npy.frame_bytes, npy.frame_bytes}};
   }
 };
 

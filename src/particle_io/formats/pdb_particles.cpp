@@ -7,7 +7,7 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "particle_io/detail/frame_index.hpp"
+#include "particle_io/detail/frame_walk.hpp"
 #include "particle_io/detail/particle_columns.hpp"
 #include "particle_io/detail/text_rows.hpp"
 
@@ -51,67 +51,63 @@ ParticleTable pdb_table() {
 bool is_record(std::string_view line, std::string_view name) { return fixed_field(line, 0, 6) == name; }
 bool is_atom(std::string_view line) { return is_record(line, "ATOM") || is_record(line, "HETATM"); }
 
-// Calls use(line) for each atom of the next frame; returns their number, 0 at the end of the file. Sets `name` to that
-// of the frame.
-template <class Use>
-std::uint64_t pass_pdb_frame(ContentReader& content, std::string& name, const Use& use) {
-  std::uint64_t atoms = 0;
-  name.clear();
-  while (const auto line = content.peek_line()) {
-    if (is_atom(*line)) {
-      use(*content.next_line(), atoms++);
-      continue;
-    }
-    const bool is_model = is_record(*line, "MODEL");
-    if (is_model && atoms > 0) return atoms;
-    if (is_model) name = fmt::format("model {}", printable(fixed_field(*line, 6, 20), 40));
-    const bool ends = is_record(*line, "ENDMDL") || is_record(*line, "END");
-    static_cast<void>(content.next_line());
-    if (ends && atoms > 0) return atoms;
-  }
-  return atoms;
-}
-
-std::uint64_t skip_pdb_frame(ContentReader& content) {
-  std::string name;
-  return pass_pdb_frame(content, name, [](std::string_view, std::uint64_t) {});
-}
-
-// Goes to the wanted frame; throws if there is none.
-void find_pdb_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
-  const std::uint64_t wanted = wanted_frame(options);
-  std::string nothing;
-  for (std::uint64_t k = index.seek_nearest_frame(content, wanted, nothing);; ++k) {
-    index.add(k, content, nothing);
-    if (k == wanted) return;
-    if (skip_pdb_frame(content) == 0) throw_frame_error(options, k);
-  }
-}
-
-// The size of the wanted frame. Leaves the content behind it.
 struct PdbFrame {
-  std::uint64_t atoms = 0;
+  std::uint64_t begin = 0;  // position of its first byte in the content
+  std::uint64_t atoms = 0;  // known once the frame was passed
   std::string name;
+  FrameTime time;       // unset
+  Inherited inherited;  // kEnded if a record ended the frame before
 };
-PdbFrame survey_pdb_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
-  find_pdb_frame(content, index, options);
-  PdbFrame frame;
-  frame.atoms = pass_pdb_frame(content, frame.name, [](std::string_view, std::uint64_t) {});
-  const std::uint64_t wanted = wanted_frame(options);
-  if (frame.atoms == 0 && wanted == 0) {
-    throw InvalidParticleFile("expected lines that start with ATOM or HETATM, found none");
+
+constexpr std::string_view kEnded = "ended";
+
+// Calls use(line, atom) for each atom of the frame.
+template <class Use>
+void pass_pdb_atoms(ContentReader& content, PdbFrame& frame, const Use& use) {
+  const bool before_ended = frame.inherited.text == kEnded;
+  frame.atoms = 0;
+  frame.inherited.text.clear();
+  while (const auto line = content.peek_line()) {
+    if (is_record(*line, "MODEL")) return;
+    const auto taken = content.next_line();
+    if (is_atom(*taken)) use(*taken, frame.atoms++);
+    if (!is_record(*taken, "ENDMDL") && !is_record(*taken, "END")) continue;
+    frame.inherited.text = kEnded;
+    return;
   }
-  if (frame.atoms == 0) throw_frame_error(options, wanted);
-  index.add(wanted + 1, content, {});
-  return frame;
+  // The last frame needs no record at its end if the others have none.
+  if (before_ended) {
+    throw TruncatedFrame("expected ENDMDL or END after the atoms, found the end of the file",
+                         fmt::format("{} atoms without the record ENDMDL or END after them", frame.atoms));
+  }
 }
 
-std::uint64_t count_pdb_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
-  return count_frames(next, [&](std::uint64_t number) {
-    index.add(number, content, {});
-    return skip_pdb_frame(content) > 0;
-  });
-}
+struct PdbFrames {
+  using Frame = PdbFrame;
+  static InvalidParticleFile no_frames() {
+    return InvalidParticleFile("expected lines that start with ATOM or HETATM, found none");
+  }
+  static constexpr bool kEndsInRow = false;  // the record at the end follows
+
+  static bool next(ContentReader& content, PdbFrame& frame) {
+    bool in_model = false;
+    frame.begin = content.position();
+    frame.name.clear();
+    while (const auto line = content.peek_line()) {
+      if (is_atom(*line)) return true;
+      const bool begins = is_record(*line, "MODEL");
+      if (begins) frame.name = fmt::format("model {}", printable(fixed_field(*line, 6, 20), 40));
+      if (begins || is_record(*line, "ENDMDL") || is_record(*line, "END")) in_model = begins;
+      static_cast<void>(content.next_line());
+    }
+    if (in_model && frame.inherited.text == kEnded)
+      throw TruncatedFrame("expected ATOM after MODEL, found the end of the file");
+    return false;
+  }
+  static void skip(ContentReader& content, PdbFrame& frame) {
+    pass_pdb_atoms(content, frame, [](std::string_view, std::uint64_t) {});
+  }
+};
 
 // Returns the element by the name of the atom, for files without its column: names have the symbol right-justified in
 // their first two characters, except those of hydrogen with four characters.
@@ -149,47 +145,50 @@ class PdbParticles final : public ParticleFormat {
                         .needs_extension = true}) {}
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    ContentReader content(file);
-    const FrameIndex index(file);
-    const PdbFrame frame = survey_pdb_frame(content, index, options);
     ParticleInfo info;
+    const PdbFrame frame = survey_frames<PdbFrames>(file, options, info);
+    info.times.clear();  // the format has none
     info.particles = frame.atoms;
     info.frame_name = frame.name;
     describe_table(pdb_table(), options, info);
-    info.frames = count_pdb_frames(content, index, wanted_frame(options) + 1);
     return info;
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     const FrameIndex index(file);
     const ParticleTable table = pdb_table();
+    ParticleFile result;
     std::uint64_t atoms = 0;
     {
       ContentReader content(file);
-      atoms = survey_pdb_frame(content, index, options).atoms;
-      if (!options.frame) {
-        const std::uint64_t frames = count_pdb_frames(content, index, 1);
-        if (frames > 1) throw_frame_error(options, frames);
-      }
+      PdbFrame frame = find_frame<PdbFrames>(content, index, options);
+      PdbFrames::skip(content, frame);
+      index.add(wanted_frame(options) + 1, content, frame.inherited);
+      result.notes = check_only_frame<PdbFrames>(file, content, index, options, frame);
+      atoms = frame.atoms;
     }
     const ColumnChoice choice = choose_columns(table, options);
-    ParticleFile result;
     result.particles = make_particles(file.context(), label_of_frame(file.name(), options), atoms, choice);
     const std::vector<ColumnSink> sinks = sinks_of(result.particles, choice);
     ContentReader content(file);
-    find_pdb_frame(content, index, options);
+    PdbFrame frame = find_frame<PdbFrames>(content, index, options);
     std::vector<std::string_view> fields;
-    std::string name;
-    const std::uint64_t found = pass_pdb_frame(content, name, [&](std::string_view line, std::uint64_t atom) {
+    pass_pdb_atoms(content, frame, [&](std::string_view line, std::uint64_t atom) {
       deliver_pdb_atom(content, table, line, atom, fields, sinks);
     });
-    if (found != atoms) {
+    if (frame.atoms != atoms) {
       throw InvalidParticleFile("the number of atoms changed while the program read the file",
                                 "run again when no other program writes to the file");
     }
+    content.park();
     result.length_unit = choice.length_unit;
-    result.notes = choice.notes;
+    result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
     return result;
+  }
+
+  [[nodiscard]] std::vector<files::ByteRange> frame_ranges(const files::InputFile& file,
+                                                           const ParticleReadOptions& options) const override {
+    return find_ranges<PdbFrames>(file, options);
   }
 };
 

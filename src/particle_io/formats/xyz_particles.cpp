@@ -2,12 +2,13 @@
 // - Plain: a line is the name of an element and x, y, z, or those three alone. Numbers after them have no names.
 // - Extended: the comment describes the columns (Properties=species:S:1:pos:R:3:...;
 //   https://github.com/libAtoms/extxyz) and the box: Lattice="ax ay az bx by bz cx cy cz", pbc="T T F", Origin="x y z".
+//   It may have the moment of the frame: Time=0.5, step=100 or Timestep=100.
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "particle_io/detail/frame_index.hpp"
+#include "particle_io/detail/frame_walk.hpp"
 #include "particle_io/detail/particle_columns.hpp"
 #include "particle_io/detail/text_rows.hpp"
 
@@ -18,6 +19,8 @@ struct XyzFrame {
   std::uint64_t begin = 0;  // position of its first byte in the content
   std::uint64_t atoms = 0;
   std::string name;
+  FrameTime time;
+  Inherited inherited;                       // unused
   ParticleTable table;                       // without columns if there are no atoms
   std::optional<points::SimulationBox> box;  // as in the file, possibly without a volume
   bool box_is_unclear = false;               // the comment has a lattice that cannot be read
@@ -34,6 +37,26 @@ std::optional<std::string_view> value_of_key(std::string_view comment, std::stri
     return value.substr(0, value.find_first_of(" \t"));
   }
   return std::nullopt;
+}
+
+// Returns the value of the first of these keys that the comment has.
+template <std::size_t N>
+std::optional<std::string_view> value_of_any(std::string_view comment, const std::array<std::string_view, N>& keys) {
+  for (const std::string_view key : keys) {
+    if (const auto value = value_of_key(comment, key)) return value;
+  }
+  return std::nullopt;
+}
+
+// Sets the moment and the name of the frame.
+void read_time(std::string_view comment, XyzFrame& frame) {
+  constexpr std::array<std::string_view, 2> kTime{"Time=", "time="};
+  constexpr std::array<std::string_view, 4> kStep{"step=", "Step=", "Timestep=", "timestep="};
+  if (const auto time = value_of_any(comment, kTime)) {
+    frame.time.time = parse_time(*time);
+    frame.name = fmt::format("time {}", printable(*time, 40));
+  }
+  if (const auto step = value_of_any(comment, kStep)) frame.time.step = parse_step(*step);
 }
 
 // Returns the words of a list in one of the two notations: "1 0 0", or "[1, 0, 0]" with inner brackets too.
@@ -121,9 +144,8 @@ ParticleTable plain_table(ContentReader& content) {
   if (!content.peek_line()) throw TruncatedFrame("expected the line of an atom, found the end of the file");
   split_words(content.peek_line().value_or(""), words);
   if (words.size() < 3 || words.size() > kMaxParticleColumns) {
-    throw InvalidParticleFile(
-        fmt::format("line {}: expected x, y and z, with or without the name of an element before them, found '{}'",
-                    content.line_number() + 1, printable(content.peek_line().value_or(""), 40)));
+    const auto line = content.next_line();
+    content.expected("x, y and z, with or without the name of an element before them", line.value_or(""));
   }
   if (words.size() > 3) add_tuple(table, "species", "number", 1);
   for (const char* axis : {"x", "y", "z"}) table.columns.push_back({axis, {}, "number", true});
@@ -137,8 +159,18 @@ ParticleTable plain_table(ContentReader& content) {
   return table;
 }
 
-// The next frame up to its first atom; false at the end of the file.
-bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
+struct XyzFrames {
+  using Frame = XyzFrame;
+  static InvalidParticleFile no_frames() { return InvalidParticleFile("expected the number of atoms, found nothing"); }
+  static constexpr bool kEndsInRow = true;
+
+  static bool next(ContentReader& content, XyzFrame& frame);
+  static void skip(ContentReader& content, const XyzFrame& frame) {
+    skip_rows(content, frame.atoms, frame.table.columns.size());
+  }
+};
+
+bool XyzFrames::next(ContentReader& content, XyzFrame& frame) {
   frame = {};
   frame.begin = content.position();
   std::vector<std::string_view> words;
@@ -153,26 +185,13 @@ bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
   const auto comment = content.next_line();
   if (!comment) throw TruncatedFrame("expected a comment after the number of atoms, found the end of the file");
   const auto properties = value_of_key(*comment, kProperties);
-  const auto time = value_of_key(*comment, "Time=");
-  if (time) frame.name = fmt::format("time {}", printable(*time, 40));
+  read_time(*comment, frame);
   read_lattice(*comment, frame);
   if (frame.atoms == 0) return true;
+  if (!content.line_has_end()) throw_missing_rows(content, 0, frame.atoms);
   frame.table = properties ? extended_table(content, *properties) : plain_table(content);
   frame.table.has_words = true;
   return true;
-}
-
-XyzFrame find_xyz_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
-  return find_frame<XyzFrame>(
-      content, index, options, InvalidParticleFile("expected the number of atoms, found nothing"),
-      [&](XyzFrame& frame) { return next_xyz_frame(content, frame); },
-      [&](const XyzFrame& frame) { skip_rows(content, frame.atoms); });
-}
-
-std::uint64_t count_xyz_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
-  return count_frames_from<XyzFrame>(
-      next, content, index, [&](XyzFrame& frame) { return next_xyz_frame(content, frame); },
-      [&](const XyzFrame& frame) { skip_rows(content, frame.atoms); });
 }
 
 class XyzParticles final : public ParticleFormat {
@@ -199,33 +218,32 @@ class XyzParticles final : public ParticleFormat {
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    ContentReader content(file);
-    const FrameIndex index(file);
-    const XyzFrame frame = find_xyz_frame(content, index, options);
     ParticleInfo info;
+    const XyzFrame frame = survey_frames<XyzFrames>(file, options, info);
     info.particles = frame.atoms;
     info.frame_name = frame.name;
     if (frame.atoms > 0) describe_table(frame.table, options, info);
-    skip_rows(content, frame.atoms);
-    info.frames = count_xyz_frames(content, index, wanted_frame(options) + 1);
     return info;
+  }
+
+  [[nodiscard]] FrameTime frame_time(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    return find_time<XyzFrames>(file, options);
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     ContentReader content(file);
     const FrameIndex index(file);
-    const XyzFrame frame = find_xyz_frame(content, index, options);
+    const XyzFrame frame = find_frame<XyzFrames>(content, index, options);
     const ColumnChoice choice = frame.atoms > 0 ? choose_columns(frame.table, options) : ColumnChoice();
     if (frame.atoms > 0) check_count(content, frame.atoms, 2 * frame.table.columns.size() - 1);
     ParticleFile result;
     result.particles = make_particles(file.context(), label_of_frame(file.name(), options), frame.atoms, choice);
     read_rows(content, frame.table, frame.atoms, sinks_of(result.particles, choice));
     index.add(wanted_frame(options) + 1, content, {});
-    if (!options.frame) {
-      const std::uint64_t frames = count_xyz_frames(content, index, 1);
-      if (frames > 1) throw_frame_error(options, frames);
-    }
-    result.notes = choice.notes;
+    result.notes = check_only_frame<XyzFrames>(file, content, index, options, frame);
+    content.park();
+    result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
+    result.time = frame.time;
     if (frame.box && frame.atoms > 0) set_box(*frame.box, choice.position == frame.table.position, result);
     if (frame.box_is_unclear) {
       result.notes.push_back({NoteId::box_ignored,
@@ -235,15 +253,9 @@ class XyzParticles final : public ParticleFormat {
     return result;
   }
 
-  [[nodiscard]] std::optional<files::ByteRange> frame_range(const files::InputFile& file,
-                                                            const ParticleReadOptions& options) const override {
-    ContentReader content(file);
-    if (!options.frame || !content.can_go_to_lines()) return std::nullopt;
-    const FrameIndex index(file);
-    const XyzFrame frame = find_xyz_frame(content, index, options);
-    skip_rows(content, frame.atoms);
-    index.add(wanted_frame(options) + 1, content, {});
-    return files::ByteRange{frame.begin, content.position() - frame.begin};
+  [[nodiscard]] std::vector<files::ByteRange> frame_ranges(const files::InputFile& file,
+                                                           const ParticleReadOptions& options) const override {
+    return find_ranges<XyzFrames>(file, options);
   }
 };
 

@@ -1,5 +1,6 @@
 #include "batch/detail/animation.hpp"
 
+#include <array>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,28 @@ namespace {
 using test::read_bytes;
 using test::TempFolder;
 using test::write_bytes;
+
+TEST(AnimationStarts, KeepTheDistancesOfTheTimes) {
+  using Times = std::vector<particle_io::FrameTime>;
+  const auto starts = [](const std::vector<std::int64_t>& numbers, const Times& times) {
+    return animation_starts(numbers, times, 10);
+  };
+  const auto at = [](std::vector<double> times) {
+    Times frames;
+    for (const double time : times) frames.push_back({std::nullopt, time});
+    return frames;
+  };
+  const std::vector<double> uneven = starts({0, 1, 2, 3}, at({5, 6, 9, 11}));
+  ASSERT_EQ(uneven.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(uneven[i], (std::array{0.0, 0.05, 0.2, 0.3})[i], 1e-12);
+  EXPECT_NEAR(starts({0, 10, 40}, at({0, 2, 4}))[1], 2, 1e-12) << "the numbers count for the length only";
+  EXPECT_EQ(starts({0, 1, 2, 3}, at({0.1, 0.2, 0.3, 0.4})), std::vector<double>()) << "even, but for rounding";
+  EXPECT_EQ(starts({0, 10, 40}, at({0, 1, 4})), std::vector<double>()) << "as by the numbers";
+  EXPECT_EQ(starts({0, 1, 2}, at({0, 2, 2})), std::vector<double>());
+  EXPECT_EQ(starts({0, 1, 2}, at({3, 2, 9})), std::vector<double>());
+  EXPECT_EQ(starts({0, 1, 2}, {{0, 0.0}, {1, std::nullopt}, {2, 9.0}}), std::vector<double>());
+  EXPECT_EQ(starts({0, 1}, at({0, 5})), std::vector<double>());
+}
 
 class AnimationTest : public testing::Test {
  protected:

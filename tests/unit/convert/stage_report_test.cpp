@@ -9,13 +9,13 @@ namespace {
 const Figures kFigures{{Key::method, "taubin"},
                        {Key::vertices, 24},
                        {Key::greatest_move, Figures{{Key::voxels, 0.5}, {Key::world, 2.0}}},
-                       Figure::of_tables(Key::time_step, "7"),
+                       Figure::of_tables(Key::unit_of_lengths, "mm"),
                        {Key::genus, Value()}};
 
 TEST(StageReport, FindsFiguresByKey) {
   EXPECT_EQ(value_at<std::string>(kFigures, {Key::method}), "taubin");
   EXPECT_EQ(value_at<double>(kFigures, {Key::greatest_move, Key::world}), 2.0);
-  EXPECT_EQ(value_at<std::string>(kFigures, {Key::time_step}), "7");
+  EXPECT_EQ(value_at<std::string>(kFigures, {Key::unit_of_lengths}), "mm");
   EXPECT_EQ(find(kFigures, {Key::genus}), nullptr) << "null is no figure";
   EXPECT_EQ(find(kFigures, {Key::volume}), nullptr);
   EXPECT_EQ(find(kFigures, {Key::greatest_move, Key::volume}), nullptr);
