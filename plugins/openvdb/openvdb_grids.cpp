@@ -1,7 +1,7 @@
 // Grid tools with OpenVDB: level sets from particles, level set filters, and VDB files (grid_tools_plugin.h).
 //
-// Uses openvdb::tools::ParticlesToLevelSet for the union of spheres, and openvdb::points::rasterizeSmoothSpheres for
-// the smooth surface: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
+// Uses openvdb::tools::ParticlesToLevelSet for the union of spheres, and openvdb_smooth_spheres.hpp for the smooth
+// surface.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -15,7 +15,6 @@
 
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
-#include <openvdb/points/PointRasterizeSDF.h>
 #include <openvdb/tools/LevelSetFilter.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tools/ParticlesToLevelSet.h>
@@ -23,6 +22,7 @@
 #include <grid_tools_plugin.h>
 #include "openvdb_file.hpp"
 #include "openvdb_parts.hpp"
+#include "openvdb_smooth_spheres.hpp"
 
 namespace {
 
@@ -311,7 +311,7 @@ std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sp
     openvdb::Vec3R at;
     double radius = 0;
     particles.getPosRad(i, at, radius);
-    if (job.method == ISOEXTRACT_SMOOTH_SPHERES) radius = std::max(radius, job.search_radius);
+    if (job.method == ISOEXTRACT_SMOOTH_SPHERES) radius = smoothing_reach(radius, job.search_radius);
     const double leaves = std::ceil((radius / job.voxel + job.half_band + 2) / 8);
     if (leaves > 1e4) return std::numeric_limits<std::uint32_t>::max();
     const openvdb::Vec3d place = at / (8 * job.voxel);
@@ -327,6 +327,12 @@ std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sp
     }
   }
   return touched.size();
+}
+
+// Each thread has its own grid; they overlap where their particles do.
+std::uint64_t max_grid_bytes(const Particles& particles, const isoextract_sphere_job& job,
+                             const isoextract_plugin_host& host) {
+  return 2 * max_touched_leaves(particles, job, host) * kLeafBytes;
 }
 
 FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_sphere_job& job,
@@ -355,9 +361,7 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
   const std::vector<float> radii = particles.radii();
   points::populateAttribute(grid->tree(), index->tree(), radius, points::PointAttributeVector<float>(radii));
   interrupter.check();
-  auto surface = points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter>(
-      *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
-  interrupter.check();
+  auto surface = smooth_surface(*grid, radius, job.search_radius, job.half_band, interrupter);
   return surface;
 }
 
@@ -383,9 +387,8 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
     output->left_out = particles.left_out();
     FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job->voxel, job->half_band);
     if (particles.size() > 0) {
-      // Each thread has its own grid; they overlap where their particles do.
       Reserved for_grid(*host);
-      for_grid.take(2 * max_touched_leaves(particles, *job, *host) * kLeafBytes);
+      for_grid.take(max_grid_bytes(particles, *job, *host));
       grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
                                                       : united_spheres(particles, *job, interrupter);
       for_work.take(grid->memUsage());
@@ -396,6 +399,14 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
       openvdb::tools::pruneLevelSet(grid->tree());
     }
     give(*grid, job->kind, for_samples, output);
+  });
+}
+
+int sphere_bytes(const isoextract_sphere_job* job, const isoextract_plugin_host* host, std::uint64_t* bytes) {
+  return catch_exceptions([&] {
+    check_spheres(*job);
+    Reserved for_work(*host);
+    *bytes = max_grid_bytes(Particles(*job, for_work), *job, *host);
   });
 }
 
@@ -458,9 +469,9 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_grid_tools_plugin_v3 kPlugin{
-    ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, free_output, write_vdb, error_text};
+constexpr isoextract_grid_tools_plugin_v4 kPlugin{
+    ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, free_output, sphere_bytes, write_vdb, error_text};
 
 }  // namespace
 
-const isoextract_grid_tools_plugin_v3* isoextract_grid_tools_plugin() { return &kPlugin; }
+const isoextract_grid_tools_plugin_v4* isoextract_grid_tools_plugin() { return &kPlugin; }
