@@ -111,6 +111,14 @@ void add_field(NamedLines& lines, const ParticleReport& report) {
                   report.read_seconds, report.field_seconds));
 }
 
+Result<points::ParticleField> measured_field(const points::ParticleSet& particles, const convert::SourceOptions& source,
+                                             Notes& notes, const Context& context) {
+  const convert::SphereSpacing chosen = TRY(convert::choose_sphere_spacing(particles, source, context));
+  notes.insert(notes.end(), chosen.notes.begin(), chosen.notes.end());
+  return convert::make_particle_field(particles, source.particles, chosen.spacing, std::nullopt,
+                                      convert::filter_reach(source), context);
+}
+
 }  // namespace
 
 Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source, const Context& context) {
@@ -144,8 +152,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   report.method = asked.particles.method;
   asked.particles.bad = points::NonFiniteParticles::skip;
   Stopwatch making;
-  auto made = convert::make_particle_field(file.particles, asked.particles, std::nullopt, convert::filter_reach(asked),
-                                           context);
+  auto made = measured_field(file.particles, asked, report.notes, context);
   if (!made) {
     if (made.error().code == ErrorCode::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());
