@@ -47,7 +47,8 @@ typedef struct isoextract_grid_output {
 enum isoextract_sphere_method {
   /* Union of the spheres. */
   ISOEXTRACT_SPHERES = 0,
-  /* Surface of averaged positions: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005, section 5. */
+  /* Surface of averaged positions: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005, section 5.
+   * Without bodies between the spheres; every body contains a sample of a sphere. */
   ISOEXTRACT_SMOOTH_SPHERES = 1
 };
 
@@ -56,7 +57,7 @@ typedef struct isoextract_sphere_job {
   uint64_t count;
   const float* radii; /* of each, in world units; or null, then `radius` is that of all */
   double radius;
-  double search_radius; /* smooth method: reach of a particle in world units; at least the largest radius */
+  double search_radius; /* smooth method: reach of a particle in world units; at least twice its radius is used */
   double voxel;         /* spacing of the output grid; its sample (0, 0, 0) is at the world's origin */
   double half_band;     /* of the level set, in voxels on either side of the surface; 2 or more */
   double least_radius;  /* in voxels: smaller particles are omitted and counted */
@@ -108,6 +109,9 @@ typedef struct isoextract_grid_tools_plugin_v4 {
   /* The transform of this output has no meaning. */
   int (*rebuild)(const isoextract_rebuild_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output);
   void (*free_output)(isoextract_grid_output* output);
+
+  /* Writes an upper bound of the bytes of the grids that spheres() works on. Returns 0 on success. */
+  int (*sphere_bytes)(const isoextract_sphere_job* job, const isoextract_plugin_host* host, uint64_t* bytes);
 
   /* Writes float grids as an OpenVDB file; other sample types are rounded to float. A voxel is active if its value
    * is not the background nor, in a level set, the negative background. The background of a full box is its least

@@ -1,8 +1,8 @@
 // Grid tools with OpenVDB: level sets from particles, filtered and rebuilt level sets, and VDB files
 // (grid_tools_plugin.h).
 //
-// Uses openvdb::tools::ParticlesToLevelSet for the union of spheres, and openvdb::points::rasterizeSmoothSpheres for
-// the smooth surface: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
+// Uses openvdb::tools::ParticlesToLevelSet for the union of spheres, and openvdb_smooth_spheres.hpp for the smooth
+// surface.
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -13,7 +13,6 @@
 
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
-#include <openvdb/points/PointRasterizeSDF.h>
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/LevelSetFilter.h>
 #include <openvdb/tools/LevelSetRebuild.h>
@@ -25,6 +24,7 @@
 #include "openvdb_file.hpp"
 #include "openvdb_input.hpp"
 #include "openvdb_parts.hpp"
+#include "openvdb_smooth_spheres.hpp"
 
 namespace {
 
@@ -145,7 +145,7 @@ std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sp
     openvdb::Vec3R at;
     double radius = 0;
     particles.getPosRad(i, at, radius);
-    if (job.method == ISOEXTRACT_SMOOTH_SPHERES) radius = std::max(radius, job.search_radius);
+    if (job.method == ISOEXTRACT_SMOOTH_SPHERES) radius = smoothing_reach(radius, job.search_radius);
     const double leaves = std::ceil((radius / job.voxel + job.half_band + 2) / 8);
     if (leaves > 1e4) return std::numeric_limits<std::uint32_t>::max();
     const openvdb::Vec3d place = at / (8 * job.voxel);
@@ -156,6 +156,12 @@ std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sp
   LeafCount touched(host);
   for (const auto& [leaf, leaves] : reach) touched.add({leaf.offsetBy(-leaves), leaf.offsetBy(leaves)});
   return touched.count();
+}
+
+// Each thread has its own grid; they overlap where their particles do.
+std::uint64_t max_grid_bytes(const Particles& particles, const isoextract_sphere_job& job,
+                             const isoextract_plugin_host& host) {
+  return 2 * max_touched_leaves(particles, job, host) * kLeafBytes;
 }
 
 FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_sphere_job& job,
@@ -184,9 +190,7 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
   const std::vector<float> radii = particles.radii();
   points::populateAttribute(grid->tree(), index->tree(), radius, points::PointAttributeVector<float>(radii));
   interrupter.check();
-  auto surface = points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter>(
-      *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
-  interrupter.check();
+  auto surface = smooth_surface(*grid, radius, job.search_radius, job.half_band, interrupter);
   return surface;
 }
 
@@ -216,9 +220,8 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
     output->left_out = particles.left_out();
     FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job->voxel, job->half_band);
     if (particles.size() > 0) {
-      // Each thread has its own grid; they overlap where their particles do.
       Reserved for_grid(*host);
-      for_grid.take(2 * max_touched_leaves(particles, *job, *host) * kLeafBytes);
+      for_grid.take(max_grid_bytes(particles, *job, *host));
       grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
                                                       : united_spheres(particles, *job, interrupter);
       for_work.take(grid->memUsage());
@@ -229,6 +232,14 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
       openvdb::tools::pruneLevelSet(grid->tree());
     }
     give(*grid, job->kind, for_samples, output);
+  });
+}
+
+int sphere_bytes(const isoextract_sphere_job* job, const isoextract_plugin_host* host, std::uint64_t* bytes) {
+  return catch_exceptions([&] {
+    check_spheres(*job);
+    Reserved for_work(*host);
+    *bytes = max_grid_bytes(Particles(*job, for_work), *job, *host);
   });
 }
 
@@ -421,8 +432,15 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_grid_tools_plugin_v4 kPlugin{
-    ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, rebuild, free_output, write_vdb, error_text};
+constexpr isoextract_grid_tools_plugin_v4 kPlugin{ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION,
+                                                  "openvdb",
+                                                  spheres,
+                                                  filter,
+                                                  rebuild,
+                                                  free_output,
+                                                  sphere_bytes,
+                                                  write_vdb,
+                                                  error_text};
 
 }  // namespace
 

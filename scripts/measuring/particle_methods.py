@@ -16,7 +16,7 @@ import particle_clouds as clouds  # of tests/support, where `processes` looks fo
 NAME = "particle-methods"
 TITLE = "Particles: volume, area, roughness and crawl by method"
 # A row's name and its options.
-METHODS = {"sph": ["--particles", "sph"], "sph, smoothed": ["--particles", "sph", "--smooth", "weighted"],
+METHODS = {"sph": ["--particles", "sph"], "sph, smoothed": ["--particles", "sph", "--smooth", "25:weighted"],
            "anisotropic": ["--particles", "anisotropic"], "weight": ["--particles", "weight"],
            "spheres": ["--particles", "spheres"], "smooth": ["--particles", "smooth"]}
 SHIFT = (0.3, 0.45, 0.2)  # of a cell, between the two surfaces of the crawl
@@ -197,7 +197,7 @@ def measure(setting):
 
 def row_of(row):
     known = row.get("volume") is not None
-    return [f"`{row['method']}`" if "," not in row["method"] else "`sph --smooth weighted`", number(row["triangles"]),
+    return [f"`{row['method']}`" if "," not in row["method"] else "`sph --smooth 25:weighted`", number(row["triangles"]),
             percent(row["volume"]) if known else "–", percent(row["area"]) if known else "–",
             number(row["roughness"], 2) if known else "–", number(row["crawl"], 2), number(row["wall"]["median"])]
 
@@ -215,7 +215,7 @@ def part_of(part):
 
 def page(measured):
     figures = measured["figures"]
-    return f"""Surfaces of particles of radius 1 at each method's default cell size and iso value. `sph --smooth weighted` smooths the surface
+    return f"""Surfaces of particles of radius 1 at each method's default cell size and iso value. `sph --smooth 25:weighted` smooths the surface
 of `sph` by feature weights.
 
 - Volume and area are relative to the ball or box that has 8 units of volume (a cube two radii wide) for each particle.

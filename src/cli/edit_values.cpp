@@ -72,13 +72,13 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
   }
   if (fits && parts.size() > 2) {
     const auto band = parse_positive(parts[2]);
-    fits = band && *band < 1;
+    fits = band && *band < 1 && choice.method != edit::SmoothMethod::weighted;
     choice.pass_band = fits ? *band : choice.pass_band;
   }
   if (!fits) {
     return expected_but(
-        fmt::format("a number of passes from 1 to {}, optionally a method as in 20:taubin or 20:sinc, and optionally "
-                    "a pass band between 0 and 1 as in 20:sinc:0.05",
+        fmt::format("a number of passes from 1 to {}, optionally a method as in 20:taubin, 20:sinc or 25:weighted, and "
+                    "for the first two a pass band between 0 and 1 as in 20:sinc:0.05",
                     edit::kMaxSmoothPasses),
         text);
   }

@@ -206,6 +206,7 @@ class InfoPage {
     SequenceReport sequence{input, {}, std::move(found->gaps), plan_.input_arguments, radius_of(*found), {}, {}};
     InfoPlan plan = plan_;
     if (sequence.radius) plan.particles.sequence_radius = sequence.radius->radius;
+    plan.particles.sequence_spacing = spacing_of(*found);
     bool has_nan = false;
     for (const batch::Frame& frame : found->frames) {
       const InputReport report = look_at(plan, frame.input, messages_);
@@ -240,12 +241,25 @@ class InfoPage {
   // Returns the radius that convert uses for these frames.
   [[nodiscard]] std::optional<SequenceRadius> radius_of(const batch::Frames& found) const {
     if (plan_.has_radius_of_each_frame || found.frames.size() < 2) return std::nullopt;
+    return find_sequence_radius(first_frames(found), Context(plan_.memory.part())).value_or(std::nullopt);
+  }
+
+  // Returns the spacing that convert uses for these frames.
+  [[nodiscard]] std::optional<double> spacing_of(const batch::Frames& found) const {
+    if (found.frames.size() < 2) return std::nullopt;
+    const auto spacing =
+        find_sequence_spacing(first_frames(found), Context(plan_.memory.part())).value_or(std::nullopt);
+    if (spacing) messages_.note({NoteId::cell_size, spacing_note(*spacing)});
+    return spacing;
+  }
+
+  [[nodiscard]] std::vector<FrameSource> first_frames(const batch::Frames& found) const {
     std::vector<FrameSource> sources;
     for (const batch::Frame& frame : found.frames) {
       if (sources.size() == kFramesForRadius) break;
       sources.push_back({frame.number, source_of(plan_, frame.input)});
     }
-    return find_sequence_radius(sources, Context(plan_.memory.part())).value_or(std::nullopt);
+    return sources;
   }
 
   void take_error(const InputReport& report) {

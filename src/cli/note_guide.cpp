@@ -79,6 +79,10 @@ constexpr std::array kGuide{
     NoteGuide{attribute_placement, "The volume of an attribute has another placement than the input.",
               "Check that both volumes are in the same world coordinates."},
     NoteGuide{attribute_renamed, "The format does not allow the name of an attribute.", ""},
+    NoteGuide{cell_size,
+              "The samples are closer together than usual to keep small spheres, or the surface will leave out spheres "
+              "that are too small for the cells.",
+              "Give --cell-size to choose the distance; the note says which one keeps all spheres."},
     NoteGuide{color_range,
               "A first pass over all frames found the range of the colors, so that equal colors mean equal values.",
               "Give --color-by NAME:MAP:MIN,MAX to choose the range, and to save the pass."},

@@ -15,13 +15,12 @@ namespace {
 // Refuses options that have no effect with the method.
 Result<void> check_method(const ParticleFlags& flags, points::Method method, bool has_attributes) {
   const bool weighs = method == points::Method::weight;
-  const bool has_kernels = !weighs && method != points::Method::spheres;
   if (!weighs) {
     TRY(flags.refuse(About::weights, fmt::format("{{}} needs --particles weight, found the method {}", word_of(method)),
                      "give --particles weight"));
   }
   // Attributes are interpolated with these kernels by every method.
-  if (!has_kernels && flags.smoothing_length && !has_attributes) {
+  if (!points::has_kernels(method) && flags.smoothing_length && !has_attributes) {
     return refuse_usage(
         fmt::format("--smoothing-length sets the size of kernels, and --particles {} uses no kernels", word_of(method)),
         "use --particles sph, anisotropic or smooth");

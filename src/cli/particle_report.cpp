@@ -131,6 +131,15 @@ void add_field(NamedLines& lines, const ParticleReport& report) {
                   report.read_seconds, report.field_seconds));
 }
 
+Result<points::ParticleField> measured_field(points::ParticleSet& particles, const convert::SourceOptions& source,
+                                             Notes& notes, const Context& context) {
+  const convert::SphereSpacing chosen = TRY(convert::choose_sphere_spacing(particles, source, context));
+  notes.insert(notes.end(), chosen.notes.begin(), chosen.notes.end());
+  points::FieldOptions options = convert::field_options(source, std::nullopt);
+  options.spacing = chosen.spacing;
+  return convert::make_particle_field(particles, convert::Positions::free, options, context);
+}
+
 }  // namespace
 
 Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source, const Context& context) {
@@ -168,8 +177,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   report.method = asked.particles.method;
   asked.particles.bad = points::NonFiniteParticles::skip;
   Stopwatch making;
-  auto made = convert::make_particle_field(file.particles, convert::Positions::free,
-                                           convert::field_options(asked, std::nullopt), context);
+  auto made = measured_field(file.particles, asked, report.notes, context);
   if (!made) {
     if (made.error().code == ErrorCode::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());

@@ -22,14 +22,28 @@ void add_note(BatchPlan& plan, const Note& note) {
   plan.frame_notes.push_back(note);
 }
 
-Result<void> set_radius(BatchPlan& plan) {
-  if (plan.common.job.writes<convert::ParticleFileOptions>() != nullptr) return {};
+std::vector<FrameSource> first_frames(const BatchPlan& plan) {
   std::vector<FrameSource> frames;
   for (const batch::FrameJob& frame : plan.batch.frames) {
     if (frames.size() == kFramesForRadius) break;
     frames.push_back({frame.number, frame.job.source});
   }
-  const auto found = TRY(find_sequence_radius(frames, plan.common.context));
+  return frames;
+}
+
+Result<void> set_spacing(BatchPlan& plan) {
+  if (plan.common.job.writes<convert::ParticleFileOptions>() != nullptr) return {};
+  const auto found = TRY(find_sequence_spacing(first_frames(plan), plan.common.context));
+  if (!found) return {};
+  plan.common.job.source.particles.sequence_spacing = found;
+  for (batch::FrameJob& frame : plan.batch.frames) frame.job.source.particles.sequence_spacing = found;
+  add_note(plan, {NoteId::cell_size, spacing_note(*found)});
+  return {};
+}
+
+Result<void> set_radius(BatchPlan& plan) {
+  if (plan.common.job.writes<convert::ParticleFileOptions>() != nullptr) return {};
+  const auto found = TRY(find_sequence_radius(first_frames(plan), plan.common.context));
   if (!found) return {};
   plan.common.job.source.particles.sequence_radius = found->radius;
   for (batch::FrameJob& frame : plan.batch.frames) frame.job.source.particles.sequence_radius = found->radius;
@@ -91,9 +105,33 @@ Result<std::optional<SequenceRadius>> find_sequence_radius(std::span<const Frame
   return first;
 }
 
+Result<std::optional<double>> find_sequence_spacing(std::span<const FrameSource> frames, const Context& context) {
+  std::optional<double> finest;
+  for (const FrameSource& frame : frames) {
+    const convert::ParticleOptions& options = frame.source.particles;
+    const bool is_of_spheres = points::method_info(options.method).kind == field::FieldKind::level_set;
+    if (!is_of_spheres || options.radius || options.cell_size || frame.source.resamples()) return std::nullopt;
+    const auto particles = convert::is_particles(frame.source, context.beside());
+    TRY(context.check());
+    if (!particles.value_or(false)) continue;
+    const auto found = convert::find_sphere_spacing(frame.source, context.beside());
+    TRY(context.check());
+    if (found && *found) finest = std::min(finest.value_or(**found), **found);
+  }
+  return finest;
+}
+
+std::string spacing_note(double spacing) {
+  return fmt::format(
+      "all frames have samples {:.6g} apart, which keeps particles of the radius {:.6g}; choose another distance with "
+      "--cell-size C, in median radii of each frame",
+      spacing, points::kMinSphereRadius * spacing);
+}
+
 Result<void> find_sequence_values(const ConvertFlags& flags, BatchPlan& plan, const Messages& messages) {
   if (plan.batch.frames.size() < 2) return {};
   if (!(flags.particles.radius && flags.particles.radius->is_of_each_frame)) TRY(set_radius(plan));
+  TRY(set_spacing(plan));
   const std::optional<convert::ColorChoice>& color = plan.common.job.color;
   if (color && color->attribute && !color->range) TRY(set_color_range(plan, messages));
   return {};

@@ -1,4 +1,4 @@
-// Values that all frames of a sequence share: the radius of particles, and the range of colors.
+// Values that all frames of a sequence share: the radius of particles, the spacing for spheres, the range of colors.
 #pragma once
 
 #include <cstddef>
@@ -38,9 +38,18 @@ inline constexpr std::size_t kFramesForRadius = 16;
 [[nodiscard]] Result<std::optional<SequenceRadius>> find_sequence_radius(std::span<const FrameSource> frames,
                                                                          const Context& context);
 
-// Sets the radius of particles and the range of colors in all jobs of a plan with several frames, unless the options
-// give them, and adds notes about them. For the range it reads the attribute of all frames, of other shards too, so
-// that every shard and every later run with --resume has the same range. Shows progress.
+// Returns the finest spacing that convert::find_sphere_spacing() chooses for one of the frames, in world units: those
+// of a sequence share one grid. Returns nothing if no frame has spheres with radii from an attribute, or if the options
+// give the radius or the spacing. Frames that cannot be read do not count. Fails with ErrorCode::cancelled only.
+[[nodiscard]] Result<std::optional<double>> find_sequence_spacing(std::span<const FrameSource> frames,
+                                                                  const Context& context);
+
+// Returns a note with the spacing and the option that changes it.
+[[nodiscard]] std::string spacing_note(double spacing);
+
+// Sets the radius of particles, the spacing for spheres and the range of colors in all jobs of a plan with several
+// frames, unless the options give them, and adds notes about them. For the range it reads the attribute of all frames,
+// of other shards too, so that every shard and every later run with --resume has the same range. Shows progress.
 //
 // Frames that cannot be read do not count. Fails with ErrorCode::cancelled only.
 [[nodiscard]] Result<void> find_sequence_values(const ConvertFlags& flags, BatchPlan& plan, const Messages& messages);

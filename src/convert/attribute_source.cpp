@@ -19,9 +19,7 @@
 #include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
-namespace {
 
-// Returns the vertices' positions in the input's world.
 Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field::Affine& world_from_output,
                                                                     const mesh::Mesh& mesh, const Context& context) {
   auto places = make_reserved_buffer<glm::dvec3>(mesh.positions.size(), context, "positions of vertices");
@@ -33,6 +31,8 @@ Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field:
   });
   return places;
 }
+
+namespace {
 
 mesh::Attribute float_attribute(const std::string& name, std::size_t components, std::size_t vertices) {
   mesh::Attribute made;
@@ -63,12 +63,12 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
   if (source.attributes.empty()) return Records();
   if (places.empty()) {  // without vertices there may be no particles, and then no radius
     for (std::size_t a = 0; a < source.attributes.size(); ++a) {
-      const std::size_t components = source.particles.attributes[source.attributes[a]].components;
+      const std::size_t components = source.particles->attributes[source.attributes[a]].components;
       mesh.attributes.push_back(float_attribute(source.choices[a].name, components, 0));
     }
     return Records();
   }
-  auto sampled = TRY(points::sample_attributes(source.particles, source.attributes, places, source.radius,
+  auto sampled = TRY(points::sample_attributes(*source.particles, source.attributes, places, source.radius,
                                                source.smoothing_length, context));
   std::uint64_t bytes = 0;
   for (const points::SampledAttribute& attribute : sampled.attributes) bytes += attribute.values.size_bytes();
@@ -82,7 +82,7 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     if (!made.values.empty()) std::memcpy(made.values.data(), attribute.values.data(), attribute.values.size_bytes());
     AttributeResult& record = records.emplace_back();
     record.name = made.name;
-    record.source = fmt::format("{}: {}", printable(source.particles.label), printable(source.choices[a].from));
+    record.source = fmt::format("{}: {}", printable(source.particles->label), printable(source.choices[a].from));
     record.components = made.components;
     record.vertices_beyond_kernels = sampled.vertices_beyond_kernels;
     record.not_finite = count_not_finite(attribute.values.span(), attribute.components);
@@ -149,7 +149,7 @@ Result<void> set_attribute_maps(AttributeSource& source, const field::Affine& wo
   source.output_from_world = output_from_world;
   if (const auto* particles = std::get_if<ParticleAttributes>(&source.from)) {
     for (std::size_t a = 0; a < particles->choices.size(); ++a) {
-      const points::ParticleAttribute& attribute = particles->particles.attributes[particles->attributes[a]];
+      const points::ParticleAttribute& attribute = particles->particles->attributes[particles->attributes[a]];
       auto added = add_kind(particles->choices[a], attribute.components, attribute.kind, source);
       if (!added) return added;
     }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/note.hpp"
+#include "base/reserved_buffer.hpp"
 #include "convert/attribute_kinds.hpp"
 #include "convert/attribute_volumes.hpp"
 #include "convert/conversion_job.hpp"
@@ -39,6 +41,10 @@ struct AttributeSource {
 
 // Returns the kinds without the attributes that only give colors.
 [[nodiscard]] std::vector<NamedKind> written_kinds(const AttributeSource& source);
+
+// Returns the positions of the vertices in the input's world. Fails as Context::reserve() does.
+[[nodiscard]] Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(
+    const field::Affine& world_from_output, const mesh::Mesh& mesh, const Context& context);
 
 // Result of sampling one attribute at the vertices of a surface.
 struct AttributeResult {

@@ -78,9 +78,10 @@ struct BoxOptions {
 
 // How particles become the field that is extracted. Unused for volumes.
 struct ParticleOptions {
-  static constexpr std::array kMembers{"expected",  "method",           "radius", "sequence_radius", "element_radii",
-                                       "cell_size", "smoothing_length", "weight", "deposit",         "not_finite",
-                                       "columns",   "select",           "stride", "simulation_box"};
+  static constexpr std::array kMembers{"expected",      "method",    "radius",           "sequence_radius",
+                                       "element_radii", "cell_size", "sequence_spacing", "smoothing_length",
+                                       "weight",        "deposit",   "not_finite",       "columns",
+                                       "select",        "stride",    "simulation_box"};
 
   // Reads the input as particles even if it could be a volume too, and refuses a volume. If false, the input's content
   // decides.
@@ -93,8 +94,11 @@ struct ParticleOptions {
   // Radii of atoms (points/element_radii.hpp), in the unit of the placement or of the file; angstrom without these.
   std::optional<points::ElementRadii> element_radii;
   std::optional<double> cell_size;  // sample spacing, in particle radii; unset: default of the method
-  double smoothing_length = 2;      // for sph, anisotropic, smooth; in particle radii
-  double weight = 0.1;              // for weight: the value that each particle adds
+  // Sample spacing in world units for spheres of unlike radii without a cell size, found for all frames of a sequence
+  // (find_sphere_spacing()).
+  std::optional<double> sequence_spacing;
+  double smoothing_length = 2;  // for sph, anisotropic, smooth; in particle radii
+  double weight = 0.1;          // for weight: the value that each particle adds
   points::Deposit deposit = points::Deposit::trilinear;
   points::NonFiniteParticles bad = points::NonFiniteParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1

@@ -20,7 +20,7 @@ std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
   std::uint64_t bytes = 0;
   std::size_t components = 0;
   if (const auto* particles = std::get_if<ParticleAttributes>(&source.attributes->from)) {
-    for (const std::size_t a : particles->attributes) components += particles->particles.attributes[a].components;
+    for (const std::size_t a : particles->attributes) components += particles->particles->attributes[a].components;
   } else {
     for (const auto& attribute : std::get<std::vector<VolumeAttribute>>(source.attributes->from)) {
       components += attribute.components.size();

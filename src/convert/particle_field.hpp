@@ -3,9 +3,25 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
+#include "convert/conversion_job.hpp"
 #include "points/particle_field.hpp"
 
 namespace isoextract::convert {
+
+// The spacing of the samples for spheres of unlike radii.
+struct SphereSpacing {
+  // In world units; unset if the options give the cell size, or if the particles have no radii of their own.
+  std::optional<double> spacing;
+  Notes notes;  // about finer samples than usual, and about particles that the surface will leave out
+};
+
+// Chooses the spacing for spheres with radii from an attribute: fine enough to keep the smallest spheres, but at most
+// points::kMaxSphereRefinement times finer than usual, and within a quarter of the memory limit. Keeps the usual
+// spacing if the field is resampled, and takes ParticleOptions::sequence_spacing if that is set. Chooses nothing for
+// methods without spheres. Fails as points::make_spheres() and volume_io::sphere_bytes() do.
+[[nodiscard]] Result<SphereSpacing> choose_sphere_spacing(const points::ParticleSet& particles,
+                                                          const SourceOptions& source, const Context& context);
 
 enum class Positions { keep, free };
 

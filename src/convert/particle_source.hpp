@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,11 +53,19 @@ struct FrameList {
 
 // Particles kept in memory for the vertex attributes.
 struct ParticleAttributes {
-  points::ParticleSet particles;
+  std::shared_ptr<const points::ParticleSet> particles;
   std::vector<AttributeChoice> choices;
   std::vector<std::size_t> attributes;  // indices into the particles' attributes, one for each choice
   double radius = 0;                    // in world units
   double smoothing_length = 0;          // in radii
+};
+
+// Particles kept in memory for the weights of edit::SmoothMethod::weighted.
+struct NeighborCounts {
+  std::shared_ptr<const points::ParticleSet> particles;
+  std::size_t attribute = 0;    // index of the counts (points::add_neighbor_counts())
+  double radius = 0;            // in world units
+  double smoothing_length = 0;  // in radii
 };
 
 // The chosen attributes that exist and those that do not.

@@ -10,6 +10,7 @@
 #include "base/parallel.hpp"
 #include "convert/attribute_volumes.hpp"
 #include "convert/particle_choice.hpp"
+#include "convert/particle_field.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/simulation_box.hpp"
 #include "field/statistics.hpp"
@@ -68,6 +69,20 @@ Result<std::optional<ValueRange>> range_of_particles(const SourceOptions& option
     for (const float value : values) squared += static_cast<double>(value) * static_cast<double>(value);
     return std::sqrt(squared);
   }));
+}
+
+// Reads the particles without the attributes of vertices.
+Result<particle_io::ParticleFile> read_positions(const SourceOptions& options, const Context& context) {
+  SourceOptions only_positions = options;
+  only_positions.attributes.clear();
+  auto file = TRY(particle_io::read_particles(options.input, particle_read_options(only_positions), context));
+  TRY(keep_chosen(file.particles, options.particles, context));
+  TRY(give_element_radii(file, options, context));
+  TRY(apply_box_options(options.particles.simulation_box, file.particles));
+  if (const auto region = region_of_particles(options)) {
+    TRY(points::keep_inside(file.particles, *region, context));
+  }
+  return file;
 }
 
 double sample_at(const field::ScalarField& field, const void* values, std::size_t n) {
@@ -139,19 +154,18 @@ Result<std::optional<ValueRange>> range_of_volume(const SourceOptions& options, 
 }  // namespace
 
 Result<FoundRadius> find_radius(const SourceOptions& options, const Context& context) {
-  SourceOptions only_positions = options;
-  only_positions.attributes.clear();
-  auto file = TRY(particle_io::read_particles(options.input, particle_read_options(only_positions), context));
-  TRY(keep_chosen(file.particles, options.particles, context));
-  TRY(apply_box_options(options.particles.simulation_box, file.particles));
-  if (const auto region = region_of_particles(options)) {
-    TRY(points::keep_inside(file.particles, *region, context));
-  }
+  const auto file = TRY(read_positions(options, context));
   FoundRadius found;
   found.particles = file.particles.size();
   found.has_attribute = points::has_radius_attribute(file.particles);
   found.radius = TRY(points::suggest_radius(file.particles, context));
   return found;
+}
+
+Result<std::optional<double>> find_sphere_spacing(const SourceOptions& options, const Context& context) {
+  const auto file = TRY(read_positions(options, context));
+  const SphereSpacing chosen = TRY(choose_sphere_spacing(file.particles, options, context));
+  return chosen.spacing;
 }
 
 Result<std::optional<edit::ValueRange>> find_color_range(const ConversionJob& job, const Context& context) {

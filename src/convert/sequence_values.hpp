@@ -21,6 +21,10 @@ struct FoundRadius {
 // points::suggest_radius() do.
 [[nodiscard]] Result<FoundRadius> find_radius(const SourceOptions& options, const Context& context);
 
+// Reads the particles of the input and returns the spacing that choose_sphere_spacing() chooses. Fails as
+// particle_io::read_particles() and choose_sphere_spacing() do.
+[[nodiscard]] Result<std::optional<double>> find_sphere_spacing(const SourceOptions& options, const Context& context);
+
 // Reads the attribute that gives the colors (ColorChoice::attribute), and returns the range of its finite values; of
 // several components, of their length. The values are those of all particles, or of all samples but the background of
 // sparse grids. Returns nothing if the input lacks the attribute, or if no value is finite. Reads the input as a

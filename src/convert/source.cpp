@@ -22,6 +22,7 @@
 #include "field/distinct_values.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
+#include "points/neighbor_counts.hpp"
 #include "points/region.hpp"
 #include "points/simulation_box.hpp"
 
@@ -248,9 +249,12 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   }
   auto found = TRY(find_attributes(file.particles, options.attributes, use.empty_is_fine));
   watch.restart();
+  const SphereSpacing chosen_spacing = TRY(choose_sphere_spacing(file.particles, options, context));
+  for (const Note& text : chosen_spacing.notes) events.note(prefixed(printable(file.particles.label) + ": ", text));
+  asked.spacing = chosen_spacing.spacing;
   // Vertices get attributes from the particles near them.
-  const Positions after = options.attributes.empty() ? Positions::free : Positions::keep;
-  auto made = TRY(make_particle_field(file.particles, after, asked, context));
+  const bool is_needed = !options.attributes.empty() || use.counts_neighbors;
+  auto made = TRY(make_particle_field(file.particles, is_needed ? Positions::keep : Positions::free, asked, context));
   if (made.region && options.resamples()) {
     return fail(
         ErrorCode::usage,
@@ -266,7 +270,6 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   events.end(report_of_reading(options.input, made.field, reading));
   const points::ParticleFieldStatistics& figures = made.figures;
   const points::Method method = options.particles.method;
-  const bool has_kernels = method != points::Method::weight && method != points::Method::spheres;
   StageReport report = report_on(StageName::particles_to_field, field_label(made.field));
   report.did = "particles to field";
   report.add_timed(
@@ -276,7 +279,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
        {Key::method, word_of(method)},
        {Key::radius, figures.radius},
        {Key::radius_suggested, figures.radius_suggested},
-       {Key::smoothing_length, has_kernels ? Value(options.particles.smoothing_length) : Value()},
+       {Key::smoothing_length, points::has_kernels(method) ? Value(options.particles.smoothing_length) : Value()},
        {Key::spacing, figures.spacing},
        {Key::support, figures.support},
        {Key::particles, figures.particles},
@@ -318,11 +321,19 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   events.end(report);
   source.field = std::move(made.field);
   tell_isos(std::nullopt, events, source);
+  const double smoothing_length = options.particles.smoothing_length;
+  const bool counts_neighbors = use.counts_neighbors && figures.particles > 0;
+  std::size_t counts = 0;
+  if (counts_neighbors) {
+    counts = TRY(points::add_neighbor_counts(file.particles, figures.radius, smoothing_length, context));
+  }
+  if (!counts_neighbors && options.attributes.empty()) return context.check();
+  const auto kept = std::make_shared<const points::ParticleSet>(std::move(file.particles));
+  if (counts_neighbors) source.neighbors = NeighborCounts{kept, counts, figures.radius, smoothing_length};
   if (!options.attributes.empty()) {
     source.attributes.emplace();
-    source.attributes->from =
-        ParticleAttributes{std::move(file.particles), std::move(found.choices), std::move(found.attributes),
-                           figures.radius, options.particles.smoothing_length};
+    source.attributes->from = ParticleAttributes{kept, std::move(found.choices), std::move(found.attributes),
+                                                 figures.radius, smoothing_length};
     source.attributes->missing = std::move(found.missing);
   }
   return context.check();
@@ -394,6 +405,7 @@ SourceUse use_of(const ConversionJob& job) {
   use.empty_is_fine = job.empty != EmptyPolicy::error;
   const auto* file = job.writes<FieldFileOptions>();
   if (file != nullptr) use.field_format = file->format;
+  use.counts_neighbors = job.edits.smooth && job.edits.smooth->method == edit::SmoothMethod::weighted;
   // With NanPolicy::error the extractor finds spread NaN samples, and only those in its region.
   if (job.surface.nan == extract::NanPolicy::error && file == nullptr) use.nan = field::NanHandling::spread;
   // Methods with whole voxels cannot cut a voxel at a face of the region.
@@ -410,6 +422,13 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   const auto of_particles = TRY(is_particles(options, context));
   Source source;
   source.of_particles = of_particles;
+  if (use.counts_neighbors && !(of_particles && points::has_kernels(options.particles.method))) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: smoothing by weights needs particles whose surface has kernels, found {}",
+                            printable(files::input_label(options.input)),
+                            of_particles ? points::method_info(options.particles.method).title : "a volume"),
+                "smooth by another filter, such as taubin");
+  }
   TRY(of_particles ? read_particle_field(options, use, context, events, source)
                    : read_volume_field(options, use, context, events, source));
   source.label = field_label(source.field);

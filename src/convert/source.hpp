@@ -41,6 +41,7 @@ struct Source {
   // Set with SourceOptions::away_from_zero: the field's kind as read, which set_inside_side(0) restores.
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
+  std::optional<NeighborCounts> neighbors;    // set if SourceUse::counts_neighbors is and there are particles
 
   // Says that no particle lies in the region or, with `or_near`, near it; `count` has the particles left of all.
   void set_empty_region(const ParticleCount& count, const field::Box& region, bool or_near = false);
@@ -78,6 +79,7 @@ struct SourceUse {
   // A result without a surface is no error. So open_source() does not fail if no suggested iso value separates the
   // samples, or if an attribute is missing; a missing attribute fails later, if there is a surface.
   bool empty_is_fine = false;
+  bool counts_neighbors = false;  // keep Source::neighbors
   RegionEnds region_ends = RegionEnds::faces;
   // The format if the output is the field itself: resampling then keeps the narrow band of level sets.
   std::optional<volume_io::VolumeFileFormat> field_format;
@@ -88,7 +90,8 @@ struct SourceUse {
 // Opens the input and returns a source that is ready for extraction. Fails as the functions it calls do: read_volume(),
 // filter_field(), blur_field(), resample(), rebuild_level_set(), place_field(), resolve_isos() and
 // read_volume_attributes(). For particles it fails as is_particles(), read_particles(), make_particle_field() and
-// find_attributes() do.
+// find_attributes() do. With SourceUse::counts_neighbors it fails with ErrorCode::usage for volumes and for particles
+// without kernels.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

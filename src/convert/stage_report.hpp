@@ -45,7 +45,7 @@ namespace isoextract::convert {
   NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) NAME(found_by) NAME(frame) \
   NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
   NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) NAME(length_unit) \
-  NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) NAME(measured) \
+  NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) NAME(mean_weight) NAME(measured) \
   NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
   NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \

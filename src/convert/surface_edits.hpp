@@ -87,7 +87,7 @@ struct SmoothChoice {
 
   std::uint64_t passes = 20;  // 1 to edit::kMaxSmoothPasses
   edit::SmoothMethod method = edit::SmoothMethod::taubin;
-  double pass_band = 0.1;  // above 0, below 1
+  double pass_band = 0.1;  // above 0, below 1; unused by SmoothMethod::weighted
 
   friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
 };

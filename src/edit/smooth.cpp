@@ -5,6 +5,7 @@
 #include <cmath>
 #include <new>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
+#include "mesh/components.hpp"
 #include "mesh/metrics.hpp"
 
 namespace isoextract::edit {
@@ -78,6 +80,7 @@ class Signal {
   }
 
   [[nodiscard]] std::uint8_t bound(std::size_t v) const { return bound_[v]; }
+  [[nodiscard]] std::span<const std::uint32_t> neighbors(std::size_t v) const { return neighbors_.at(v); }
 
  private:
   void keep_cuts(std::span<const mesh::HalfSpace> cuts) {
@@ -133,6 +136,98 @@ Result<Buffer<glm::vec3>> taubin_moves(const Signal& signal, std::size_t vertice
     TRY(context.check());
     context.progress().advance(1);
   }
+  return moves;
+}
+
+// Gives closed components the volume back that `moves` took: moves their vertices along the normals, by the weights.
+// Leaves components with vertices that may not move freely. A component that lost nearly all its volume has no shape
+// left to grow, so it does not move at all.
+class VolumeRestorer {
+ public:
+  VolumeRestorer(const mesh::Mesh& mesh, const Signal& signal, std::span<const float> weights)
+      : mesh_(mesh),
+        weights_(weights),
+        components_(mesh.triangles.span(), mesh.positions.size()),
+        gradients_(mesh.positions.size()),
+        is_free_(components_.count(), 1) {
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const std::uint32_t component = components_.of_vertex(v);
+      if (component != mesh::Components::kNone && signal.bound(v) != 0) is_free_[component] = 0;
+    }
+  }
+
+  void restore(Buffer<glm::vec3>& moves) {
+    const std::vector<double> wanted = measure(no_moves(moves.size()));
+    reset_lost(wanted, measure(moves), moves);
+    for (int step = 0; step < kSteps; ++step) {
+      const std::vector<double> volumes = measure(moves);
+      std::vector<double> gains(volumes.size(), 0);  // of volume for each unit of distance
+      for (std::size_t v = 0; v < moves.size(); ++v) {
+        const std::uint32_t component = components_.of_vertex(v);
+        if (component != mesh::Components::kNone) gains[component] += weight(v) * glm::length(gradients_[v]);
+      }
+      for_each_vertex(moves.size(), [&](std::size_t v) {
+        const std::uint32_t component = components_.of_vertex(v);
+        if (component == mesh::Components::kNone || is_free_[component] == 0 || !(gains[component] > 0)) return;
+        const double length = glm::length(gradients_[v]);
+        if (!(length > 0)) return;
+        const double distance = (wanted[component] - volumes[component]) / gains[component];
+        moves[v] = glm::dvec3(moves[v]) + distance * weight(v) / length * gradients_[v];
+      });
+    }
+  }
+
+ private:
+  static constexpr int kSteps = 4;             // the error of a step is quadratic in its length
+  static constexpr double kLeastVolume = 0.2;  // of the volume before, to grow from
+
+  void reset_lost(const std::vector<double>& wanted, const std::vector<double>& volumes, Buffer<glm::vec3>& moves) {
+    for_each_vertex(moves.size(), [&](std::size_t v) {
+      const std::uint32_t component = components_.of_vertex(v);
+      if (component == mesh::Components::kNone || is_free_[component] == 0) return;
+      // The two have one sign, which is negative for cavities.
+      if (!(volumes[component] / wanted[component] >= kLeastVolume)) moves[v] = glm::vec3(0);
+    });
+  }
+
+  [[nodiscard]] double weight(std::size_t v) const { return static_cast<double>(weights_[v]); }
+
+  // Returns the volume of each component, and sets the gradients: how it grows with the position of a vertex.
+  std::vector<double> measure(const Buffer<glm::vec3>& moves) {
+    std::ranges::fill(gradients_, glm::dvec3(0));
+    std::vector<double> volumes(components_.count(), 0);
+    const auto at = [&](std::uint32_t v) { return glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]); };
+    for (const glm::uvec3& t : mesh_.triangles) {
+      if (mesh::has_repeated_index(t)) continue;
+      const glm::dvec3 a = at(t.x);
+      const glm::dvec3 normal = glm::cross(at(t.y) - a, at(t.z) - a);
+      volumes[components_.of_vertex(t.x)] += glm::dot(a, normal) / 6;
+      for (int corner = 0; corner < 3; ++corner) gradients_[t[corner]] += normal / 6.0;
+    }
+    return volumes;
+  }
+
+  const mesh::Mesh& mesh_;
+  std::span<const float> weights_;
+  mesh::Components components_;
+  Buffer<glm::dvec3> gradients_;
+  std::vector<std::uint8_t> is_free_;  // of each component
+};
+
+Result<Buffer<glm::vec3>> weighted_moves(const mesh::Mesh& mesh, const Signal& signal, const SmoothOptions& options,
+                                         const Context& context) {
+  const std::size_t vertices = mesh.positions.size();
+  Buffer<glm::vec3> moves = no_moves(vertices);
+  Buffer<glm::vec3> next(vertices);
+  for (std::uint64_t pass = 0; pass < options.passes; ++pass) {
+    for_each_vertex(vertices, [&](std::size_t v) {
+      next[v] = glm::dvec3(moves[v]) + static_cast<double>(options.weights[v]) * signal.laplacian(moves, v);
+    });
+    std::swap(moves, next);
+    TRY(context.check());
+    context.progress().advance(1);
+  }
+  VolumeRestorer(mesh, signal, options.weights).restore(moves);
   return moves;
 }
 
@@ -196,6 +291,16 @@ Result<Buffer<glm::vec3>> sinc_moves(const Signal& signal, std::size_t vertices,
   return moves;
 }
 
+Result<Buffer<glm::vec3>> moves_of(const mesh::Mesh& mesh, const Signal& signal, const SmoothOptions& options,
+                                   const Context& context) {
+  switch (options.method) {
+    case SmoothMethod::taubin: return taubin_moves(signal, mesh.positions.size(), options, context);
+    case SmoothMethod::sinc: return sinc_moves(signal, mesh.positions.size(), options, context);
+    case SmoothMethod::weighted: break;
+  }
+  return weighted_moves(mesh, signal, options, context);
+}
+
 void renew_normals(mesh::Mesh& mesh) {
   const mesh::Adjacency adjacency(mesh.triangles.span(), mesh.positions.size());
   for_each_vertex(mesh.positions.size(), [&](std::size_t v) {
@@ -215,17 +320,38 @@ void renew_normals(mesh::Mesh& mesh) {
   });
 }
 
+// Averages the normals with those of their neighbors. Vertices of boundaries, caps and cuts keep theirs.
+void average_normals(mesh::Mesh& mesh, const Signal& signal, std::span<const float> weights) {
+  Buffer<glm::vec3> next(mesh.normals.size());
+  for (int pass = 0; pass < kNormalPasses; ++pass) {
+    for_each_vertex(mesh.normals.size(), [&](std::size_t v) {
+      next[v] = mesh.normals[v];
+      const auto near = signal.neighbors(v);
+      if (signal.bound(v) != 0 || near.empty()) return;
+      glm::dvec3 mean(0);
+      for (const std::uint32_t n : near) mean += glm::dvec3(mesh.normals[n]);
+      mean = glm::mix(glm::dvec3(mesh.normals[v]), mean / static_cast<double>(near.size()),
+                      static_cast<double>(weights[v]));
+      if (const double length = glm::length(mean); length > 0) next[v] = mean / length;
+    });
+    std::swap(mesh.normals, next);
+  }
+}
+
 Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
   const Stopwatch watch;
   SmoothFigures facts;
   const std::size_t vertices = mesh.positions.size();
   facts.vertices = vertices;
   facts.volume_before = measure_size(mesh).volume;
+  if (options.method == SmoothMethod::weighted && vertices > 0) {
+    facts.mean_weight =
+        std::accumulate(options.weights.begin(), options.weights.end(), 0.0) / static_cast<double>(vertices);
+  }
   {
     const Signal signal(mesh, options);
     context.progress().begin("smoothing", options.passes);
-    auto moves = TRY(options.method == SmoothMethod::taubin ? taubin_moves(signal, vertices, options, context)
-                                                            : sinc_moves(signal, vertices, options, context));
+    const Buffer<glm::vec3> moves = TRY(moves_of(mesh, signal, options, context));
     const glm::dvec2 most = reduce_ranges(
         vertices, kVerticesAtATime, glm::dvec2(0),
         [&](std::size_t begin, std::size_t end, glm::dvec2 so_far) {
@@ -244,9 +370,13 @@ Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options
       facts.border_vertices += signal.bound(v) == kFixed ? 1 : 0;
       facts.wall_vertices += signal.bound(v) != kFixed && signal.bound(v) != 0 ? 1 : 0;
     }
+    if (!mesh.normals.empty() && options.method == SmoothMethod::weighted) {
+      renew_normals(mesh);
+      average_normals(mesh, signal, options.weights);
+    }
   }
   mesh.edges = {};
-  if (!mesh.normals.empty()) renew_normals(mesh);
+  if (!mesh.normals.empty() && options.method != SmoothMethod::weighted) renew_normals(mesh);
   facts.volume_after = measure_size(mesh).volume;
   facts.time = watch.elapsed();
   return facts;
@@ -256,6 +386,7 @@ Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options
 
 double smoothing_gain(const SmoothOptions& options, double frequency) {
   if (options.method == SmoothMethod::sinc) return chebyshev_sum(sinc_coefficients(options), angle_of(frequency));
+  if (options.method == SmoothMethod::weighted) return std::pow(1 - frequency, static_cast<double>(options.passes));
   const double pass = (1 - kLambda * frequency) * (1 - taubin_mu(options.pass_band) * frequency);
   return std::pow(pass, static_cast<double>(options.passes));
 }
@@ -267,7 +398,14 @@ Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, con
   const std::uint64_t filtering =
       2 * Neighbors::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
   const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
-  const auto memory = TRY(context.reserve(std::max(filtering, shading), what));
+  std::uint64_t together = std::max(filtering, shading);
+  if (options.method == SmoothMethod::weighted) {
+    // Of the volumes, and of the normals that are averaged while the neighbors are there.
+    const std::uint64_t restoring = mesh::Components::bytes(vertices) + vertices * sizeof(glm::dvec3);
+    const std::uint64_t averaging = shading > 0 ? shading + vertices * sizeof(glm::vec3) : 0;
+    together = filtering + std::max(restoring, averaging);
+  }
+  const auto memory = TRY(context.reserve(together, what));
   try {
     return smooth_mesh(mesh, options, context);
   } catch (const std::bad_alloc&) {

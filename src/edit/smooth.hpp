@@ -11,6 +11,13 @@
 //   pass as a sum of Chebyshev polynomials up to degree `passes`, with a Hamming window against ripples. The
 //   filter's cutoff moves above the pass band until the gain at the end of the pass band is at least 0.999. VTK's
 //   vtkWindowedSincPolyDataFilter is the same filter.
+// - Weighted: F. Loeschner, T. Boettcher, S. R. Jeske, J. Bender, Weighted Laplacian smoothing for surface
+// reconstruction
+//   of particle-based fluids. VMV 2023. Each pass moves a vertex towards the mean by its weight. This shrinks shapes of
+//   a few edge lengths. So closed components get their volume back, as M. Desbrun, M. Meyer, P. Schroeder, A. H. Barr
+//   do (Implicit fairing of irregular meshes using diffusion and curvature flow. SIGGRAPH 1999); here the vertices
+//   move along their normals by their weights. Components with vertices that may not move freely stay smaller, and
+//   those that would lose four fifths of their volume are not smoothed.
 #pragma once
 
 #include <array>
@@ -29,12 +36,15 @@
 
 namespace isoextract::edit {
 
-enum class SmoothMethod { taubin, sinc };
+enum class SmoothMethod { taubin, sinc, weighted };
 constexpr auto words_of(SmoothMethod /*type*/) {
-  return std::array{Word{SmoothMethod::taubin, "taubin"}, Word{SmoothMethod::sinc, "sinc"}};
+  return std::array{Word{SmoothMethod::taubin, "taubin"}, Word{SmoothMethod::sinc, "sinc"},
+                    Word{SmoothMethod::weighted, "weighted"}};
 }
 
 inline constexpr std::uint64_t kMaxSmoothPasses = 1000;
+// Passes of SmoothMethod::weighted that average the normals, as splashsurf's documentation suggests.
+inline constexpr int kNormalPasses = 10;
 
 // The box of the data. Caps lie on its sides where the surface leaves the data. A position (Mesh::position(), origin
 // included) has the box coordinates to_box * position + offset; the sides are at min and max.
@@ -48,7 +58,9 @@ struct DataBox {
 struct SmoothOptions {
   SmoothMethod method = SmoothMethod::taubin;
   std::uint64_t passes = 20;  // 1 to kMaxSmoothPasses
-  double pass_band = 0.1;     // above 0, below 1
+  double pass_band = 0.1;     // taubin, sinc: above 0, below 1
+  // weighted: how far each vertex moves towards the mean of its neighbors in a pass, 0 to 1; one per vertex.
+  std::span<const float> weights;
   // Vertices on a side of the box stay on that side, so caps stay flat.
   std::optional<DataBox> walls;
   // Vertices in these planes do not move: caps of cuts, and the edges along the cuts.
@@ -65,16 +77,20 @@ struct SmoothFigures {
   double max_displacement_world = 0;  // largest displacement in the mesh's coordinates (perhaps of another vertex)
   double volume_before = 0;           // in the mesh's coordinates; meaningful only for closed meshes
   double volume_after = 0;
+  std::optional<double> mean_weight;  // weighted: the mean of the weights
   StageTime time;
 };
 
 // Moves the vertices of `mesh`. Recomputes existing normals from the triangles, weighted by angle (G. Thuermer and C.
-// Wuethrich, Computing vertex normals from polygonal facets, 1998). Drops edge keys, as vertices leave their grid
+// Wuethrich, Computing vertex normals from polygonal facets, 1998). SmoothMethod::weighted then averages each normal
+// with those of its neighbors in kNormalPasses passes, by the weight of the vertex: the triangles of a smoothed surface
+// are flat, while their normals still show the cells. Drops edge keys, as vertices leave their grid
 // edges; keeps triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the
-// number of threads. Fails if memory is short (about 53 bytes a vertex and 24 a triangle) or the context is cancelled.
+// number of threads. Fails if memory is short (about 53 bytes a vertex and 24 a triangle; weighted, with
+// normals: 85 and 36) or the context is cancelled.
 [[nodiscard]] Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
-// Returns the filter's gain at a frequency from 0 to 2.
+// Returns the filter's gain at a frequency from 0 to 2; of SmoothMethod::weighted, that of weight 1.
 [[nodiscard]] double smoothing_gain(const SmoothOptions& options, double frequency);
 
 }  // namespace isoextract::edit

@@ -4,57 +4,20 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include <fmt/format.h>
 
 #include "base/parallel.hpp"
 #include "field/samples.hpp"
 #include "points/cell_grid.hpp"
-#include "points/detail/box_samples.hpp"
 #include "points/detail/cubic_spline.hpp"
 #include "points/detail/nearest_tree.hpp"
-#include "points/detail/periodic_images.hpp"
+#include "points/detail/source_points.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/particle_statistics.hpp"
 
 namespace isoextract::points {
 namespace {
-
-// The particles and, in a periodic box, their images, which have other coordinates than the world.
-class SourcePoints {
- public:
-  static Result<SourcePoints> make(const ParticleSet& particles, double support, const Context& context) {
-    SourcePoints points;
-    points.positions_ = particles.positions.span();
-    points.support_ = support;
-    if (!(particles.box && particles.box->is_periodic())) return points;
-    points.box_ = TRY(BoxSamples::make(*particles.box, support, particles.label));
-    // Kernels reach a support far, and the neighbors that make their densities as far again.
-    points.images_ = TRY(with_images(points.positions_, *points.box_, points.box_->extent_of_ball(2),
-                                     Coordinates::cartesian, context, particles.label));
-    points.positions_ = points.images_->positions();
-    points.support_ = 1;
-    return points;
-  }
-
-  [[nodiscard]] std::span<const glm::dvec3> positions() const { return positions_; }
-  // Returns the support of the kernels in the coordinates of the positions.
-  [[nodiscard]] double support() const { return support_; }
-  [[nodiscard]] std::size_t particle(std::size_t point) const {
-    return images_ ? images_->sources->values[point] : point;
-  }
-  // Returns a vertex in the coordinates of the positions.
-  [[nodiscard]] glm::dvec3 place_of(const glm::dvec3& vertex) const {
-    return box_ ? box_->cartesian_from_index() * box_->wrapped_index(vertex) : vertex;
-  }
-
- private:
-  std::span<const glm::dvec3> positions_;
-  double support_ = 0;
-  std::optional<BoxSamples> box_;
-  std::optional<ParticleImages> images_;
-};
 
 // Returns the attribute of each spot: the mean over its particles.
 Result<std::shared_ptr<ReservedBuffer<float>>> average_by_spot(const CellGrid& grid, const SourcePoints& points,

@@ -78,6 +78,11 @@ inline constexpr double kMinSphereRadius = 1.5;
   return kMethods[static_cast<std::size_t>(method)];
 }
 
+// Returns whether particles have kernels, whose size the smoothing length sets.
+[[nodiscard]] constexpr bool has_kernels(Method method) {
+  return method != Method::weight && method != Method::spheres;
+}
+
 constexpr auto words_of(Method /*type*/) {
   std::array<Word<Method>, kMethods.size()> words{};
   for (std::size_t m = 0; m < words.size(); ++m) words[m] = {kMethods[m].method, kMethods[m].id};

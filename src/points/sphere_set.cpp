@@ -64,7 +64,9 @@ Result<void> SphereSet::repeat(const SimulationBox& box, const FieldOptions& opt
   const double common = figures_.radius;
   const double largest = radii_.empty() ? common : static_cast<double>(*std::ranges::max_element(radii_));
   // A sample depends on the particles within the support and on their neighbors; the narrow band is 3 samples wide.
-  const double reach = (largest + 2 * figures_.support) / *spacing + 3;
+  // Smooth spheres reach at least twice their radius.
+  const double kernel = figures_.support > 0 ? std::max(figures_.support, 2 * largest) : 0;
+  const double reach = (largest + 2 * kernel) / *spacing + 3;
   const auto all =
       TRY(with_images(particles().positions.span(), samples, reach_of_images(glm::dvec3(reach), options.margin),
                       Coordinates::cartesian, context, label));
@@ -96,6 +98,30 @@ Result<void> SphereSet::repeat(const SimulationBox& box, const FieldOptions& opt
   origin_ = box.origin;
   images_ = count - originals;
   return {};
+}
+
+Result<std::optional<SphereSpacings>> find_sphere_spacings(const ParticleSet& particles, const FieldOptions& options,
+                                                           const Context& context) {
+  TRY(check_options(options));
+  const ParticleBounds bounds = measure_bounds(particles.positions.span());
+  const auto radii = TRY(find_radii(particles, options, bounds, context));
+  if (!radii || !(radii->median > 0)) return std::nullopt;
+  // Rounding must not make a sphere smaller than kMinSphereRadius samples.
+  const auto spacing_of = [](double radius) { return radius / kMinSphereRadius * (1 - 1e-9); };
+  SphereSpacings found;
+  found.usual = method_info(options.method).cell_size * radii->median;
+  const double smallest_kept = kMinSphereRadius * found.usual / kMaxSphereRefinement;
+  double smallest = radii->max;
+  double kept = radii->max;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const auto radius = static_cast<double>(radii->attribute->values[i]);
+    if (!is_finite(particles.positions[i]) || !(radius > 0)) continue;
+    smallest = std::min(smallest, radius);
+    if (radius >= smallest_kept) kept = std::min(kept, radius);
+  }
+  found.keeps_all = spacing_of(smallest);
+  found.keeps_most = std::min(found.usual, spacing_of(kept));
+  return found;
 }
 
 Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {

@@ -136,6 +136,27 @@ Result<void> check_sphere_options(const points::ParticleSet& particles, const Sp
   return {};
 }
 
+std::string work_on(const points::ParticleSet& particles) {
+  return (particles.label.empty() ? "the particles" : particles.label) + ": their surface";
+}
+
+// Refers to the particles and their radii.
+isoextract_sphere_job sphere_job(const points::ParticleSet& particles, const SphereOptions& options) {
+  isoextract_sphere_job job{};
+  static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
+  job.positions = particles.size() == 0 ? nullptr : &particles.positions[0].x;
+  job.count = particles.size();
+  job.radii = options.radii.empty() ? nullptr : options.radii.data();
+  job.radius = options.radius;
+  job.search_radius = options.search_radius;
+  job.voxel = options.voxel;
+  job.half_band = options.half_band;
+  job.least_radius = options.least_radius;
+  job.method = options.method == SphereMethod::smooth ? ISOEXTRACT_SMOOTH_SPHERES : ISOEXTRACT_SPHERES;
+  job.kind = options.kind == field::FieldKind::level_set ? ISOEXTRACT_LEVEL_SET : ISOEXTRACT_DENSITY;
+  return job;
+}
+
 // Receives the bytes of a VDB file; `error` is the first failure.
 struct VdbSink {
   files::OutputFile& file;
@@ -207,23 +228,26 @@ Result<void> check_grid_tools(const std::string& work) {
   return tools ? Result<void>() : tl::unexpected(tools.error());
 }
 
+Result<std::uint64_t> sphere_bytes(const points::ParticleSet& particles, const SphereOptions& options,
+                                   const Context& context) {
+  TRY(check_sphere_options(particles, options));
+  const std::string work = work_on(particles);
+  const auto tools = TRY(grid_tools_for(work));
+  const isoextract_sphere_job job = sphere_job(particles, options);
+  const plugin_host::PluginMemory memory(context, work);
+  std::uint64_t bytes = 0;
+  if (tools->sphere_bytes(&job, &memory.host(), &bytes) != 0) {
+    return tl::unexpected(memory.refusal_or(tools_failed(*tools, work)));
+  }
+  return bytes;
+}
+
 Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, const SphereOptions& options,
                                       const Context& context) {
   TRY(check_sphere_options(particles, options));
-  const std::string work = (particles.label.empty() ? "the particles" : particles.label) + ": their surface";
+  const std::string work = work_on(particles);
   const auto tools = TRY(grid_tools_for(work));
-  isoextract_sphere_job job{};
-  static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
-  job.positions = particles.size() == 0 ? nullptr : &particles.positions[0].x;
-  job.count = particles.size();
-  job.radii = options.radii.empty() ? nullptr : options.radii.data();
-  job.radius = options.radius;
-  job.search_radius = options.search_radius;
-  job.voxel = options.voxel;
-  job.half_band = options.half_band;
-  job.least_radius = options.least_radius;
-  job.method = options.method == SphereMethod::smooth ? ISOEXTRACT_SMOOTH_SPHERES : ISOEXTRACT_SPHERES;
-  job.kind = options.kind == field::FieldKind::level_set ? ISOEXTRACT_LEVEL_SET : ISOEXTRACT_DENSITY;
+  const isoextract_sphere_job job = sphere_job(particles, options);
   const auto made = std::make_shared<MadeGrid>(*tools, context, work);
   if (tools->spheres(&job, &made->memory.host(), &made->output) != 0) {
     return tl::unexpected(made->memory.refusal_or(tools_failed(*tools, work)));

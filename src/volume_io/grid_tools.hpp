@@ -24,7 +24,8 @@ namespace isoextract::volume_io {
 enum class SphereMethod {
   spheres,  // union of the particles' spheres
   // Spheres around the weighted mean of nearby particles: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH
-  // 2005, section 5.
+  // 2005, section 5. Without the bodies that this mean makes between particles (plugins/openvdb/
+  // openvdb_smooth_spheres.hpp): every body contains a sample of a sphere.
   smooth,
 };
 
@@ -34,7 +35,7 @@ struct SphereOptions {
   double radius = 0;             // of every particle, in world units, if `radii` is empty
   std::span<const float> radii;  // one per particle, in world units
   std::uint64_t images = 0;      // how many of the last particles are periodic images, which notes do not count
-  double search_radius = 0;      // smooth method: reach of a particle in world units
+  double search_radius = 0;      // smooth method: reach of a particle in world units, or twice its radius if larger
   double voxel = 0;              // spacing of the samples; one of them is at the world's origin
   double half_band = 3;          // width of the narrow band on either side of the surface, in voxels; 2 to 1000
   // Minimum radius in voxels. Smaller spheres can fall between samples, so the plug-in leaves them out, with a note.
@@ -54,6 +55,10 @@ struct SphereField {
 // The density is 0 outside the spheres' surface, rises to 1 over half_band voxels inside it, and is 1 further in.
 [[nodiscard]] Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, const SphereOptions& options,
                                                     const Context& context);
+
+// Returns an upper bound of the bytes of the grids that rasterize_spheres() works on; its result takes less.
+[[nodiscard]] Result<std::uint64_t> sphere_bytes(const points::ParticleSet& particles, const SphereOptions& options,
+                                                 const Context& context);
 
 enum class LevelSetFilter { gaussian, median, mean };
 constexpr auto words_of(LevelSetFilter /*type*/) {

@@ -133,11 +133,13 @@ struct EditFlags : OptionSet {
   Value<convert::SmoothChoice> smooth{
       *this,
       "--smooth",
-      "N[:taubin|sinc[:BAND]]",
+      "N[:METHOD[:BAND]]",
       parse_smoothing,
       "Smooth the surface by N passes of a filter. taubin (the default) and sinc (a windowed sinc) keep its size. "
-      "BAND, between 0 and 1 (default: 0.1), is the pass band: a smaller one smooths more. Boundary vertices stay in "
-      "place, and those of caps in their plane. Reports how far vertices moved and how much the volume changed.",
+      "BAND, between 0 and 1 (default: 0.1), is the pass band: a smaller one smooths more. weighted is for particles, "
+      "as in 25:weighted: it flattens sheets and bulk, and keeps droplets, whose particles have few neighbors. "
+      "Boundary vertices stay in place, and those of caps in their plane. Reports how far vertices moved and how much "
+      "the volume changed.",
       About::surface | About::edit};
 
   // Returns the edits without a simplification, which plan_edits() adds.

@@ -1,10 +1,17 @@
 // The stage that smooths a mesh.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/reserved_buffer.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/stages/surface_stages.hpp"
+#include "points/attribute_sampling.hpp"
+#include "points/neighbor_counts.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -18,9 +25,11 @@ std::optional<field::IndexBox> capped_box(const Source& source) {
 
 std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts, const std::string& surface) {
   std::string text = fmt::format(
-      "smoothed at {}: {} passes of {}, pass band {}; vertices moved by at most {:.4g} voxels, in the mesh's units "
-      "{:.4g}",
-      surface, asked.passes, word_of(asked.method), asked.pass_band, facts.greatest_move, facts.max_displacement_world);
+      "smoothed at {}: {} passes of {}, {}; vertices moved by at most {:.4g} voxels, in the mesh's units {:.4g}",
+      surface, asked.passes, word_of(asked.method),
+      facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
+                        : fmt::format("pass band {}", asked.pass_band),
+      facts.greatest_move, facts.max_displacement_world);
   if (facts.border_vertices == 0) {
     const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
     text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");
@@ -29,6 +38,22 @@ std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts,
   }
   if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
   return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
+}
+
+// Returns the weights of the vertices: points::smoothing_weight() of the interpolated neighbor counts.
+Result<std::shared_ptr<ReservedBuffer<float>>> vertex_weights(const NeighborCounts& neighbors, const Source& source,
+                                                              const mesh::Mesh& mesh, const Context& context) {
+  const field::Affine world_from_output = source.field.index_to_world.after(source.output_from_index.inverse());
+  const auto places = TRY(world_positions(world_from_output, mesh, context));
+  const auto sampled =
+      TRY(points::sample_attributes(*neighbors.particles, std::array{neighbors.attribute}, places->values.span(),
+                                    neighbors.radius, neighbors.smoothing_length, context));
+  auto weights = make_reserved_buffer<float>(mesh.positions.size(), context, mesh.name + ": weights of vertices");
+  if (!weights) return weights;
+  std::ranges::transform(sampled.attributes.front().values, (*weights)->values.begin(), [](float count) {
+    return static_cast<float>(points::smoothing_weight(static_cast<double>(count)));
+  });
+  return weights;
 }
 
 }  // namespace
@@ -50,12 +75,18 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
                                     glm::dvec3(data->max)};
     }
   }
+  std::shared_ptr<ReservedBuffer<float>> weights;
+  if (stage.source.neighbors) {
+    weights = TRY(vertex_weights(*stage.source.neighbors, stage.source, surface.mesh, stage.context));
+    options.weights = std::as_const(weights->values).span();
+  }
   const edit::SmoothFigures facts = TRY(edit::smooth(surface.mesh, options, stage.context));
   StageReport report = stage.report_on(StageName::smooth, surface);
   report.add_timed(
       {{Key::method, word_of(asked.method)},
        {Key::passes, asked.passes},
-       {Key::pass_band, asked.pass_band},
+       {Key::pass_band, facts.mean_weight ? Value() : Value(asked.pass_band)},
+       {Key::mean_weight, facts.mean_weight ? Value(*facts.mean_weight) : Value()},
        {Key::vertices, facts.vertices},
        {Key::border_vertices, facts.border_vertices},
        {Key::cap_vertices, facts.wall_vertices},

@@ -49,8 +49,8 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
                             particles.label, printable(figures.radius_attribute, 80)),
                 {Remedy::give, Setting::radius});
   }
-  const bool has_kernels = options.method != Method::weight && options.method != Method::spheres;
-  if (has_kernels) figures.support = 2 * options.smoothing_length * figures.radius;
+  const bool of_kernels = has_kernels(options.method);
+  if (of_kernels) figures.support = 2 * options.smoothing_length * figures.radius;
   if (!(figures.spacing > 0) || !std::isfinite(figures.spacing)) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected a finite sample spacing above 0, found {} (the particle radius is {})",
@@ -62,7 +62,7 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
                             particles.label, figures.support, figures.radius));
   }
   // Otherwise particles between samples would have no effect.
-  if (has_kernels && !(figures.support >= figures.spacing)) {
+  if (of_kernels && !(figures.support >= figures.spacing)) {
     return fail(
         ErrorCode::usage,
         fmt::format("{}: expected a sample spacing of at most the reach of a kernel, {:.6g}; found a spacing of "

@@ -31,6 +31,7 @@ ConversionJob full_job() {
                           .sequence_radius = 0.0625,
                           .element_radii = points::ElementRadii::covalent,
                           .cell_size = 0.5,
+                          .sequence_spacing = 0.0125,
                           .smoothing_length = 1.2,
                           .weight = 0.3,
                           .deposit = points::Deposit::nearest,
@@ -95,6 +96,7 @@ TEST(ConversionJob, ListsEveryMemberInJson) {
   EXPECT_EQ(
       full["particles"].dump(),
       R"({"expected":true,"method":"anisotropic","radius":0.025,"sequence_radius":0.0625,"element_radii":"covalent","cell_size":0.5,)"
+      R"("sequence_spacing":0.0125,)"
       R"("smoothing_length":1.2,"weight":0.3,"deposit":"nearest","not_finite":"skip","columns":["x","2","z"],)"
       R"("select":"type == 2","stride":3,)"
       R"("simulation_box":{"bounds":{"min":[1.0,2.0,3.0],"max":[4.0,5.0,6.0]},"periodic":[true,false,true],"unwrap":true}})");

@@ -1,5 +1,6 @@
 #include "edit/smooth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -46,6 +47,134 @@ double roughness(const mesh::Mesh& mesh, double radius) {
     sum += off * off;
   }
   return std::sqrt(sum / static_cast<double>(mesh.positions.size()));
+}
+
+// Returns the root mean square angle, in radians, between the vertex normals and those of the sphere.
+double normal_error(const mesh::Mesh& mesh) {
+  double sum = 0;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::dvec3 outward = glm::normalize(mesh.position(v) - glm::dvec3(23.3, 23.4, 23.6));
+    const double angle = std::acos(std::clamp(glm::dot(glm::dvec3(mesh.normals[v]), outward), -1.0, 1.0));
+    sum += angle * angle;
+  }
+  return std::sqrt(sum / static_cast<double>(mesh.positions.size()));
+}
+
+SmoothOptions weighted(std::uint64_t passes, std::span<const float> weights) {
+  SmoothOptions options;
+  options.method = SmoothMethod::weighted;
+  options.passes = passes;
+  options.weights = weights;
+  return options;
+}
+
+TEST(WeightedSmooth, MovesVerticesByTheirWeights) {
+  const field::ScalarField field = noisy_sphere(18);
+  mesh::Mesh mesh = rough_surface(field, false, true);
+  const mesh::Mesh before = copy(mesh);
+  std::vector<float> weights(mesh.positions.size(), 1);
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    if (mesh.position(v).x < 23) weights[v] = 0;
+  }
+  const SmoothFigures facts = must_smooth(mesh, weighted(25, weights));
+  test::expect_sound(mesh, true);
+  ASSERT_TRUE(facts.mean_weight);
+  EXPECT_NEAR(*facts.mean_weight, 0.5, 0.05);
+  double moved = 0;
+  for (std::size_t v = 0; v < weights.size(); ++v) {
+    if (weights[v] == 0) {
+      EXPECT_EQ(mesh.positions[v], before.positions[v]);
+    }
+    moved += weights[v] > 0 && mesh.positions[v] != before.positions[v] ? 1 : 0;
+  }
+  EXPECT_GT(moved, 0.45 * static_cast<double>(weights.size()));
+  EXPECT_LT(roughness(mesh, 18), 0.8 * roughness(before, 18));
+}
+
+// A plain mean of neighbors takes a tenth of this sphere, and more of smaller ones.
+TEST(WeightedSmooth, KeepsTheVolumeOfEachClosedComponent) {
+  for (const double radius : {8.0, 18.0}) {
+    mesh::Mesh mesh = rough_surface(noisy_sphere(radius), false);
+    const mesh::Mesh before = copy(mesh);
+    const std::vector<float> weights(mesh.positions.size(), 1);
+    const SmoothFigures facts = must_smooth(mesh, weighted(25, weights));
+    test::expect_sound(mesh, true);
+    EXPECT_NEAR(facts.volume_after / facts.volume_before, 1, 1e-3) << radius;
+    EXPECT_LT(roughness(mesh, radius), roughness(before, radius));
+  }
+}
+
+// The means of an octahedron's vertices are its center.
+TEST(WeightedSmooth, LeavesComponentsThatItWouldCollapse) {
+  const std::vector<glm::vec3> corners{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  const std::vector<glm::uvec3> octahedron{{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4},
+                                           {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};
+  mesh::Mesh mesh = test::make_mesh("octahedron", corners, octahedron);
+  const std::vector<float> weights(6, 1);
+  EXPECT_EQ(must_smooth(mesh, weighted(25, weights)).greatest_move, 0);
+}
+
+TEST(WeightedSmooth, KeepsCapsInTheirPlane) {
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=24", Context()).value();
+  mesh::Mesh mesh = rough_surface(field, true);
+  const mesh::Mesh before = copy(mesh);
+  const std::vector<float> weights(mesh.positions.size(), 1);
+  SmoothOptions options = weighted(10, weights);
+  options.walls = DataBox{glm::dmat3(1), glm::dvec3(0), glm::dvec3(0), glm::dvec3(23)};
+  must_smooth(mesh, options);
+  std::size_t on_sides = 0;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double was = before.position(v)[axis];
+      if (std::abs(was) > 1e-4 && std::abs(was - 23) > 1e-4) continue;
+      EXPECT_NEAR(mesh.position(v)[axis], was, 1e-5);
+      ++on_sides;
+    }
+  }
+  EXPECT_GT(on_sides, 100U);
+}
+
+// Two passes on paper: a vertex of a closed fan moves to the mean of its neighbors, and then to the mean of where they
+// moved.
+TEST(WeightedSmooth, IsTheLaplacianStepOfThePaper) {
+  const std::vector<glm::vec3> corners{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  const std::vector<glm::uvec3> octahedron{{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};
+  mesh::Mesh mesh = test::make_mesh("octahedron", corners, octahedron);
+  const std::vector<float> weights{0.5F, 0.5F, 0.5F, 0.5F, 0.25F, 0};
+  must_smooth(mesh, weighted(2, weights));
+  // z of the equator: 0, (1 - 1) / 4 = 0, then half of (0.75 - 1) / 4; of the pole: 1, 0.75, 0.75 * 0.75. The open edge
+  // at the lower pole fixes vertices 0, 1 and 5, so that the volume is not restored.
+  EXPECT_NEAR(mesh.position(2).z, 0.5 * -0.25 / 4, 1e-6);
+  EXPECT_NEAR(mesh.position(4).z, 0.5625, 1e-6);
+  EXPECT_EQ(mesh.position(5).z, -1);
+}
+
+TEST(WeightedSmooth, NormalsAreCloserToTheSphereThanThoseOfTheTriangles) {
+  mesh::Mesh mesh = rough_surface(noisy_sphere(18), false, true);
+  const std::vector<float> weights(mesh.positions.size(), 0.8F);
+  must_smooth(mesh, weighted(25, weights));
+  // Weights of 0 leave the normals of the triangles.
+  mesh::Mesh triangles = copy(mesh);
+  const std::vector<float> none(mesh.positions.size(), 0);
+  must_smooth(triangles, weighted(1, none));
+  EXPECT_LT(normal_error(mesh), 0.8 * normal_error(triangles));
+  for (const glm::vec3& normal : mesh.normals) EXPECT_NEAR(glm::length(normal), 1, 1e-6);
+}
+
+TEST(WeightedSmooth, DoesNotDependOnTheNumberOfThreads) {
+  std::vector<mesh::Mesh> made;
+  for (const std::size_t threads : {1U, 2U, 5U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    mesh::Mesh mesh = rough_surface(noisy_sphere(18), false, true);
+    std::vector<float> weights(mesh.positions.size());
+    for (std::size_t v = 0; v < weights.size(); ++v) weights[v] = static_cast<float>(v % 17) / 16;
+    must_smooth(mesh, weighted(10, weights));
+    made.push_back(std::move(mesh));
+  }
+  for (const mesh::Mesh& mesh : made) {
+    EXPECT_TRUE(std::ranges::equal(mesh.positions, made.front().positions));
+    EXPECT_TRUE(std::ranges::equal(mesh.normals, made.front().normals));
+  }
 }
 
 class SmoothMethods : public testing::TestWithParam<SmoothMethod> {};

@@ -92,6 +92,44 @@ TEST(SphereSet, RejectsInvalidRadii) {
       << zero.error().message;
 }
 
+SphereSpacings spacings_of(const std::vector<float>& radii) {
+  std::vector<glm::dvec3> positions;
+  for (std::size_t i = 0; i < radii.size(); ++i) positions.emplace_back(3.0 * static_cast<double>(i), 0, 0);
+  const auto found = find_sphere_spacings(with_radii(positions, "pscale", radii), spheres(), Context());
+  if (!found || !*found) {
+    ADD_FAILURE() << "expected spacings";
+    return {};
+  }
+  return **found;
+}
+
+TEST(SphereSet, FindsTheSpacingsThatKeepSmallSpheres) {
+  const SphereSpacings even = spacings_of({1, 1, 2});
+  EXPECT_EQ(even.usual, 0.5);
+  EXPECT_NEAR(even.keeps_all, 1 / 1.5, 1e-8);
+  EXPECT_EQ(even.keeps_most, 0.5) << "never above the usual one";
+  const SphereSpacings small = spacings_of({1, 1, 0.3F, 0, 2});
+  EXPECT_NEAR(small.keeps_all, 0.2, 1e-8) << "a radius of 0 needs no samples";
+  EXPECT_EQ(small.keeps_most, small.keeps_all);
+  EXPECT_GE(static_cast<double>(0.3F), kMinSphereRadius * small.keeps_all);
+  // 4 times finer is 0.125, which keeps a radius of 0.1875.
+  const SphereSpacings limit = spacings_of({1, 1, 1, 1, 0.1875F, 0.1874F, 1e-6F});
+  EXPECT_NEAR(limit.keeps_most, 0.125, 1e-8);
+  EXPECT_LT(limit.keeps_all, 1e-6);
+  const SphereSpacings stray = spacings_of({1, 1, 1, 1, 1e-6F});
+  EXPECT_EQ(stray.keeps_most, 0.5) << "one that cannot be kept refines nothing";
+}
+
+TEST(SphereSet, FindsNoSpacingsForOneRadius) {
+  const ParticleSet set = with_radii({{0, 0, 0}, {3, 0, 0}}, "pscale", {1, 0.1F});
+  FieldOptions given = spheres();
+  given.radius = 1;
+  EXPECT_FALSE(find_sphere_spacings(set, given, Context()).value());
+  EXPECT_FALSE(find_sphere_spacings(particles_at({{0, 0, 0}, {3, 0, 0}}), spheres(), Context()).value());
+  EXPECT_FALSE(find_sphere_spacings(with_radii({{0, 0, 0}}, "pscale", {0}), spheres(), Context()).value());
+  EXPECT_FALSE(find_sphere_spacings(with_radii({{0, 0, 0}}, "pscale", {-1}), spheres(), Context()));
+}
+
 TEST(SphereSet, IsRejectedByMakeField) {
   const auto refused = make_field(particles_at({{0, 0, 0}, {1, 0, 0}}), spheres(), Context());
   ASSERT_FALSE(refused);

@@ -226,6 +226,64 @@ TEST(OpenVdbTools, MakesASphereOfASingleSmoothSphere) {
   EXPECT_NEAR(inner_volume(field->field, 2), 4.0 / 3 * std::numbers::pi, 0.03);
 }
 
+TEST(OpenVdbTools, BoundsTheMemoryOfSpheres) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  for (const auto method : {volume_io::SphereMethod::spheres, volume_io::SphereMethod::smooth}) {
+    volume_io::SphereOptions options;
+    options.method = method;
+    options.radius = 1;
+    options.search_radius = 2;
+    options.voxel = 0.05;
+    const Context context;
+    const auto bytes = volume_io::sphere_bytes(two_balls(), options, context);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    EXPECT_EQ(context.memory().reserved(), 0U);
+    const auto field = volume_io::rasterize_spheres(two_balls(), options, context);
+    ASSERT_TRUE(field);
+    EXPECT_GE(context.memory().peak(), *bytes);
+    EXPECT_LT(context.memory().reserved(), *bytes);
+    options.voxel = 0.1;
+    EXPECT_LT(volume_io::sphere_bytes(two_balls(), options, context).value(), *bytes / 3);
+  }
+}
+
+// Between two spheres at the same distance from both, the averaged position is the middle itself.
+TEST(OpenVdbTools, MakesNoBodyBetweenDistantSpheres) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  volume_io::SphereOptions options;
+  options.method = volume_io::SphereMethod::smooth;
+  options.radius = 1;
+  options.search_radius = 4;
+  options.voxel = 0.25;
+  for (const double distance : {3.0, 4.0, 5.0, 6.0, 7.0}) {
+    points::ParticleSet set = two_balls();
+    set.positions[0] = {-distance / 2, 0, 0};
+    set.positions[1] = {distance / 2, 0, 0};
+    const auto field = volume_io::rasterize_spheres(set, options, Context());
+    ASSERT_TRUE(field) << field.error().message;
+    EXPECT_LT(sparse_value<float>(samples_of(field->field), {static_cast<int>(2 * distance), 0, 0}), -0.5) << distance;
+    if (distance > 4.5) {
+      EXPECT_GE(sparse_value<float>(samples_of(field->field), {0, 0, 0}), 0) << distance;
+    }
+    EXPECT_LT(inner_volume(field->field, distance / 2 + 3), 1.3 * 2 * 4.0 / 3 * std::numbers::pi) << distance;
+  }
+}
+
+TEST(OpenVdbTools, MakesSmoothSpheresLargerThanTheSearchRadius) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  volume_io::SphereOptions options;
+  options.method = volume_io::SphereMethod::smooth;
+  options.radius = 1;
+  options.search_radius = 0.5;
+  options.voxel = 0.125;
+  const auto field = volume_io::rasterize_spheres(two_balls(), options, Context());
+  ASSERT_TRUE(field) << field.error().message;
+  EXPECT_NEAR(inner_volume(field->field, 2), 4.0 / 3 * std::numbers::pi, 0.03);
+}
+
 TEST(OpenVdbTools, SmoothsALevelSetByFilters) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
