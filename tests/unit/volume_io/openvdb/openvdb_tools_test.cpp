@@ -264,9 +264,8 @@ TEST(OpenVdbTools, MakesNoBodyBetweenDistantSpheres) {
     const auto field = volume_io::rasterize_spheres(set, options, Context());
     ASSERT_TRUE(field) << field.error().message;
     EXPECT_LT(sparse_value<float>(samples_of(field->field), {static_cast<int>(2 * distance), 0, 0}), -0.5) << distance;
-    if (distance > 4.5) {
-      EXPECT_GE(sparse_value<float>(samples_of(field->field), {0, 0, 0}), 0) << distance;
-    }
+    if (distance < 5) continue;  // nearer spheres merge
+    EXPECT_GE(sparse_value<float>(samples_of(field->field), {0, 0, 0}), 0) << distance;
     EXPECT_LT(inner_volume(field->field, distance / 2 + 3), 1.3 * 2 * 4.0 / 3 * std::numbers::pi) << distance;
   }
 }
