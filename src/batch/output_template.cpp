@@ -45,7 +45,7 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
     switch (part.word) {
       case OutputWord::stem: name += safe_file_name(words.stem); break;
       case OutputWord::frame: name += frame_digits(words.frame, part.width); break;
-      case OutputWord::step: name += fmt::format("{}", words.step); break;
+      case OutputWord::step: name += frame_digits(words.step, part.width); break;
       case OutputWord::grid: name += safe_file_name(words.grid); break;
       case OutputWord::iso: name += words.iso; break;
       case OutputWord::piece: name += convert::kPiecePlaceholder; break;

@@ -31,7 +31,8 @@ class OutputTemplate {
  public:
   // Parses a template. Numberings and escapes are those of frame_pattern.hpp, but a number may occur more than once:
   // "{frame:04}/mesh_####.ply". Text in braces is a number or a word, unless the braces are escaped or contain one of
-  // { % #. Fails with ErrorCode::usage for unknown words, words with a width, and invalid widths of numbers.
+  // { % #. Fails with ErrorCode::usage for unknown words, invalid widths of numbers, and words other
+  // than step with a width.
   [[nodiscard]] static Result<OutputTemplate> parse(std::string_view name);
 
   [[nodiscard]] bool uses(OutputWord word) const;

@@ -83,7 +83,8 @@ class NameScanner {
     parts_.back().text += c;
   }
 
-  Result<bool> add_number(std::size_t length, std::optional<int> width) {
+  Result<bool> add_number(std::size_t length, std::optional<int> width, NamePart::Kind kind = NamePart::Kind::number,
+                          std::string_view word = {}) {
     const std::string_view written = name_.substr(at_, length);
     if (!width) {
       return fail(ErrorCode::usage,
@@ -95,12 +96,12 @@ class NameScanner {
       return fail(ErrorCode::usage, fmt::format("{}: expected at most {} digits for a frame, found '{}'",
                                                 printable(name_), kMaxFrameDigits, printable(written, 40)));
     }
-    parts_.push_back({NamePart::Kind::number, std::string(written), {}, *width});
+    parts_.push_back({kind, std::string(written), std::string(word), *width});
     at_ += length;
     return true;
   }
 
-  // {}, {:04}, {word}. An unclosed brace, or one with numbering inside, is text.
+  // {}, {:04}, {word}, {step:04}. An unclosed brace, or one with numbering inside, is text.
   Result<bool> braces() {
     const std::size_t close = name_.find('}', at_);
     if (close == std::string_view::npos) return false;
@@ -111,6 +112,7 @@ class NameScanner {
     const auto width = width_of(inside.substr(std::min(colon + 1, inside.size())));
     const std::size_t length = inside.size() + 2;
     if (word.empty() || word == "frame") return add_number(length, width);
+    if (word == "step") return add_number(length, width, NamePart::Kind::word, word);
     parts_.push_back({NamePart::Kind::word, std::string(name_.substr(at_, length)), std::string(inside), 0});
     at_ += length;
     return true;

@@ -13,8 +13,8 @@ struct NamePart {
   enum class Kind { text, number, word };
   Kind kind = Kind::text;
   std::string text;  // of Kind::text unescaped, else as written
-  std::string word;  // the text between the braces
-  int width = 0;     // of a number: minimum number of digits; 0: any
+  std::string word;  // the text between the braces, for step without its width
+  int width = 0;     // of a number or of step: minimum number of digits; 0: any
 };
 
 // Splits a name. Adjacent text is one part. {} and {frame} are numbers, any other text in braces is a word; braces that

@@ -33,6 +33,7 @@ TEST(OutputTemplate, ExpandsWordsAndNumbers) {
   EXPECT_EQ(expanded_name("a{{stem}}%%04d{#}#c#.ply", words), "a{stem}%04d##c#.ply");
   EXPECT_EQ(expanded_name("{iso}_{iso}", {"", 0, "", "p99"}), "p99_p99");
   EXPECT_EQ(expanded_name("f{}_{step}.ply", {"", 7, "", "", 2500}), "f7_2500.ply");
+  EXPECT_EQ(expanded_name("{step:06}.ply", {"", 7, "", "", 2500}), "002500.ply");
   EXPECT_EQ(expanded_name("f{:04}", {"", -1, "", ""}), "f-0001");
   EXPECT_EQ(expanded_name("{stem", words), "{stem");
 }
@@ -40,8 +41,8 @@ TEST(OutputTemplate, ExpandsWordsAndNumbers) {
 TEST(OutputTemplate, RefusesUnknownWords) {
   EXPECT_EQ(expanded_name("{name}.glb", {}),
             "{name}.glb: expected {stem}, {frame}, {frame:04}, {step}, {grid}, {iso} or {piece}, found '{name}'");
-  for (const char* name :
-       {"{Stem}.glb", "{iso:.2f}.glb", "{stem:04}", "{ iso}", "{frame:x}", "{frame:040}", "{:040}", "{1}"}) {
+  for (const char* name : {"{Stem}.glb", "{iso:.2f}.glb", "{stem:04}", "{step:x}", "{ iso}", "{frame:x}", "{frame:040}",
+                           "{:040}", "{1}"}) {
     const auto parsed = OutputTemplate::parse(name);
     ASSERT_FALSE(parsed) << name;
     EXPECT_EQ(parsed.error().code, ErrorCode::usage);
