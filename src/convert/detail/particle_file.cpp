@@ -138,8 +138,9 @@ Result<std::optional<mesh_io::WrittenFile>> write_particle_file(const Conversion
   report.time = watch.elapsed();
   report.did = "written";
   report.output.emplace();
-  report.output->samples = fmt::format("{} particles with {} attributes", particles.size(),
-                                       particles.attributes.size() + particles.words.size());
+  const std::size_t attributes = particles.attributes.size() + particles.words.size();
+  report.output->samples =
+      fmt::format("{} particles with {} attribute{}", particles.size(), attributes, attributes == 1 ? "" : "s");
   report.output->bytes = bytes;
   events.end(report);
   return mesh_io::WrittenFile{output.path, bytes};

@@ -72,14 +72,15 @@ TEST_P(FieldOfARegion, IsThatOfAllParticles) {
   FieldOptions options;
   options.method = test.method;
   if (test.radii == Radii::one) options.radius = test.radius();
-  options.smoothing_length = 1;
-  options.cell_size = test.method == Method::weight ? 1 : 0.75;
+  // Samples so near to each other that kernels reach farther than the margin of samples around the region.
+  options.cell_size = test.method == Method::weight ? 1 : 0.3;
+  options.anisotropy.neighborhood = test.box ? 1 : 2;
   options.weight = 2;
   options.margin = 2;
   const auto removed = keep_region(part, region, options, Context());
   ASSERT_TRUE(removed) << removed.error().message;
   EXPECT_EQ(*removed, all.size() - part.size());
-  EXPECT_GT(*removed, all.size() / (test.box ? 20 : 3));
+  EXPECT_GT(*removed, all.size() / 20);
   const ParticleField whole = field_of(all, options);
   const ParticleField cropped = field_of(part, options);
   EXPECT_EQ(cropped.figures.radius, whole.figures.radius);
@@ -144,7 +145,7 @@ TEST(Region, HasTheRadiusOfTheParticlesInside) {
   EXPECT_NEAR(options.suggested_radius.value_or(0), 0.05, 0.002);
   const ParticleField made = field_of(set, options);
   EXPECT_GE(made.figures.particles, fine);
-  EXPECT_LT(made.figures.particles, fine + 200);
+  EXPECT_LT(made.figures.particles, fine + 400);
   EXPECT_EQ(made.figures.particles_dropped, 1U);
   EXPECT_TRUE(made.figures.radius_suggested);
 }
