@@ -132,16 +132,16 @@ UnknownElements write_radii(const ElementSource& source, ElementRadii radii, std
   return unknown;
 }
 
-// Returns the attribute that gives the radii, new if there is none.
-ParticleAttribute& attribute_of_radii(ParticleSet& particles, Buffer<float> values) {
+// Replaces the attribute that gives the radii, or adds one.
+void set_radius_attribute(ParticleSet& particles, Buffer<float> values) {
   for (const std::string_view name : kRadiusAttributes) {
     for (ParticleAttribute& attribute : particles.attributes) {
       if (attribute.name != name || attribute.components != 1) continue;
       attribute.values = std::move(values);
-      return attribute;
+      return;
     }
   }
-  return particles.attributes.emplace_back(std::string(kRadiusAttributes.back()), 1, std::move(values));
+  particles.attributes.push_back({std::string(kRadiusAttributes.back()), 1, std::move(values)});
 }
 
 }  // namespace
@@ -193,7 +193,7 @@ Result<std::string> set_element_radii(ParticleSet& particles, ElementRadii radii
     }
   }
   for (float& value : values) value = static_cast<float>(static_cast<double>(value) * angstrom);
-  attribute_of_radii(particles, std::move(values));
+  set_radius_attribute(particles, std::move(values));
   particles.memory.take(std::move(memory));
   return stated;
 }
