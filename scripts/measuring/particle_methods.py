@@ -15,10 +15,10 @@ import particle_clouds as clouds  # of tests/support, where `processes` looks fo
 
 NAME = "particle-methods"
 TITLE = "Particles: volume, area, roughness and crawl by method"
-# A row's name and its options.
-METHODS = {"sph": ["--particles", "sph"], "sph, smoothed": ["--particles", "sph", "--smooth", "25:weighted"],
-           "anisotropic": ["--particles", "anisotropic"], "weight": ["--particles", "weight"],
-           "spheres": ["--particles", "spheres"], "smooth": ["--particles", "smooth"]}
+# Rows: their options after --particles, and all options.
+METHODS = {" ".join(options): ["--particles", *options] for options in (
+    ["sph"], ["sph", "--smooth", "25:weighted"], ["sph", "--smoothing-length", "3"], ["anisotropic"], ["weight"], ["spheres"],
+    ["smooth"])}
 SHIFT = (0.3, 0.45, 0.2)  # of a cell, between the two surfaces of the crawl
 RIM = 4  # radii: vertices nearer than this to an edge of the box do not count as roughness, as kernels round edges
 BOX = (25, 19, 13)  # particles along the axes
@@ -81,14 +81,14 @@ def random_ball(count, seed=11):
 def shapes(quick):
     many = 1200 if quick else 7239
     return [
-        Shape("small ball", "524 particles on a lattice", lattice_ball(524, 0), "ball"),
-        Shape("ball", f"{many:,} particles on a lattice", lattice_ball(many, 0), "ball"),
-        Shape("ball, jittered", "the same, each shifted by up to half a radius along each axis", lattice_ball(many, 0.5), "ball"),
-        Shape("ball, as FLIP seeds it", "one particle anywhere in each cube two radii wide: eight a cell", lattice_ball(many, 1),
+        Shape("small ball", "on a lattice", lattice_ball(524, 0), "ball"),
+        Shape("ball", "on a lattice", lattice_ball(many, 0), "ball"),
+        Shape("ball, jittered", "on the same lattice, each shifted by up to half a radius along each axis", lattice_ball(many, 0.5), "ball"),
+        Shape("ball, as FLIP seeds it", "anywhere in cubes two radii wide, one in each: eight a cell of the simulation", lattice_ball(many, 1),
               "ball"),
-        Shape("ball, random", "independent uniform positions", random_ball(many), "ball"),
-        Shape("box", "{} × {} × {} particles on a lattice".format(*BOX), lattice_box(0), "box"),
-        Shape("box, jittered", "the same, shifted as the ball", lattice_box(0.5), "box"),
+        Shape("ball, random", "at independent uniform positions", random_ball(many), "ball"),
+        Shape("box", "on a lattice of {} × {} × {}".format(*BOX), lattice_box(0), "box"),
+        Shape("box, jittered", "on the same lattice, shifted as those of the ball", lattice_box(0.5), "box"),
     ]
 
 
@@ -176,7 +176,7 @@ def flip_frame(setting):
     data = path.read_bytes()
     body = data[data.index(b"end_header\n") + len(b"end_header\n"):]
     points = [values[:3] for values in columns.iter_unpack(body)]
-    return Shape("FLIP frame", f"`{FLIP}`, {len(points):,} particles", points, None, FLIP_RADIUS, name)
+    return Shape("FLIP frame", f"of `{FLIP}`", points, None, FLIP_RADIUS, name)
 
 
 def measure(setting):
@@ -197,17 +197,16 @@ def measure(setting):
 
 def row_of(row):
     known = row.get("volume") is not None
-    return [f"`{row['method']}`" if "," not in row["method"] else "`sph --smooth 25:weighted`", number(row["triangles"]),
+    return [f"`{row['method']}`", number(row["triangles"]),
             percent(row["volume"]) if known else "–", percent(row["area"]) if known else "–",
             number(row["roughness"], 2) if known else "–", number(row["crawl"], 2), number(row["wall"]["median"])]
 
 
 def part_of(part):
     heads = ["`--particles`", "triangles:", "volume:", "area:", "roughness, radii:", "crawl, radii:", "whole command, s:"]
-    about = part["about"] if f"{part['particles']:,}" in part["about"] else f"{part['particles']:,} particles: {part['about']}"
     return f"""## {part['name'][0].upper() + part['name'][1:]}
 
-{about[0].upper() + about[1:]}.
+{number(part['particles'])} particles {part['about']}.
 
 {table(heads, [row_of(row) for row in part['rows']])}
 """
@@ -215,13 +214,13 @@ def part_of(part):
 
 def page(measured):
     figures = measured["figures"]
-    return f"""Surfaces of particles of radius 1 at each method's default cell size and iso value. `sph --smooth 25:weighted` smooths the surface
-of `sph` by feature weights.
+    return f"""Surfaces of particles of radius 1 at each method's default cell size and iso value.
 
 - Volume and area are relative to the ball or box that has 8 units of volume (a cube two radii wide) for each particle.
 - Roughness is the rms of the vertices' distances from that shape about their mean. For the box it leaves out {RIM} radii beside edges.
 - Crawl is the rms distance between two surfaces: of the particles, and of the same particles shifted by ({', '.join(map(str, SHIFT))}) of a
   cell along the axes, moved back. It shows how much a surface flickers where liquid moves through the grid.
+- Irregular particles can leave cavities inside, which count in volume, area and roughness. A larger `--smoothing-length` closes them.
 - Times are of the whole command on all cores, warm: the median of {figures['rounds']} after one that is thrown away.
 
 {chr(10).join(map(part_of, figures['sets']))}"""
