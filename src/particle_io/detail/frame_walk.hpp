@@ -1,13 +1,12 @@
-// Goes through the frames of a text file. A format gives a type `Frames` with these members:
-//   Frame        the header of a frame. Its member `begin` is the position of its first byte in the content,
-//   `inherited`
-//                is Inherited, `time` is FrameTime
+// Walks through the frames of a text file. A format gives a type `Frames` with these members:
+//   Frame        the header of a frame. Its members: `begin`, the position of its first byte in the content;
+//                `inherited`, an Inherited; `time`, a FrameTime
 //   no_frames()  the error of a file without frames, an InvalidParticleFile
 //   kEndsInRow   whether the last line of a frame has values that a missing line end could make incomplete
 //   next(content, frame)   reads up to the first particle of the next frame; returns false if there is none. `frame` is
 //                          the one before, or only has `inherited`
 //   skip(content, frame)   passes the particles of the frame
-// Both throw TruncatedFrame if the file ends within the frame.
+// next() and skip() throw TruncatedFrame if the file ends within the frame.
 #pragma once
 
 #include <cstdint>
