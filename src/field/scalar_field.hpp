@@ -3,8 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <glm/glm.hpp>
 
 #include "base/enum_words.hpp"
 #include "base/note.hpp"
@@ -31,6 +34,23 @@ struct ValueScale {
   [[nodiscard]] bool is_identity() const { return slope == 1 && intercept == 0; }
 };
 
+// A label of a label map, as its file names it.
+struct LabelName {
+  std::int64_t label = 0;
+  std::string name;
+  std::optional<glm::dvec3> color;  // sRGB, each channel from 0 to 1; if the file recommends one
+
+  friend bool operator==(const LabelName&, const LabelName&) = default;
+};
+
+// Chunks, slices or files of which a reader needed only some.
+struct PartsRead {
+  std::uint64_t read = 0;
+  std::uint64_t of = 0;  // 0 if the file has no parts
+
+  friend bool operator==(const PartsRead&, const PartsRead&) = default;
+};
+
 struct ScalarField {
   std::string name;         // of the grid, or the file's stem if the format has no names
   std::string source;       // name of the input for messages: path, "standard input", or a text like "demo:sphere"
@@ -46,6 +66,10 @@ struct ScalarField {
   Affine index_to_file;   // maps index (i, j, k) to the sample indices of the file (voxel coordinates); the identity
                           // unless the field was resampled or coarsened
   Samples samples;
+  std::vector<LabelName> labels;  // of a label map whose file names them, in ascending order of label
+  std::optional<double> time;     // of the volume, in units of time_unit; if the file states it
+  std::string time_unit;          // "s", "days since 1950-01-01"; may be empty
+  PartsRead parts;
   Notes notes;  // omissions and assumptions of the reader, one sentence each; `cli` prints them
 
   [[nodiscard]] SampleType type() const {

@@ -76,6 +76,10 @@ struct ReadOptions {
   std::optional<field::FieldKind> kind;      // replaces the file's kind
   std::optional<double> no_data;             // dense samples of this value become NaN (field/no_data.hpp)
   bool no_data_for_dense_only = false;       // ignore no_data for sparse samples, for which it is otherwise an error
+  std::optional<std::uint64_t> level;        // of a pyramid of resolutions; default 0, the finest
+  std::optional<glm::dvec3> sampling;        // spacing of the samples of data that do not lie on a lattice
+  bool evens_out = false;                    // resample unevenly spaced samples, otherwise an error
+  std::optional<field::Box> region;          // in world coordinates: samples beyond it need not be read
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
@@ -94,7 +98,13 @@ struct GridInfo {
   std::string creator;                   // program that wrote it; may be empty
   std::optional<AttributeKind> kind_of_vectors;  // of a vector grid, if the file specifies it
   bool vectors_in_voxels = false;                // of a vector grid: vectors are in index space, in voxels
-  std::string placement_problem;                 // why the file's transform cannot be used; empty if it can
+  std::vector<field::LabelName> labels;          // as in ScalarField
+  std::vector<double> volume_times;              // of each volume; empty if the file states none
+  std::string time_unit;                         // as in ScalarField, as are the following
+  std::string length_unit;
+  std::string world_space;
+  std::string component_names;    // in order, separated by spaces; may be empty
+  std::string placement_problem;  // why the file's transform cannot be used; empty if it can
   // For grids that a plug-in reads instead of the format itself:
   std::string plugin;              // the plug-in's id; may be empty
   bool plugin_is_missing = false;  // in no folder of plugin_host::plugin_folders()
@@ -120,6 +130,13 @@ struct FormatDescription {
   bool has_components = false;  // samples may have several components, selected by ReadOptions::component
   bool has_axis_order = false;  // files do not specify the order of axes; ReadOptions::axis_order may
   bool needs_layout = false;    // files have no header; needs ReadOptions::raw
+  bool has_levels = false;      // files may have several resolutions, selected by ReadOptions::level
+  bool takes_sampling = false;  // samples need not lie on a lattice; uses ReadOptions::sampling
+  bool takes_evening = false;   // samples may be spaced unevenly; uses ReadOptions::evens_out
+  std::string library = {};     // that reads them: "GDCM"; empty for the program's own code
+  std::string package = {};     // Debian's, with which a plug-in is built
+  std::string plugin = {};      // path of the plug-in that reads them, "" if none does or none is there
+  bool is_plugin = false;
 };
 
 // A format lives as long as the program, keeps no state of a file between calls, and is safe to use from several
