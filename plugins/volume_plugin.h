@@ -9,9 +9,9 @@
  *                                 magic: 128 4449434d     bytes (in hex) that its files have at an offset; any number
  *                                                         of such lines
  *                                 contains: DATASET IMAGE text in the first 1024 bytes of its files; likewise
- *                                 folder: .zgroup .zarray names of entries by which a folder is an input of this
+ *                                 folders: .zgroup .zarray names of entries by which a folder is an input of this
  *                                                         format; * for any folder with a file of this format
- *                                 options: level spacing  what of isoextract_volume_request it uses besides the path
+ *                                 uses: level spacing     what of isoextract_volume_request it uses besides the path
  *                                 library: GDCM 3.0       for users
  *                                 package: libgdcm-dev    what builds it, for users
  *    isoextract-volume-ID.so    a shared object with the function isoextract_volume_plugin()
