@@ -322,12 +322,12 @@ class MetaImage final : public VolumeFile {
 
   // ElementDataFile = slice%03d.raw FIRST LAST STEP
   static std::vector<std::string> numbered_names(const std::vector<std::string>& words) {
-    const auto first = words.size() > 2 ? parse_integer(words[1]) : std::nullopt;
-    const auto last = words.size() > 2 ? parse_integer(words[2]) : std::nullopt;
-    const auto step = words.size() > 3 ? parse_integer(words[3]) : std::optional<std::int64_t>(1);
+    const std::int64_t first = words.size() > 2 ? parse_integer(words[1]).value_or(-1) : -1;
+    const std::int64_t last = words.size() > 2 ? parse_integer(words[2]).value_or(-1) : -1;
+    const std::int64_t step = words.size() > 3 ? parse_integer(words[3]).value_or(0) : 1;
     const std::size_t percent = words.empty() ? std::string::npos : words[0].find('%');
     const std::size_t letter = percent == std::string::npos ? percent : words[0].find_first_not_of("0123456789", percent + 1);
-    if (!first || !last || !step || *step < 1 || *last < *first || *last - *first > (1 << 24) || *first < 0 ||
+    if (first < 0 || step < 1 || last < first || last - first > (1 << 24) ||
         letter == std::string::npos || (words[0][letter] != 'd' && words[0][letter] != 'i')) {
       throw ReadError("expected ElementDataFile = NAME%03d FIRST LAST STEP, found '" +
                       (words.empty() ? std::string() : words[0].substr(0, 80)) + "'");
@@ -335,7 +335,7 @@ class MetaImage final : public VolumeFile {
     const auto width = static_cast<std::size_t>(parse_integer(words[0].substr(percent + 1, letter - percent - 1)).value_or(0));
     if (width > 20) throw ReadError("expected numbers of at most 20 digits in ElementDataFile");
     std::vector<std::string> names;
-    for (std::int64_t i = *first; i <= *last; i += *step) {
+    for (std::int64_t i = first; i <= last; i += step) {
       std::string number = std::to_string(i);
       if (number.size() < width) number.insert(0, width - number.size(), '0');
       names.push_back(words[0].substr(0, percent) + number + words[0].substr(letter + 1));
