@@ -161,7 +161,7 @@ class Cube final : public VolumeFile {
       if (i < 32) numbers += (i == 0 ? "" : ", ") + std::to_string(*orbital);
     }
     grid.volumes = static_cast<std::uint64_t>(*count);
-    if (grid.volumes > 1 || grid.components == 1) note = "the volumes are the orbitals " + numbers + (*count > 32 ? ", ..." : "");
+    note = (*count > 1 ? "the volumes are the orbitals " : "the file has orbital ") + numbers + (*count > 32 ? ", ..." : "");
     values_at_ = words.offset();
   }
 

@@ -174,7 +174,7 @@ Opened evened_grid(DataSets& data, vtkRectilinearGrid* grid, const Request& requ
       text += (first ? "" : ", ") + range_of_steps(coordinates) + " along " + std::string(1, "xyz"[axis]);
       first = false;
     }
-    throw ReadError(text);
+    throw isoextract_plugin::UnevenError(text);
   }
   return std::make_unique<EvenedGrid>(data, grid);
 }

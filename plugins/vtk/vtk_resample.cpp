@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <vtkCellArray.h>
+#include <vtkCellType.h>
 #include <vtkDataArray.h>
 #include <vtkGenericCell.h>
 #include <vtkIdList.h>
@@ -70,6 +71,7 @@ class Resampled final : public VolumeFile {
     if (!product(counts, std::uint64_t{1} << 40)) throw ReadError("expected a spacing of fewer samples than 2^40, found " + size);
     for (Grid& grid : grids) {
       grid.dims = dims;
+      grid.is_sampled = true;
       if (grid.sample_type != ISOEXTRACT_NOT_SCALAR && grid.sample_type != ISOEXTRACT_F64) grid.sample_type = ISOEXTRACT_F32;
     }
     add_note(note, std::to_string(cells_) + " cells that do not lie on a lattice are resampled onto " + size +
@@ -115,7 +117,8 @@ class Resampled final : public VolumeFile {
       for (vtkIdType i = 0; i < leaf->GetNumberOfCells(); ++i) {
         cell->SetCellType(leaf->GetCellType(i));
         if (cell->GetCellDimension() != 3) {
-          ++others;
+          // Cells that a finer AMR level covers are empty.
+          others += cell->GetCellType() == VTK_EMPTY_CELL ? 0 : 1;
           continue;
         }
         std::array<double, 6> box{};
