@@ -1,10 +1,9 @@
-// Reads data sets with VTK's readers: legacy files, XML of all grids but image data, blocks, AMR, DEM and OpenFOAM cases.
+// Reads data sets with VTK's readers: legacy files, XML of all grids but image data, blocks, AMR and OpenFOAM cases.
 #include <algorithm>
 #include <filesystem>
 
 #include <vtkCompositeDataIterator.h>
 #include <vtkCompositeDataSet.h>
-#include <vtkDEMReader.h>
 #include <vtkDataArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
@@ -172,6 +171,7 @@ void read_open_foam(const Request& request, DataSets& data) {
   auto reader = vtkSmartPointer<vtkOpenFOAMReader>::New();
   reader->SetFileName(control.c_str());
   reader->SetDecomposePolyhedra(1);
+  reader->SetCreateCellToPoint(0);  // it would list each array twice
   reader->UpdateInformation();
   check_messages();
   if (vtkDoubleArray* times = reader->GetTimeValues()) {
@@ -192,12 +192,6 @@ void read_open_foam(const Request& request, DataSets& data) {
   data.format = "OpenFOAM case";
 }
 
-void read_dem(const std::string& path, DataSets& data) {
-  if (InputFile(path).size() < 1024) throw ReadError("expected a DEM header of 1024 bytes, found fewer");
-  read_all<vtkDEMReader>(path, "USGS DEM", data);
-  add_note(data.note, "heights are the values of a single layer of samples");
-}
-
 void add_field_time(DataSets& data) {
   for (const char* name : {"TimeValue", "TIME"}) {
     vtkDataArray* time = data.leaves[0]->GetFieldData()->GetArray(name);
@@ -216,10 +210,8 @@ Opened open_data_set(const Request& request, const isoextract_plugin_host& host)
     const std::string start = InputFile(request.path).text_at(0, 1024);
     if (start.starts_with("# vtk")) {
       read_legacy(request.path, data);
-    } else if (start.find("<VTKFile") != std::string::npos) {
-      read_xml(request.path, data);
     } else {
-      read_dem(request.path, data);
+      read_xml(request.path, data);
     }
   }
   if (data.leaves.empty()) throw ReadError("expected a grid with points, found none");

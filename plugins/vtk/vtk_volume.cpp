@@ -64,7 +64,8 @@ Open reader_by_name(const std::string& path) {
   }
   if (extension == ".cube" || extension == ".cub") return open_cube;
   if (extension == ".mhd" || extension == ".mha") return open_meta_image;
-  if (extension == ".dem" || extension == ".foam") return open_data_set;
+  if (extension == ".dem") return open_dem;
+  if (extension == ".foam") return open_data_set;
   if (extension == ".series") return open_time_series;
   return nullptr;
 }
