@@ -59,7 +59,8 @@ double number_in(const std::vector<std::string>& words, std::size_t index, const
 std::int64_t integer_in(const std::vector<std::string>& words, std::size_t index, const char* line) {
   const double number = number_in(words, index, line);
   if (number != std::floor(number) || std::abs(number) > 1e9) {
-    throw ReadError(std::string("expected a whole number in the line of ") + line + ", found " + words[index].substr(0, 40));
+    throw ReadError(std::string("expected a whole number in the line of ") + line + ", found " +
+                    words[index].substr(0, 40));
   }
   return static_cast<std::int64_t>(number);
 }
@@ -141,9 +142,8 @@ class Cube final : public VolumeFile {
     const auto step = static_cast<std::int64_t>(per_point);
     const auto z = static_cast<std::int64_t>(grid.dims[2]);
     const auto y = static_cast<std::int64_t>(grid.dims[1]);
-    isoextract_plugin::fill_box(grid,
-                                {values_.data() + selection.volume * grid.components, {step * z * y, step * z, step}, 1},
-                                selection);
+    isoextract_plugin::fill_box(
+        grid, {values_.data() + selection.volume * grid.components, {step * z * y, step * z, step}, 1}, selection);
     return {};
   }
 
@@ -152,16 +152,20 @@ class Cube final : public VolumeFile {
   void read_orbitals(Grid& grid) {
     TextWords words(file_, values_at_);
     const auto count = parse_integer(words.next());
-    if (!count || *count < 1 || *count > 1000000) throw ReadError("expected a number of orbitals after the atoms, found none");
+    if (!count || *count < 1 || *count > 1000000)
+      throw ReadError("expected a number of orbitals after the atoms, found none");
     std::string numbers;
     for (std::int64_t i = 0; i < *count; ++i) {
       const std::string_view word = words.next();
       const auto orbital = parse_integer(word);
-      if (!orbital) throw ReadError("expected the numbers of " + std::to_string(*count) + " orbitals, found '" + std::string(word.substr(0, 40)) + "'");
+      if (!orbital)
+        throw ReadError("expected the numbers of " + std::to_string(*count) + " orbitals, found '" +
+                        std::string(word.substr(0, 40)) + "'");
       if (i < 32) numbers += (i == 0 ? "" : ", ") + std::to_string(*orbital);
     }
     grid.volumes = static_cast<std::uint64_t>(*count);
-    note = (*count > 1 ? "the volumes are the orbitals " : "the file has orbital ") + numbers + (*count > 32 ? ", ..." : "");
+    note = (*count > 1 ? "the volumes are the orbitals " : "the file has orbital ") + numbers +
+           (*count > 32 ? ", ..." : "");
     values_at_ = words.offset();
   }
 
@@ -172,6 +176,8 @@ class Cube final : public VolumeFile {
 
 }  // namespace
 
-Opened open_cube(const Request& request, const isoextract_plugin_host& /*host*/) { return std::make_unique<Cube>(request); }
+Opened open_cube(const Request& request, const isoextract_plugin_host& /*host*/) {
+  return std::make_unique<Cube>(request);
+}
 
 }  // namespace isoextract_vtk

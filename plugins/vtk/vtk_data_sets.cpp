@@ -99,7 +99,8 @@ std::vector<double> values_of(vtkDataArray* array) {
   return values;
 }
 
-void put_tuple(const Grid& grid, const isoextract_volume_selection& selection, std::uint64_t index, const double* tuple) {
+void put_tuple(const Grid& grid, const isoextract_volume_selection& selection, std::uint64_t index,
+               const double* tuple) {
   double value = 0;
   if (selection.component == ISOEXTRACT_COMPONENT_LENGTH) {
     for (std::uint64_t c = 0; c < grid.components; ++c) value += tuple[c] * tuple[c];

@@ -30,7 +30,8 @@ vtkDataArray* find_array(vtkDataSet* data, const ArrayFacts& facts);
 std::vector<double> values_of(vtkDataArray* array);
 
 // Stores a component of a tuple, or its length, as sample `index` of the selection's box, which has f32 or f64 samples.
-void put_tuple(const Grid& grid, const isoextract_volume_selection& selection, std::uint64_t index, const double* tuple);
+void put_tuple(const Grid& grid, const isoextract_volume_selection& selection, std::uint64_t index,
+               const double* tuple);
 
 // Lattices in memory; null if the leaves are not image data, or evenly spaced rectilinear grids, on one lattice.
 Opened lattice_of(DataSets& data);

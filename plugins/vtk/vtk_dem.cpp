@@ -1,6 +1,6 @@
-// Digital elevation models of the USGS (.dem): one layer of heights. Format: U.S. Geological Survey, Standards for Digital
-// Elevation Models, Part 2: Specifications, 1998. Records have fixed columns. VTK's reader (9.1) crashes on files without
-// all optional fields, so that profiles are read here.
+// Digital elevation models of the USGS (.dem): one layer of heights. Format: U.S. Geological Survey, Standards for
+// Digital Elevation Models, Part 2: Specifications, 1998. Records have fixed columns. VTK's reader (9.1) crashes on
+// files without all optional fields, so that profiles are read here.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -42,12 +42,14 @@ class Dem final : public VolumeFile {
     if (!(rows >= 1 && rows <= 1e6)) throw ReadError("expected profiles beside each other, found others");
     grid.dims = {profiles, static_cast<std::uint64_t>(rows), 1};
     grid.index_to_world = {step[0], 0, 0, profiles_[0].x, 0, step[1], 0, first, 0, 0, 1, 0};
-    for (Profile& profile : profiles_) profile.row = static_cast<std::uint64_t>(std::round((profile.y - first) / step[1]));
+    for (Profile& profile : profiles_)
+      profile.row = static_cast<std::uint64_t>(std::round((profile.y - first) / step[1]));
     grid.sample_type = ISOEXTRACT_F32;
     grid.type_name = "heights";
     grid.length_unit = unit == 1 ? "ft" : unit == 2 ? "m" : "";
     grid.name = "elevation";
-    note = "the values are heights in " + std::string(number(head, 534, 6, "unit of heights", 0, 4) == 1 ? "feet" : "meters");
+    note = "the values are heights in " +
+           std::string(number(head, 534, 6, "unit of heights", 0, 4) == 1 ? "feet" : "meters");
     if (unit == 3) note += ", the coordinates are arc seconds";
     grids.push_back(std::move(grid));
   }
@@ -81,8 +83,8 @@ class Dem final : public VolumeFile {
     const auto value = words.size() == 1 ? parse_number(words[0]) : std::nullopt;
     if (!value || !(*value >= least && *value <= most)) {
       throw ReadError(std::string("expected the ") + what + " in columns " + std::to_string(column + 1) + " to " +
-                      std::to_string(column + width) + ", found '" + record.substr(column, std::min<std::size_t>(width, 40)) +
-                      "'");
+                      std::to_string(column + width) + ", found '" +
+                      record.substr(column, std::min<std::size_t>(width, 40)) + "'");
     }
     return *value;
   }
@@ -138,6 +140,8 @@ class Dem final : public VolumeFile {
 
 }  // namespace
 
-Opened open_dem(const Request& request, const isoextract_plugin_host& host) { return std::make_unique<Dem>(request, host); }
+Opened open_dem(const Request& request, const isoextract_plugin_host& host) {
+  return std::make_unique<Dem>(request, host);
+}
 
 }  // namespace isoextract_vtk

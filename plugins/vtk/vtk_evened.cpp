@@ -84,7 +84,8 @@ class EvenedGrid final : public VolumeFile {
         even.index_to_world[4 * axis + 3] = axes[axis].first;
       }
       // Interpolated values are not integers.
-      if (even.sample_type != ISOEXTRACT_NOT_SCALAR && even.sample_type != ISOEXTRACT_F64) even.sample_type = ISOEXTRACT_F32;
+      if (even.sample_type != ISOEXTRACT_NOT_SCALAR && even.sample_type != ISOEXTRACT_F64)
+        even.sample_type = ISOEXTRACT_F32;
     }
     const Dims& dims = grids[0].dims;
     add_note(note, "the unevenly spaced samples were resampled trilinearly onto " + std::to_string(dims[0]) + " x " +
@@ -99,7 +100,8 @@ class EvenedGrid final : public VolumeFile {
     HostMemory memory(host);
     memory.take(static_cast<std::uint64_t>(array->GetNumberOfTuples()) * grid.components * sizeof(double));
     const std::vector<double> values = values_of(array);
-    const std::array<std::size_t, 2> sizes{coordinates(0, facts.of_cells).size(), coordinates(1, facts.of_cells).size()};
+    const std::array<std::size_t, 2> sizes{coordinates(0, facts.of_cells).size(),
+                                           coordinates(1, facts.of_cells).size()};
     // One row of even samples with their components at a time.
     std::vector<double> row(selection.count[0] * grid.components);
     std::uint64_t to = 0;
@@ -118,13 +120,15 @@ class EvenedGrid final : public VolumeFile {
                                     ((corner & 4) != 0 ? z.upper_part : 1 - z.upper_part);
               if (weight == 0) continue;  // also where an axis has one sample
               const std::size_t sample =
-                  ((z.lower + (corner >> 2)) * sizes[1] + y.lower + (corner >> 1 & 1)) * sizes[0] + x.lower + (corner & 1);
+                  ((z.lower + (corner >> 2)) * sizes[1] + y.lower + (corner >> 1 & 1)) * sizes[0] + x.lower +
+                  (corner & 1);
               sum += weight * values[sample * grid.components + c];
             }
             row[i * grid.components + c] = sum;
           }
         }
-        for (std::uint64_t i = 0; i < selection.count[0]; ++i) put_tuple(grid, selection, to++, row.data() + i * grid.components);
+        for (std::uint64_t i = 0; i < selection.count[0]; ++i)
+          put_tuple(grid, selection, to++, row.data() + i * grid.components);
       }
     }
     return {};

@@ -29,8 +29,8 @@ struct LatticeFrame {
   Extent extent{};
 };
 
-// Returns grids with the arrays' names, types and components. If an array of points and one of cells have the same name,
-// the latter's grid is "cell:NAME".
+// Returns grids with the arrays' names, types and components. If an array of points and one of cells have the same
+// name, the latter's grid is "cell:NAME".
 std::vector<Grid> grids_of_arrays(const std::vector<ArrayFacts>& arrays);
 
 // Joins notes by "; ".

@@ -79,19 +79,28 @@ std::vector<double> numbers_of(const Header& header, const std::vector<std::stri
   return numbers;
 }
 
-bool is_true(const std::string& value) { return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1'); }
+bool is_true(const std::string& value) {
+  return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+}
 
 StoredType type_of(std::string name) {
   using Wide = StoredType::Wide;
-  static const std::map<std::string, StoredType> types{
-      {"MET_UCHAR", {ISOEXTRACT_U8}},   {"MET_CHAR", {ISOEXTRACT_I8}},    {"MET_USHORT", {ISOEXTRACT_U16}},
-      {"MET_SHORT", {ISOEXTRACT_I16}},  {"MET_UINT", {ISOEXTRACT_U32}},   {"MET_INT", {ISOEXTRACT_I32}},
-      {"MET_ULONG", {ISOEXTRACT_U32}},  {"MET_LONG", {ISOEXTRACT_I32}},   {"MET_FLOAT", {ISOEXTRACT_F32}},
-      {"MET_DOUBLE", {ISOEXTRACT_F64}}, {"MET_ULONG_LONG", {ISOEXTRACT_F64, Wide::u64}},
-      {"MET_LONG_LONG", {ISOEXTRACT_F64, Wide::i64}}};
+  static const std::map<std::string, StoredType> types{{"MET_UCHAR", {ISOEXTRACT_U8}},
+                                                       {"MET_CHAR", {ISOEXTRACT_I8}},
+                                                       {"MET_USHORT", {ISOEXTRACT_U16}},
+                                                       {"MET_SHORT", {ISOEXTRACT_I16}},
+                                                       {"MET_UINT", {ISOEXTRACT_U32}},
+                                                       {"MET_INT", {ISOEXTRACT_I32}},
+                                                       {"MET_ULONG", {ISOEXTRACT_U32}},
+                                                       {"MET_LONG", {ISOEXTRACT_I32}},
+                                                       {"MET_FLOAT", {ISOEXTRACT_F32}},
+                                                       {"MET_DOUBLE", {ISOEXTRACT_F64}},
+                                                       {"MET_ULONG_LONG", {ISOEXTRACT_F64, Wide::u64}},
+                                                       {"MET_LONG_LONG", {ISOEXTRACT_F64, Wide::i64}}};
   if (name.ends_with("_ARRAY")) name.resize(name.size() - 6);
   const auto found = types.find(name);
-  if (found == types.end()) throw ReadError("expected an ElementType such as MET_SHORT, found '" + name.substr(0, 40) + "'");
+  if (found == types.end())
+    throw ReadError("expected an ElementType such as MET_SHORT, found '" + name.substr(0, 40) + "'");
   return found->second;
 }
 
@@ -220,7 +229,8 @@ class MetaImage final : public VolumeFile {
     grid.dims = {1, 1, 1};
     for (std::size_t axis = 0; axis < axes_; ++axis) {
       if (!(sizes[axis] >= 1 && sizes[axis] <= 2147483647.0 && sizes[axis] == std::floor(sizes[axis]))) {
-        throw ReadError("expected positive whole numbers in DimSize, found " + value_of(values, {"DimSize"}).substr(0, 80));
+        throw ReadError("expected positive whole numbers in DimSize, found " +
+                        value_of(values, {"DimSize"}).substr(0, 80));
       }
       (axis < 3 ? grid.dims[axis] : grid.volumes) = static_cast<std::uint64_t>(sizes[axis]);
     }
@@ -268,7 +278,8 @@ class MetaImage final : public VolumeFile {
     if (!matrix.empty() && values.contains("AnatomicalOrientation")) {
       grid.world_space = "left-posterior-superior";
       if (grid.length_unit.empty()) grid.length_unit = "mm";
-      note += std::string(note.empty() ? "" : "; ") + "the space is taken as left-posterior-superior in mm, as ITK has it";
+      note +=
+          std::string(note.empty() ? "" : "; ") + "the space is taken as left-posterior-superior in mm, as ITK has it";
     }
   }
 
@@ -306,8 +317,11 @@ class MetaImage final : public VolumeFile {
   }
 
   void check_ratio(std::uint64_t bytes, const Grid& grid) const {
-    const auto numbers = product({grid.dims[0], grid.dims[1], grid.dims[2], grid.volumes, grid.components}, bytes * 1040);
-    if (!numbers) throw ReadError("expected samples that " + std::to_string(bytes) + " compressed bytes can hold, found more in DimSize");
+    const auto numbers =
+        product({grid.dims[0], grid.dims[1], grid.dims[2], grid.volumes, grid.components}, bytes * 1040);
+    if (!numbers)
+      throw ReadError("expected samples that " + std::to_string(bytes) +
+                      " compressed bytes can hold, found more in DimSize");
   }
 
   void set_slices(const std::vector<std::string>& names, const Grid& grid) {
@@ -326,13 +340,15 @@ class MetaImage final : public VolumeFile {
     const std::int64_t last = words.size() > 2 ? parse_integer(words[2]).value_or(-1) : -1;
     const std::int64_t step = words.size() > 3 ? parse_integer(words[3]).value_or(0) : 1;
     const std::size_t percent = words.empty() ? std::string::npos : words[0].find('%');
-    const std::size_t letter = percent == std::string::npos ? percent : words[0].find_first_not_of("0123456789", percent + 1);
-    if (first < 0 || step < 1 || last < first || last - first > (1 << 24) ||
-        letter == std::string::npos || (words[0][letter] != 'd' && words[0][letter] != 'i')) {
+    const std::size_t letter =
+        percent == std::string::npos ? percent : words[0].find_first_not_of("0123456789", percent + 1);
+    if (first < 0 || step < 1 || last < first || last - first > (1 << 24) || letter == std::string::npos ||
+        (words[0][letter] != 'd' && words[0][letter] != 'i')) {
       throw ReadError("expected ElementDataFile = NAME%03d FIRST LAST STEP, found '" +
                       (words.empty() ? std::string() : words[0].substr(0, 80)) + "'");
     }
-    const auto width = static_cast<std::size_t>(parse_integer(words[0].substr(percent + 1, letter - percent - 1)).value_or(0));
+    const auto width =
+        static_cast<std::size_t>(parse_integer(words[0].substr(percent + 1, letter - percent - 1)).value_or(0));
     if (width > 20) throw ReadError("expected numbers of at most 20 digits in ElementDataFile");
     std::vector<std::string> names;
     for (std::int64_t i = first; i <= last; i += step) {

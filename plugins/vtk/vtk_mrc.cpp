@@ -52,8 +52,8 @@ std::array<std::array<double, 3>, 3> cell_axes(const std::array<double, 3>& leng
   const double cy = (cosine[0] - cosine[1] * cosine[2]) / sine;
   const double cz_squared = 1 - cx * cx - cy * cy;
   if (!(sine > 0 && cz_squared > 0)) {
-    throw ReadError("expected the angles of a unit cell, found " + printed(angle[0]) + ", " + printed(angle[1]) + " and " +
-                    printed(angle[2]) + " degrees");
+    throw ReadError("expected the angles of a unit cell, found " + printed(angle[0]) + ", " + printed(angle[1]) +
+                    " and " + printed(angle[2]) + " degrees");
   }
   return {{{length[0], 0, 0},
            {length[1] * cosine[2], length[1] * sine, 0},
@@ -72,7 +72,8 @@ class Map final : public VolumeFile {
     Grid grid;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::int32_t size = words.integer(kSize + axis);
-      if (size < 1) throw ReadError("expected positive numbers of columns, rows and sections, found " + std::to_string(size));
+      if (size < 1)
+        throw ReadError("expected positive numbers of columns, rows and sections, found " + std::to_string(size));
       grid.dims[axis] = static_cast<std::uint64_t>(size);
     }
     // A stack of volumes: each has as many sections as the sampling states.
@@ -83,7 +84,8 @@ class Map final : public VolumeFile {
     }
     set_type(words, grid);
     const std::int32_t extended = words.integer(kExtended);
-    if (extended < 0) throw ReadError("expected a header of 1024 bytes or more, found an extension of " + std::to_string(extended));
+    if (extended < 0)
+      throw ReadError("expected a header of 1024 bytes or more, found an extension of " + std::to_string(extended));
     offset_ = kHeaderBytes + static_cast<std::uint64_t>(extended);
     check_fits(file_, offset_, {grid.dims[0], grid.dims[1], grid.dims[2], grid.volumes}, type_.bytes());
     place(words, grid);
@@ -123,7 +125,8 @@ class Map final : public VolumeFile {
       case 6: type_ = {ISOEXTRACT_U16}, grid.type_name = "uint16"; break;
       case 12: type_ = {ISOEXTRACT_F16}, grid.type_name = "half"; break;
       case 3:
-      case 4: throw ReadError("expected a map in real space, found Fourier coefficients (mode " + std::to_string(mode) + ")");
+      case 4:
+        throw ReadError("expected a map in real space, found Fourier coefficients (mode " + std::to_string(mode) + ")");
       default: throw ReadError("expected mode 0, 1, 2, 6 or 12, found mode " + std::to_string(mode));
     }
     grid.sample_type = type_.sample_type;
@@ -195,6 +198,8 @@ class Map final : public VolumeFile {
 
 }  // namespace
 
-Opened open_mrc(const Request& request, const isoextract_plugin_host& /*host*/) { return std::make_unique<Map>(request); }
+Opened open_mrc(const Request& request, const isoextract_plugin_host& /*host*/) {
+  return std::make_unique<Map>(request);
+}
 
 }  // namespace isoextract_vtk

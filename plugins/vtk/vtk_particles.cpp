@@ -35,7 +35,7 @@ using isoextract_vtk::last_sentence;
 using isoextract_vtk::silence_vtk;
 using isoextract_vtk::vtk_messages;
 
-thread_local std::string problem;       // of this thread's last call
+thread_local std::string problem;  // of this thread's last call
 
 struct PluginError : std::exception {
   explicit PluginError(std::string words) : text(std::move(words)) {}

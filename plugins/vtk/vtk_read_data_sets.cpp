@@ -184,7 +184,8 @@ void read_open_foam(const Request& request, DataSets& data) {
   if (data.times.empty()) {
     reader->Update();
   } else {
-    if (request.volume >= data.times.size()) throw ReadError("expected one of " + std::to_string(data.times.size()) + " time steps, found another");
+    if (request.volume >= data.times.size())
+      throw ReadError("expected one of " + std::to_string(data.times.size()) + " time steps, found another");
     reader->UpdateTimeStep(data.times[request.volume]);
   }
   check_messages();
@@ -217,12 +218,14 @@ Opened open_data_set(const Request& request, const isoextract_plugin_host& host)
   if (data.leaves.empty()) throw ReadError("expected a grid with points, found none");
   add_field_time(data);
   HostMemory memory(host);
-  for (const auto& leaf : data.leaves) memory.take(std::uint64_t{1024} * leaf->GetActualMemorySize());  // VTK reports KiB
+  for (const auto& leaf : data.leaves)
+    memory.take(std::uint64_t{1024} * leaf->GetActualMemorySize());  // VTK reports KiB
   const std::vector<std::string> files = data.files;
   const std::vector<double> times = data.times;
   auto* rectilinear = vtkRectilinearGrid::SafeDownCast(data.leaves[0]);
   Opened volume = lattice_of(data);
-  if (volume == nullptr && rectilinear != nullptr && data.leaves.size() == 1) volume = evened_grid(data, rectilinear, request);
+  if (volume == nullptr && rectilinear != nullptr && data.leaves.size() == 1)
+    volume = evened_grid(data, rectilinear, request);
   if (volume == nullptr) volume = resampled_cells(data, request, host);
   volume->files = files;
   for (Grid& grid : volume->grids) {

@@ -1,5 +1,5 @@
-// Cells of any kind, resampled onto a box of samples: each cell fills the samples inside of it, by its own interpolation.
-// That needs no search for cells, and its time grows with cells plus samples.
+// Cells of any kind, resampled onto a box of samples: each cell fills the samples inside of it, by its own
+// interpolation. That needs no search for cells, and its time grows with cells plus samples.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -52,7 +52,8 @@ class Resampled final : public VolumeFile {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double length = bounds[2 * axis + 1] - bounds[2 * axis];
       const bool given = request.spacing[axis] > 0;
-      const double intervals = given ? std::floor(length / request.spacing[axis] * (1 + 1e-9)) : std::max(1.0, std::round(length / chosen));
+      const double intervals =
+          given ? std::floor(length / request.spacing[axis] * (1 + 1e-9)) : std::max(1.0, std::round(length / chosen));
       if (!(intervals >= 1 && intervals < 2147483647.0)) {
         throw ReadError("expected a spacing that is smaller than the size of the cells' box (" + printed(length) +
                         ") and gives fewer than 2^31 samples, found " + printed(request.spacing[axis]));
@@ -68,11 +69,13 @@ class Resampled final : public VolumeFile {
         grid.index_to_world[4 * axis + 3] = first;
       }
     }
-    if (!product(counts, std::uint64_t{1} << 40)) throw ReadError("expected a spacing of fewer samples than 2^40, found " + size);
+    if (!product(counts, std::uint64_t{1} << 40))
+      throw ReadError("expected a spacing of fewer samples than 2^40, found " + size);
     for (Grid& grid : grids) {
       grid.dims = dims;
       grid.is_sampled = true;
-      if (grid.sample_type != ISOEXTRACT_NOT_SCALAR && grid.sample_type != ISOEXTRACT_F64) grid.sample_type = ISOEXTRACT_F32;
+      if (grid.sample_type != ISOEXTRACT_NOT_SCALAR && grid.sample_type != ISOEXTRACT_F64)
+        grid.sample_type = ISOEXTRACT_F32;
     }
     add_note(note, std::to_string(cells_) + " cells that do not lie on a lattice are resampled onto " + size +
                        " samples with the spacing " + spacing +
@@ -99,8 +102,8 @@ class Resampled final : public VolumeFile {
     const auto outside = static_cast<std::uint64_t>(std::ranges::count(filled, false));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ReadFacts facts;
-    facts.note = "resampling took " + printed(std::round(seconds * 1000) / 1000) + " s; " + std::to_string(outside) + " of " +
-                 std::to_string(samples) + " samples are outside the cells and NaN";
+    facts.note = "resampling took " + printed(std::round(seconds * 1000) / 1000) + " s; " + std::to_string(outside) +
+                 " of " + std::to_string(samples) + " samples are outside the cells and NaN";
     return facts;
   }
 
@@ -142,7 +145,8 @@ class Resampled final : public VolumeFile {
   }
 
   // Values of the leaf's points.
-  std::vector<double> point_values(vtkDataSet* leaf, const ArrayFacts& facts, vtkDataArray* array, HostMemory& memory) const {
+  std::vector<double> point_values(vtkDataSet* leaf, const ArrayFacts& facts, vtkDataArray* array,
+                                   HostMemory& memory) const {
     const auto components = static_cast<std::size_t>(array->GetNumberOfComponents());
     memory.take(static_cast<std::uint64_t>(leaf->GetNumberOfPoints()) * components * sizeof(double));
     if (!facts.of_cells) return values_of(array);
@@ -197,7 +201,8 @@ class Resampled final : public VolumeFile {
           for (std::uint64_t i = first[0]; i < end[0]; ++i) {
             const std::uint64_t to = (k * selection.count[1] + j) * selection.count[0] + i;
             if (filled[to]) continue;
-            const std::array<double, 3> at{world(grid, 0, selection.first[0] + i), world(grid, 1, selection.first[1] + j),
+            const std::array<double, 3> at{world(grid, 0, selection.first[0] + i),
+                                           world(grid, 1, selection.first[1] + j),
                                            world(grid, 2, selection.first[2] + k)};
             std::array<double, 3> closest{};
             std::array<double, 3> local{};
@@ -228,8 +233,8 @@ class Resampled final : public VolumeFile {
   }
 
   // The samples of the selection in a cell's box. Returns false if there are none.
-  static bool samples_in(const Grid& grid, const isoextract_volume_selection& selection, const std::array<double, 6>& box,
-                         Dims& first, Dims& end, double& diagonal) {
+  static bool samples_in(const Grid& grid, const isoextract_volume_selection& selection,
+                         const std::array<double, 6>& box, Dims& first, Dims& end, double& diagonal) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double step = grid.index_to_world[4 * axis + axis];
       const double start = world(grid, axis, selection.first[axis]);

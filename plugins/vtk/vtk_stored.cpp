@@ -75,8 +75,7 @@ Shared shared_samples(const StoredBox& stored, const isoextract_volume_selection
   Shared shared;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     shared.first[axis] = std::max(stored.first[axis], selection.first[axis]);
-    shared.end[axis] =
-        std::min(stored.first[axis] + stored.dims[axis], selection.first[axis] + selection.count[axis]);
+    shared.end[axis] = std::min(stored.first[axis] + stored.dims[axis], selection.first[axis] + selection.count[axis]);
     shared.empty = shared.empty || shared.first[axis] >= shared.end[axis];
   }
   return shared;
@@ -90,9 +89,9 @@ void fill_from_stored(const Grid& grid, const StoredBox& stored, const ReadNumbe
   if (shared.empty) return;
   const std::uint64_t to_bytes = isoextract_plugin::sample_size(isoextract_plugin::selected_type(grid, selection));
   const auto box_at = [&](std::uint64_t y, std::uint64_t z) {
-    const std::uint64_t sample = ((z - selection.first[2]) * selection.count[1] + (y - selection.first[1])) *
-                                     selection.count[0] +
-                                 (shared.first[0] - selection.first[0]);
+    const std::uint64_t sample =
+        ((z - selection.first[2]) * selection.count[1] + (y - selection.first[1])) * selection.count[0] +
+        (shared.first[0] - selection.first[0]);
     return static_cast<char*>(selection.box) + sample * to_bytes;
   };
   // Numbers from which stored row (y, z) begins.

@@ -23,7 +23,8 @@ std::vector<Step> steps_of_pvd(const std::string& path) {
   for (vtkXMLDataElement* element : children_of(document.body(), "DataSet")) {
     const std::string text = attribute_of(element, "timestep");
     const auto time = text.empty() ? std::optional<double>(static_cast<double>(count)) : parse_number(text);
-    if (!time || !std::isfinite(*time)) throw ReadError("expected a number as timestep, found '" + text.substr(0, 40) + "'");
+    if (!time || !std::isfinite(*time))
+      throw ReadError("expected a number as timestep, found '" + text.substr(0, 40) + "'");
     if (!steps.emplace(*time, path_beside(path, attribute_of(element, "file"))).second) {
       throw ReadError("expected one file per time step, found several parts of step " + printed(*time));
     }
@@ -92,7 +93,8 @@ class TimeSeries final : public VolumeFile {
  private:
   void open_step(std::uint64_t step, const isoextract_plugin_host& host) {
     if (step >= steps_.size()) {
-      throw ReadError("expected one of " + std::to_string(steps_.size()) + " time steps, found number " + std::to_string(step));
+      throw ReadError("expected one of " + std::to_string(steps_.size()) + " time steps, found number " +
+                      std::to_string(step));
     }
     Request inside = request_;
     inside.path = steps_[step].path;

@@ -28,8 +28,9 @@ Open xml_reader(const std::string& type) {
   if (type == "ImageData" || type == "PImageData") return open_xml_image;
   if (type == "Collection") return open_time_series;
   constexpr std::array<std::string_view, 10> others{
-      "RectilinearGrid",   "PRectilinearGrid", "StructuredGrid",       "PStructuredGrid",       "UnstructuredGrid",
-      "PUnstructuredGrid", "vtkOverlappingAMR", "vtkMultiBlockDataSet", "vtkNonOverlappingAMR", "vtkHierarchicalBoxDataSet"};
+      "RectilinearGrid",      "PRectilinearGrid",         "StructuredGrid",    "PStructuredGrid",
+      "UnstructuredGrid",     "PUnstructuredGrid",        "vtkOverlappingAMR", "vtkMultiBlockDataSet",
+      "vtkNonOverlappingAMR", "vtkHierarchicalBoxDataSet"};
   return std::ranges::find(others, type) == others.end() ? nullptr : open_data_set;
 }
 
@@ -58,7 +59,8 @@ Open reader_by_content(std::string_view start) {
 
 Open reader_by_name(const std::string& path) {
   std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".mrc" || extension == ".map" || extension == ".ccp4" || extension == ".rec" || extension == ".st") {
     return open_mrc;
   }
@@ -84,8 +86,9 @@ Opened open_volume(const Request& request, const isoextract_plugin_host& host) {
   Open open = reader_by_content(start);
   if (open == nullptr && start.find("<VTKFile") == std::string::npos) open = reader_by_name(request.path);
   if (open == nullptr) {
-    throw ReadError("expected image data, a grid of VTK, a MetaImage, an MRC map or a Gaussian cube, found another file" +
-                    (xml_file_type(start).empty() ? std::string() : " (VTK's type " + xml_file_type(start).substr(0, 40) + ")"));
+    throw ReadError(
+        "expected image data, a grid of VTK, a MetaImage, an MRC map or a Gaussian cube, found another file" +
+        (xml_file_type(start).empty() ? std::string() : " (VTK's type " + xml_file_type(start).substr(0, 40) + ")"));
   }
   return open(request, host);
 }

@@ -90,9 +90,9 @@ Opened open_meta_image(const Request& request, const isoextract_plugin_host& hos
 Opened open_mrc(const Request& request, const isoextract_plugin_host& host);
 Opened open_cube(const Request& request, const isoextract_plugin_host& host);
 Opened open_dem(const Request& request, const isoextract_plugin_host& host);
-Opened open_xml_image(const Request& request, const isoextract_plugin_host& host);   // .vti, .pvti
-Opened open_data_set(const Request& request, const isoextract_plugin_host& host);    // what VTK's readers read
+Opened open_xml_image(const Request& request, const isoextract_plugin_host& host);    // .vti, .pvti
+Opened open_data_set(const Request& request, const isoextract_plugin_host& host);     // what VTK's readers read
 Opened open_time_series(const Request& request, const isoextract_plugin_host& host);  // .pvd, .series
-Opened open_volume(const Request& request, const isoextract_plugin_host& host);      // any of them
+Opened open_volume(const Request& request, const isoextract_plugin_host& host);       // any of them
 
 }  // namespace isoextract_vtk

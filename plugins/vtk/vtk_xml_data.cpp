@@ -30,11 +30,16 @@ std::vector<vtkXMLDataElement*> children_of(vtkXMLDataElement* element, const ch
 
 StoredType xml_type(const std::string& name) {
   using Wide = StoredType::Wide;
-  static const std::map<std::string, StoredType> types{
-      {"UInt8", {ISOEXTRACT_U8}},   {"Int8", {ISOEXTRACT_I8}},     {"UInt16", {ISOEXTRACT_U16}},
-      {"Int16", {ISOEXTRACT_I16}},  {"UInt32", {ISOEXTRACT_U32}},  {"Int32", {ISOEXTRACT_I32}},
-      {"Float32", {ISOEXTRACT_F32}}, {"Float64", {ISOEXTRACT_F64}}, {"Int64", {ISOEXTRACT_F64, Wide::i64}},
-      {"UInt64", {ISOEXTRACT_F64, Wide::u64}}};
+  static const std::map<std::string, StoredType> types{{"UInt8", {ISOEXTRACT_U8}},
+                                                       {"Int8", {ISOEXTRACT_I8}},
+                                                       {"UInt16", {ISOEXTRACT_U16}},
+                                                       {"Int16", {ISOEXTRACT_I16}},
+                                                       {"UInt32", {ISOEXTRACT_U32}},
+                                                       {"Int32", {ISOEXTRACT_I32}},
+                                                       {"Float32", {ISOEXTRACT_F32}},
+                                                       {"Float64", {ISOEXTRACT_F64}},
+                                                       {"Int64", {ISOEXTRACT_F64, Wide::i64}},
+                                                       {"UInt64", {ISOEXTRACT_F64, Wide::u64}}};
   const auto found = types.find(name);
   return found == types.end() ? StoredType{} : found->second;
 }
@@ -75,7 +80,8 @@ vtkXMLDataElement* XmlDocument::root() const { return parser_->GetRootElement();
 
 vtkXMLDataElement* XmlDocument::body() const {
   const auto bodies = children_of(root(), type().c_str());
-  if (bodies.size() != 1) throw ReadError("expected one element " + type() + ", found " + std::to_string(bodies.size()));
+  if (bodies.size() != 1)
+    throw ReadError("expected one element " + type() + ", found " + std::to_string(bodies.size()));
   return bodies[0];
 }
 
@@ -113,7 +119,8 @@ const std::array<unsigned char, 256>& base64_values() {
 }  // namespace
 
 // Reads bytes [first, first + bytes) of a run of bytes that begins at `at`: as they are, or as base64.
-void XmlDocument::read_decoded(std::uint64_t at, bool base64, std::uint64_t first, std::uint64_t bytes, char* to) const {
+void XmlDocument::read_decoded(std::uint64_t at, bool base64, std::uint64_t first, std::uint64_t bytes,
+                               char* to) const {
   if (!base64) {
     file_.read_at(at + first, to, bytes);
     return;
@@ -141,7 +148,8 @@ void XmlDocument::read_decoded(std::uint64_t at, bool base64, std::uint64_t firs
                                                static_cast<unsigned char>(six[2] << 6 | six[3])};
       const std::uint64_t held = letters == 0 ? 0 : letters - 1;
       for (std::uint64_t b = skip; b < 3 && done < bytes; ++b) {
-        if (b >= held) throw ReadError("expected base64 of more bytes, found its end after " + std::to_string(first + done));
+        if (b >= held)
+          throw ReadError("expected base64 of more bytes, found its end after " + std::to_string(first + done));
         to[done++] = static_cast<char>(three[b]);
       }
       skip = 0;
@@ -203,7 +211,8 @@ void XmlDocument::find_blocks(std::uint64_t at) {
   const std::uint64_t count = header_word(words.data());
   const std::uint64_t bytes = header_word(words.data() + word_bytes_);
   const std::uint64_t last = header_word(words.data() + 2 * word_bytes_);
-  if (count > file_.size() / word_bytes_ || bytes > (std::uint64_t{1} << 32) || last > bytes || (count > 0 && bytes == 0)) {
+  if (count > file_.size() / word_bytes_ || bytes > (std::uint64_t{1} << 32) || last > bytes ||
+      (count > 0 && bytes == 0)) {
     throw ReadError("expected compressed blocks that fit into the file, found " + std::to_string(count) + " of " +
                     std::to_string(bytes) + " bytes");
   }
@@ -213,7 +222,8 @@ void XmlDocument::find_blocks(std::uint64_t at) {
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::uint64_t size = header_word(words.data() + (3 + i) * word_bytes_);
     if (size > file_.size()) {
-      throw ReadError("expected a compressed block that fits into the file, found one of " + std::to_string(size) + " bytes");
+      throw ReadError("expected a compressed block that fits into the file, found one of " + std::to_string(size) +
+                      " bytes");
     }
     stored_.block_at.push_back(stored_.block_at.back() + size);
   }

@@ -56,7 +56,8 @@ std::string component_names_of(vtkXMLDataElement* array, std::uint64_t component
   return names;
 }
 
-std::vector<ArrayFacts> arrays_of(vtkXMLDataElement* parent, const char* points, const char* cells, const char* element) {
+std::vector<ArrayFacts> arrays_of(vtkXMLDataElement* parent, const char* points, const char* cells,
+                                  const char* element) {
   std::vector<ArrayFacts> arrays;
   for (const bool of_cells : {false, true}) {
     for (vtkXMLDataElement* data : children_of(parent, of_cells ? cells : points)) {
@@ -99,7 +100,8 @@ class XmlImage final : public Lattice {
     const auto elements = children_of(body, "Piece");
     if (elements.empty()) throw ReadError("expected a Piece, found none");
     for (vtkXMLDataElement* piece : elements) {
-      pieces_.push_back(extent_in(piece, parallel_ || !attribute_of(piece, "Extent").empty() ? "Extent" : "WholeExtent"));
+      pieces_.push_back(
+          extent_in(piece, parallel_ || !attribute_of(piece, "Extent").empty() ? "Extent" : "WholeExtent"));
       if (parallel_) {
         files.push_back(path_beside(path_, attribute_of(piece, "Source")));
       } else {

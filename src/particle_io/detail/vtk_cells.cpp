@@ -59,8 +59,8 @@ bool has_legacy_cells(const files::InputFile& file, std::string_view start) {
   const std::string first = bytes_at(file, *types, 16);
   constexpr std::uint64_t kPolyVertex = 2;  // 0: empty, 1: a vertex
   if (is_binary) {
-    return first.size() >= 4 && (first[0] != 0 || first[1] != 0 || first[2] != 0 ||
-                                 static_cast<unsigned char>(first[3]) > kPolyVertex);
+    return first.size() >= 4 &&
+           (first[0] != 0 || first[1] != 0 || first[2] != 0 || static_cast<unsigned char>(first[3]) > kPolyVertex);
   }
   return number_after(first, "").value_or(0) > kPolyVertex;
 }
