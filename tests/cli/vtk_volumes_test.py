@@ -140,6 +140,72 @@ def unstructured(points, cells, point_values, cell_values):
             f'{array("UInt8", "types", np.full(len(cells), 10))}</Cells></Piece></UnstructuredGrid></VTKFile>\n').encode()
 
 
+def open_foam_case(folder, count, times):
+    """A case with a cube of count^3 cells of size 1 and the scalar `p` of cells, 2x + y - z + time at their centers."""
+
+    def point(x, y, z):
+        return (z * (count + 1) + y) * (count + 1) + x
+
+    def face(axis, x, y, z):
+        a, b = [(0, 1, 0), (0, 0, 1), (1, 0, 0)][axis], [(0, 0, 1), (1, 0, 0), (0, 1, 0)][axis]
+        corners = ((0, 0, 0), a, tuple(i + j for i, j in zip(a, b)), b)
+        return [point(x + i, y + j, z + k) for i, j, k in corners]
+
+    inner, outer = [], []
+    cells = list(itertools.product(range(count), repeat=3))
+    for cell, (z, y, x) in enumerate(cells):
+        for axis, stride in enumerate((1, count, count * count)):
+            at = [x, y, z]
+            if at[axis] == 0:
+                outer.append((cell, face(axis, *at)[::-1]))
+            at[axis] += 1
+            if at[axis] == count:
+                outer.append((cell, face(axis, *at)))
+            else:
+                inner.append((cell, face(axis, *at), cell + stride))
+    faces = inner + outer
+
+    def put(path, kind, text):
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        head = f"FoamFile {{ version 2.0; format ascii; class {kind}; object {pathlib.Path(path).name}; }}\n"
+        (folder / path).write_text(head + text)
+
+    def listed(lines):
+        return "\n".join([str(len(lines)), "(", *lines, ")", ""])
+
+    corners = [(x, y, z) for z in range(count + 1) for y in range(count + 1) for x in range(count + 1)]
+    put("constant/polyMesh/points", "vectorField", listed([f"({x} {y} {z})" for x, y, z in corners]))
+    put("constant/polyMesh/faces", "faceList", listed([f"4({' '.join(map(str, each[1]))})" for each in faces]))
+    put("constant/polyMesh/owner", "labelList", listed([str(each[0]) for each in faces]))
+    put("constant/polyMesh/neighbour", "labelList", listed([str(each[2]) for each in inner]))
+    walls = f"1\n(\nwalls {{ type wall; nFaces {len(outer)}; startFace {len(inner)}; }}\n)\n"
+    put("constant/polyMesh/boundary", "polyBoundaryMesh", walls)
+    put("system/controlDict", "dictionary", "startTime 0; endTime 1; deltaT 0.5; writeControl timeStep; writeInterval 1;\n")
+    for time in times:
+        values = listed([str(2 * x + y - z + 1 + float(time)) for z, y, x in cells])
+        put(f"{time}/p", "volScalarField", f"dimensions [0 2 -2 0 0 0 0];\ninternalField nonuniform List<scalar>\n{values};\n"
+            "boundaryField { walls { type zeroGradient; } }\n")
+
+
+def elevation_model(heights, corner, step, resolution):
+    """A USGS DEM of [y, x] whole heights; its records have fixed columns."""
+
+    def number(value):
+        return f"{value:24.15E}".replace("E", "D")
+
+    rows, columns = heights.shape
+    head = "by hand".ljust(144) + "".join(f"{n:6}" for n in (1, 1, 1, 13)) + number(0) * 15 + "".join(f"{n:6}" for n in (2, 2, 4))
+    head += number(0) * 8 + number(heights.min()) + number(heights.max()) + number(0) + f"{0:6}"
+    head += "".join(f"{value:12.6E}" for value in (*step, resolution)) + f"{1:6}{columns:6}"
+    records = [head]
+    for column in range(columns):
+        start = f"{1:6}{column + 1:6}{rows:6}{1:6}{number(corner[0] + column * step[0])}{number(corner[1])}" + number(0) * 3
+        numbers = [f"{height:6}" for height in heights[:, column]]
+        records.append(start + "".join(numbers[:146]))
+        records += ["".join(numbers[at:at + 170]) for at in range(146, rows, 170)]
+    return "".join(record.ljust(1024) for record in records).encode()
+
+
 def linear(x, y, z):
     return 2 * x - 3 * y + 0.5 * z + 1
 
@@ -243,7 +309,7 @@ class VtkVolumesTest(ProgramTest):
         self.assert_fails(2, run, "evenly spaced samples, found distances from 1 to 4 along z", "--resample")
         found, placement = self.field("grid.vtk", "--resample")
         expected = [[[np.interp(k, z, values[:, j, i]) for i in range(5)] for j in range(4)] for k in range(10)]
-        np.testing.assert_allclose(found, expected, rtol=1e-5)
+        np.testing.assert_allclose(found, expected, atol=1e-5)
 
     def test_cells_are_resampled(self):
         points, cells = tetrahedra(4)
@@ -367,6 +433,45 @@ class VtkVolumesTest(ProgramTest):
         self.write("map.mrc", mrc(stack)[:-1])
         self.assert_fails(2, self.run_program("map.mrc", "-o", "a.npy"), "expected 4 x 5 x 6 x 1 numbers of 4 bytes, found 479")
 
+    def test_open_foam_case(self):
+        open_foam_case(self.folder / "case", 4, ("0", "0.5"))
+        self.write("case/case.foam", b"")
+        for name in ("case", "case/case.foam"):
+            for volume, time in enumerate((0, 0.5)):
+                found, placement = self.field(name, "--volume", volume, "--voxel-size", "0.5")
+                np.testing.assert_allclose(placement, np.hstack([np.eye(3) / 2, np.zeros((3, 1))]), atol=1e-9)
+                z, y, x = np.indices(found.shape) / 2
+                # Points at the walls have fewer cells around them.
+                within = (slice(2, 7),) * 3
+                np.testing.assert_allclose(found[within], (2 * x + y - z + time)[within], atol=1e-5)
+        self.assertEqual([(grid["name"], grid["times"]) for grid in self.grids("case")], [("p", [0, 0.5])])
+
+    def test_finer_amr_levels_count(self):
+        coarse = np.zeros((4, 4, 4), "<f4")
+        fine = np.full((4, 4, 4), 5, "<f4")
+        for name, values, origin, spacing in (("coarse", coarse, 0, 1), ("fine", fine, 1, 0.5)):
+            (self.folder / "levels").mkdir(exist_ok=True)
+            attributes = f'Origin="{origin} {origin} {origin}" Spacing="{spacing} {spacing} {spacing}"'
+            self.write(f"levels/{name}.vti", image_data([], (5, 5, 5), attributes, cells=[("q", "Float32", 1, values)]))
+        self.write("levels.vth", b'<VTKFile type="vtkOverlappingAMR" version="1.1" byte_order="LittleEndian">'
+                   b'<vtkOverlappingAMR origin="0 0 0" grid_description="XYZ"><Block level="0" spacing="1 1 1">'
+                   b'<DataSet index="0" amr_box="0 3 0 3 0 3" file="levels/coarse.vti"/></Block><Block level="1" spacing="0.5 0.5 0.5">'
+                   b'<DataSet index="0" amr_box="2 5 2 5 2 5" file="levels/fine.vti"/></Block></vtkOverlappingAMR></VTKFile>')
+        found, placement = self.field("levels.vth", "--voxel-size", "0.5")
+        self.assertEqual(found.shape, (9, 9, 9))
+        np.testing.assert_allclose(placement[:, :3], np.eye(3) / 2)
+        self.assertTrue((found[2:7, 2:7, 2:7] == 5).all())
+        self.assertTrue((found[0] == 0).all())
+
+    def test_elevation_models(self):
+        heights = self.random.integers(100, 900, (150, 3))
+        heights[149, 1] = -32767
+        self.write("heights.dem", elevation_model(heights, (1000, 2000), (30, 10), 0.5))
+        found, placement = self.field("heights.dem")
+        np.testing.assert_allclose(found[0], np.where(heights > 0, heights * 0.5, np.nan))
+        np.testing.assert_allclose(placement, [[30, 0, 0, 1000], [0, 10, 0, 2000], [0, 0, 1, 0]])
+        self.assertEqual(self.input["length_unit"], "m")
+
     def test_gaussian_cubes(self):
         axes = ((0.5, 0, 0), (0.1, 0.25, 0), (0, 0, 1))
         values = self.random.random((3, 4, 5, 2))
@@ -428,7 +533,7 @@ class VtkVolumesTest(ProgramTest):
                 "binary.vtk": legacy("STRUCTURED_POINTS", grid, values, True),
                 "cells.vtu": unstructured(points, cells, linear(*points.T), np.zeros(len(cells))),
                 "plain.mha": meta_image(values, "")[0], "packed.mha": meta_image(values, "", compressed=True)[0],
-                "map.mrc": mrc(values), "density.cube": cube(values.astype(float).transpose(2, 1, 0), np.eye(3), (0, 0, 0))}
+                "heights.dem": elevation_model(values[0].astype(int), (0, 0), (1, 1), 1), "map.mrc": mrc(values), "density.cube": cube(values.astype(float).transpose(2, 1, 0), np.eye(3), (0, 0, 0))}
 
     def test_damaged_files_are_errors_of_their_input(self):
         for name, data in self.samples_of_formats().items():
