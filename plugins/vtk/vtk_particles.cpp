@@ -7,7 +7,6 @@
 #include <exception>
 #include <fstream>
 #include <memory>
-#include <mutex>
 #include <new>
 #include <string>
 #include <string_view>
@@ -18,8 +17,6 @@
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
 #include <vtkGenericDataObjectReader.h>
-#include <vtkLogger.h>
-#include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkPointSet.h>
 #include <vtkPolyData.h>
@@ -30,45 +27,20 @@
 
 #include <particle_plugin.h>
 
+#include "vtk_messages.hpp"
+
 namespace {
 
-thread_local std::string problem;       // of this thread's last call
-thread_local std::string vtk_messages;  // VTK's messages during this call
+using isoextract_vtk::last_sentence;
+using isoextract_vtk::silence_vtk;
+using isoextract_vtk::vtk_messages;
 
-// Captures VTK's messages.
-class SilentWindow : public vtkOutputWindow {
- public:
-  static SilentWindow* New() {  // NOLINT(readability-identifier-naming): as VTK has it
-    auto* window = new SilentWindow;
-    window->InitializeObjectBase();
-    return window;
-  }
-  void DisplayText(const char* text) override {  // NOLINT(readability-identifier-naming)
-    constexpr std::size_t kMost = 2000;
-    if (text != nullptr && vtk_messages.size() < kMost) vtk_messages += text;
-  }
-};
-
-void silence_vtk() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    vtkOutputWindow::SetInstance(vtkSmartPointer<SilentWindow>::New());
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
-  });
-}
+thread_local std::string problem;  // of this thread's last call
 
 struct PluginError : std::exception {
   explicit PluginError(std::string words) : text(std::move(words)) {}
   std::string text;
 };
-
-// Returns the sentence of VTK's message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n".
-std::string last_sentence(const std::string& complaint) {
-  std::size_t at = complaint.find("): ");
-  at = at == std::string::npos ? 0 : at + 3;
-  std::string text = complaint.substr(at, complaint.find('\n', at) - at);
-  return text.empty() ? "the file is damaged" : text;
-}
 
 std::string start_of(const char* path) {
   std::ifstream file(path, std::ios::binary);
@@ -99,13 +71,13 @@ void check_point_count(std::string_view start, std::uint64_t bytes) {
 
 vtkSmartPointer<vtkPointSet> read_points(const char* path) {
   const std::string start = start_of(path);
-  vtk_messages.clear();
+  vtk_messages().clear();
   vtkSmartPointer<vtkPointSet> points;
   const auto read = [&](auto reader) {
     reader->SetFileName(path);
     reader->Update();
     points = vtkPointSet::SafeDownCast(reader->GetOutputDataObject(0));
-    if (reader->GetErrorCode() != 0 && vtk_messages.empty()) vtk_messages = "the file is damaged";
+    if (reader->GetErrorCode() != 0 && vtk_messages().empty()) vtk_messages() = "the file is damaged";
   };
   if (start.starts_with("# vtk")) {
     check_point_count(start, size_of(path));
@@ -121,7 +93,7 @@ vtkSmartPointer<vtkPointSet> read_points(const char* path) {
   } else {
     read(vtkSmartPointer<vtkXMLUnstructuredGridReader>::New());
   }
-  if (!vtk_messages.empty()) throw PluginError("VTK cannot read the file: " + last_sentence(vtk_messages));
+  if (!vtk_messages().empty()) throw PluginError("VTK cannot read the file: " + last_sentence(vtk_messages()));
   if (points == nullptr) throw PluginError("expected an unstructured grid or poly data of VTK, found neither");
   return points;
 }

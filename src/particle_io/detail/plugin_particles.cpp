@@ -10,6 +10,7 @@
 #include "base/printable.hpp"
 #include "files/file_start.hpp"
 #include "particle_io/detail/particle_columns.hpp"
+#include "particle_io/detail/vtk_cells.hpp"
 #include "plugin_host/plugin_kinds.hpp"
 #include "plugin_host/plugin_session.hpp"
 #include "volume_io/vdb_points.hpp"
@@ -201,6 +202,13 @@ class VtkParticles final : public PluginParticles {
     const auto has = [&](std::string_view part) { return text.find(part) != std::string_view::npos; };
     if (text.starts_with("# vtk DataFile")) return has("DATASET UNSTRUCTURED_GRID") || has("DATASET POLYDATA");
     return has("<VTKFile") && (has("\"UnstructuredGrid\"") || has("\"PolyData\""));
+  }
+
+  // Grids of cells are volumes.
+  [[nodiscard]] bool claims(const files::InputFile& file, const files::FileStart& start,
+                            const ParticleReadOptions& /*options*/) const override {
+    const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
+    return probe(start) && !has_vtk_cells(file, text);
   }
 };
 

@@ -28,7 +28,6 @@ struct UnsupportedFormatEntry {
 const std::vector<UnsupportedFormatEntry>& known_unread() {
   static const std::vector<UnsupportedFormatEntry> known{
       {"a DICOM file", {".dcm", ".dicom", ".ima"}, {{128, "DICM"}}, "dcm2niix makes a NIfTI file of the series"},
-      {"a MetaImage file", {".mhd", ".mha"}, {{0, "ObjectType"}}, "SimpleITK, ITK-SNAP and 3D Slicer store it as NRRD"},
       {"a FreeSurfer volume", {".mgz", ".mgh"}, {}, "mri_convert makes a NIfTI file of it"},
       {"a MINC volume", {".mnc"}, {}, "mnc2nii makes a NIfTI file of it"},
       {"an AFNI volume", {".head", ".brik", ".brik.gz"}, {}, "3dAFNItoNIFTI makes a NIfTI file of it"},
@@ -37,10 +36,6 @@ const std::vector<UnsupportedFormatEntry>& known_unread() {
        {{0, "#INRIMAGE"}},
        "its samples follow a header of a multiple of "
        "256 bytes: read it as a raw file"},
-      {"an MRC map",
-       {".mrc", ".map", ".ccp4", ".rec", ".st"},
-       {{208, "MAP "}},
-       "Python's mrcfile and numpy.save make an NPY array of it"},
       {"a stack of TIFF images",
        {".tif", ".tiff"},
        {{0, "II*\0"sv}, {0, "MM\0*"sv}, {0, "II+\0"sv}, {0, "MM\0+"sv}},
@@ -49,11 +44,6 @@ const std::vector<UnsupportedFormatEntry>& known_unread() {
       {"a Field3D file", {".f3d"}, {}, "Houdini and Field3D's own tools make a VDB file of it"},
       {"an Alembic file", {".abc"}, {{0, "Ogawa"}}, "Houdini and Blender read it, and write VDB files or PLY points"},
       {"a Blender particle cache", {".bphys"}, {{0, "BPHYSICS"}}, "Blender writes its particles as PLY points"},
-      {"VTK's image data",
-       {".vti", ".pvti", ".vtr", ".pvtr", ".vts", ".pvts"},
-       {},
-       "Python's pyvista and numpy.save make an NPY array of it"},
-      {"an OpenFOAM case", {".foam"}, {}, "ParaView resamples it to an image, whose arrays numpy.save stores as NPY"},
       {"an Exodus II file",
        {".e", ".exo", ".ex2", ".exii"},
        {},
