@@ -20,6 +20,7 @@ using isoextract_plugin::Grid;
 using isoextract_plugin::HostMemory;
 using isoextract_plugin::ReadError;
 using isoextract_plugin::ReadFacts;
+using isoextract_plugin::UnevenError;
 
 // Throws with the library's reason unless the status is a success.
 void check(int status, const std::string& what);
@@ -96,8 +97,9 @@ struct Variable {
   std::array<Axis, 3> axes;
   std::array<Resampling, 3> resampling;  // empty where none is needed
   MissingValues missing;
-  std::string problem;  // why it cannot be read; empty if it can
-  std::string note;     // what its placement assumes
+  std::string problem;     // why it cannot be read; empty if it can
+  bool is_uneven = false;  // that is the problem, and resampling solves it
+  std::string note;        // what its placement assumes
 };
 
 // Describes a variable. Returns false if it has fewer than three dimensions.

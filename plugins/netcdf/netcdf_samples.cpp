@@ -173,6 +173,7 @@ void read_floats(const Variable& variable, const SourceBox& box, const Chunks& c
 
 ReadFacts read_variable(const Variable& variable, const Grid& grid, const isoextract_volume_selection& selection,
                         const isoextract_plugin_host& host) {
+  if (variable.is_uneven) throw UnevenError(variable.problem);
   if (!variable.problem.empty()) throw ReadError(variable.problem);
   const SourceBox box = source_box(variable, selection);
   const Chunks chunks = find_chunks(variable);

@@ -170,6 +170,7 @@ void place(Variable& variable, Grid& grid, bool evens_out) {
         step = 1;
       } else if (!evens_out) {
         variable.problem = found;
+        variable.is_uneven = true;
       } else {
         const double others = static_cast<double>(dims[0]) * static_cast<double>(dims[1]) *
                               static_cast<double>(dims[2]) / static_cast<double>(dims[axis]);

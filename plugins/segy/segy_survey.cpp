@@ -153,10 +153,9 @@ bool place_by_coordinates(Survey& survey, const std::vector<TracePlace>& places)
                         std::hypot(fx[0] * u + fx[1] * v + fx[2] - place.x, fy[0] * u + fy[1] * v + fy[2] - place.y));
   }
   survey.plane = {fx[0], fx[1], fx[2], fy[0], fy[1], fy[2]};
-  survey.note += "x and y are fitted to the coordinates of the traces, which are up to " + number_text(residual) +
-                 " away; lines are " + number_text(survey.inlines_are_slow ? along_slow : along_fast) +
-                 " (inlines) and " + number_text(survey.inlines_are_slow ? along_fast : along_slow) +
-                 " (crosslines) apart";
+  survey.note += "x and y are the coordinates of the traces, fitted within " + number_text(residual) +
+                 "; inlines are " + number_text(survey.inlines_are_slow ? along_slow : along_fast) + ", crosslines " +
+                 number_text(survey.inlines_are_slow ? along_fast : along_slow) + " apart";
   return true;
 }
 
@@ -238,7 +237,7 @@ Survey read_survey(const SegyFile& file, const isoextract_plugin_host& host) {
                    " traces are missing and have no data; ";
   }
   if (!place_by_coordinates(survey, places)) {
-    survey.note += "the trace headers have no coordinates (bytes 181-188) that span the survey, so ";
+    survey.note += "the trace headers have no usable coordinates (bytes 181-188), so ";
     place_by_lines(survey);
   }
   memory.keep();

@@ -144,16 +144,13 @@ class SegyVolume final : public isoextract_plugin::VolumeFile {
   }
 
   [[nodiscard]] std::string placement_note() const {
-    std::string text = "grid axes are samples, " +
-                       std::string(survey_.inlines_are_slow ? "crosslines, inlines" : "inlines, crosslines");
-    text += "; " + survey_.note + "; z is minus the time in ms";
-    if (file_.interval_us() <= 0) {
-      text += ", counted in samples, because the file states no interval";
-    } else {
-      text += " (minus the depth in m, if the samples are depths)";
-    }
-    if (file_.measurement_system() == 1) text += "; its lengths are in meters";
-    if (file_.measurement_system() == 2) text += "; its lengths are in feet";
+    std::string text = "grid axes are samples, ";
+    text += survey_.inlines_are_slow ? "crosslines, inlines; " : "inlines, crosslines; ";
+    text += survey_.note;
+    text += file_.interval_us() > 0 ? "; z is minus the time in ms, or minus the depth in m"
+                                    : "; z is minus the number of the sample, as the file states no interval";
+    if (file_.measurement_system() == 1) text += "; lengths are in meters";
+    if (file_.measurement_system() == 2) text += "; lengths are in feet";
     return text;
   }
 
