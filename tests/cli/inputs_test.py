@@ -225,14 +225,14 @@ class StandardInputTest(ProgramTest):
         self.assertEqual(self.files(), [])
 
     def test_known_formats_that_are_not_read(self):
-        by_name = (("a.mhd", "MetaImage"), ("a.h5", "HDF5"), ("a.EXO", "Exodus"), ("case.foam", "OpenFOAM"),
+        by_name = (("a.mhd", "MetaImage"), ("a.EXO", "Exodus"), ("case.foam", "OpenFOAM"),
                    ("a.mrc", "MRC"), ("a.inr", "INRIMAGE"), ("a.mgz", "FreeSurfer"), ("a.vti", "image data"))
         for name, title in by_name:
             (self.folder / name).write_bytes(b"whatever it holds")
             run = self.run_program(name, "--iso", "0", "-o", "out.ply")
             self.assert_fails(2, run, f"{name}: its name says that it is", title, "hint: ")
             self.assert_fails(2, self.run_program("info", name), title)
-        by_content = ((bytes(128) + b"DICM", "DICOM"), (b"\x89HDF\r\n\x1a\n" + bytes(20), "HDF5"),
+        by_content = ((bytes(128) + b"DICM", "DICOM"),
                       (bytes(208) + b"MAP ", "MRC"), (b"II*\0" + bytes(9), "TIFF"), (b"BPHYSICS" + bytes(9), "Blender"))
         for content, title in by_content:
             (self.folder / "unnamed").write_bytes(content)

@@ -1,0 +1,117 @@
+"""SEG-Y files, read by the plug-in around segyio: lines, traces, coordinates, sample formats."""
+
+import pathlib
+import sys
+
+from support import DATA, SOURCE, main, needs_data
+
+sys.path.insert(0, str(SOURCE / "tests" / "support"))
+
+from written_volumes import WrittenVolumes, needs_reader  # noqa: E402
+
+F3 = DATA / "segy" / "f3.sgy"
+
+# A survey with inlines 10, 12, ..., crosslines 100, 101, ... and rotated coordinates; arguments: name, format, and words.
+WRITE = """import sys, segyio, numpy as np
+name, kind, words = sys.argv[1], int(sys.argv[2]), sys.argv[3:]
+a = np.rint(np.random.default_rng(kind).normal(size=(4, 5, 9)) * 40)
+spec = segyio.spec()
+spec.format = kind; spec.samples = np.arange(9) * 2.0; spec.endian = 'little' if 'little' in words else 'big'
+places = [(i, j) for i in range(4) for j in range(5)]
+if 'crosslines' in words: places.sort(key=lambda p: (p[1], p[0]))
+if 'shuffled' in words: np.random.default_rng(0).shuffle(places)
+if 'holes' in words: places = [p for p in places if p not in ((0, 0), (2, 3))]
+if 'twice' in words: places = [p for p in places for _ in range(2)]
+spec.tracecount = len(places)
+dtype = {1: 'f4', 2: 'i4', 3: 'i2', 5: 'f4', 8: 'i1'}[kind]
+with segyio.create(name, spec) as f:
+    f.bin.update(hdt=2000, hns=9, format=kind, rev=1, mfeet=2)
+    for n, (i, j) in enumerate(places):
+        f.header[n] = {189: 0 if 'unnumbered' in words else 10 + 2 * i, 193: 100 + j, 37: n % 2 * 50 if 'offsets' in words else 0,
+                       71: -100, 109: 8, 115: 9, 117: 2000}
+        if 'coordinates' in words:
+            f.header[n].update({181: int(100 * (5000 + 30 * i - 4 * j)), 185: int(100 * (7000 + 3 * i + 40 * j))})
+        f.trace[n] = a[i, j].astype(dtype)
+if 'holes' in words: a[0, 0] = a[2, 3] = np.nan
+np.save('expected.npy', a.transpose(1, 0, 2) if 'crosslines' in words else a)
+"""
+
+
+@needs_reader("segy", "numpy, segyio")
+class SegyTest(WrittenVolumes):
+    def write(self, kind, *words):
+        self.python(WRITE, "a.sgy", kind, *words)
+
+    def test_sample_formats(self):
+        for kind, words in ((1, ()), (2, ()), (3, ()), (5, ()), (8, ()), (3, ("little",)), (5, ("little",)), (5, ("crosslines",)),
+                            (2, ("holes",)), (3, ("holes",)), (8, ("holes", "crosslines")), (1, ("holes",))):
+            self.write(kind, *words)
+            self.convert("a.sgy", "--nan", "hole", "-o", "read.npy")
+            self.assert_same_samples([("read.npy", "expected.npy")])
+
+    def test_order_of_the_traces_does_not_matter(self):
+        self.write(5, "shuffled")
+        self.convert("a.sgy", "-o", "read.npy")
+        # Neither line number varies slower.
+        done = self.python("import numpy as n; a, b = n.load('read.npy'), n.load('expected.npy'); "
+                           "print(n.array_equal(a, b) or n.array_equal(a, b.transpose(1, 0, 2)))")
+        self.assertEqual(done.strip(), "True")
+
+    def test_coordinates_place_the_samples(self):
+        self.write(5, "coordinates")
+        report, run = self.report("a.sgy", "--iso", 0, "-o", "a.ply")
+        for row, expected in zip(report["input"]["index_to_world"], ([0, -4, 30, 5000], [0, 40, 3, 7000], [-2, 0, 0, -8]), strict=False):
+            for found, wanted in zip(row, expected, strict=True):
+                self.assertAlmostEqual(found, wanted, places=6)
+        self.assertIn("grid axes are samples, crosslines, inlines", run.err)
+        self.assertIn("fitted within 0; inlines are 30.14963, crosslines 40.1995 apart", run.err.replace("e-", "E"))
+        self.assertIn("lengths are in feet", run.err)
+
+    def test_without_coordinates_line_numbers_place_them(self):
+        self.write(5)
+        report, run = self.report("a.sgy", "--iso", 0, "-o", "a.ply")
+        self.assertEqual(report["input"]["index_to_world"][:3], [[0, 0, 2, 10], [0, 1, 0, 100], [-2, 0, 0, -8]])
+        self.assertIn("x is the inline number, y the crossline number", run.err)
+
+    def test_missing_traces_have_no_data(self):
+        self.write(3, "holes", "coordinates")
+        run = self.convert("a.sgy", "--nan", "hole", "--iso", 0, "-o", "a.ply")
+        self.assertIn("2 of 20 traces are missing and have no data", run.err)
+        self.assert_fails(2, self.run_program("a.sgy", "--iso", 0, "-o", "b.ply"), "NaN")
+
+    def test_only_the_traces_of_a_region_are_read(self):
+        self.write(5)
+        report, _ = self.report("a.sgy", "--iso", 0, "--roi", "16,104,-99,99,999,99", "-o", "a.ply")
+        # Inlines 12 to 16, crosslines 102 to 104: two samples more than the box, for gradients.
+        self.assertEqual((report["input"]["parts_read"], report["input"]["parts"]), (9, 20))
+
+    def test_files_that_are_no_lattice_are_refused(self):
+        for words, message in ((("twice",), "expected one trace per place, found several at inline 10, crossline 100"),
+                               (("twice", "offsets"), "of offsets 0 and 50: the file is not stacked"),
+                               (("unnumbered",), "several inlines (bytes 189-192) in its trace headers, found only number 0")):
+            self.write(5, *words)
+            self.assert_fails(2, self.run_program("a.sgy", "--iso", 0, "-o", "a.ply"), message)
+
+    @needs_data("segy/f3.sgy")
+    def test_f3_has_the_surface_that_vtk_finds(self):
+        # VTK 9.1 FlyingEdges3D on segyio's cube [inline, crossline, sample].
+        for iso, area, bounds in ((5000, 469.499, (19.9678, 0, 0, 73.0518, 17, 22)), (-5000, 734.018, (12.3976, 0, 0, 58.4639, 17, 22))):
+            mesh, report = self.surface(F3, "--iso", iso)
+            self.assertAlmostEqual(mesh["area"] / area, 1, delta=0.005)
+            for found, wanted in zip((*mesh["bounds"]["min"], *mesh["bounds"]["max"]), bounds, strict=True):
+                self.assertAlmostEqual(found, wanted, delta=0.02)
+        # The first trace: inline 111, crossline 875, coordinates in tenths of a meter, delay 4 ms; lines 25 m apart.
+        offset = [row[3] for row in report["input"]["index_to_world"][:3]]
+        for found, wanted in zip(offset, (620197.2, 6074232.9, -4), strict=True):
+            self.assertAlmostEqual(found, wanted, delta=0.07)
+
+    def test_damaged_files_are_refused(self):
+        self.write(3, "coordinates")
+        size = pathlib.Path(self.folder / "a.sgy").stat().st_size
+        trace = 240 + 2 * 9
+        self.assert_refuses_damage("a.sgy", [3213, 3216, 3220, 3221, 3224, 3225, 3504, 3600 + 114, 3600 + 188, 3600 + 193],
+                                   [0, 1, 3200, 3599, 3600, 3601, 3600 + trace + 1, size - trace + 240, size - 1])
+
+
+if __name__ == "__main__":
+    main()
