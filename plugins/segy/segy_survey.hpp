@@ -35,12 +35,21 @@ class SegyFile {
   [[nodiscard]] int measurement_system() const { return measurement_system_; }  // 1: meters, 2: feet, else unknown
 
   void read_header(int trace, char* header) const;
+  // segyio 1.9 reverses each four bytes of a little-endian file, of smaller samples too. This function lets it read
+  // such samples as they are; then it no longer reads headers.
+  void prepare_samples();
   // Reads samples first .. first + count - 1 of a trace and converts them to native numbers.
   void read_samples(int trace, int first, int count, void* to) const;
 
  private:
+  // Little-endian samples of less than four bytes.
+  [[nodiscard]] bool has_small_samples() const {
+    return is_little_endian_ && (format_ == SEGY_SIGNED_SHORT_2_BYTE || format_ == SEGY_SIGNED_CHAR_1_BYTE);
+  }
+
   segy_file* file_ = nullptr;
   int format_ = 0;
+  bool is_little_endian_ = false;
   int samples_ = 0;
   int traces_ = 0;
   int trace_bytes_ = 0;

@@ -1,8 +1,8 @@
 // SEG-Y files of stacked traces as a box of samples, through segyio. Samples along a trace are x, the fastest axis, as
 // in the file; so each trace is read into its place at once.
-#include <bit>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "segy_survey.hpp"
 
@@ -45,6 +45,14 @@ int read_field(const char* header, int which) {
   return value;
 }
 
+// Turns little-endian 16-bit samples into native ones.
+void convert_little_endian(unsigned char* samples, int count) {
+  for (int i = 0; i < count; ++i, samples += 2) {
+    const auto value = static_cast<std::uint16_t>(samples[0] | samples[1] << 8);
+    std::memcpy(samples, &value, sizeof value);
+  }
+}
+
 }  // namespace
 
 SegyFile::SegyFile(const std::string& path) : file_(segy_open(path.c_str(), "rb")) {
@@ -55,15 +63,15 @@ SegyFile::SegyFile(const std::string& path) : file_(segy_open(path.c_str(), "rb"
     // Byte order: the code of the format is below 256.
     format_ =
         static_cast<unsigned char>(header[kFormatField]) << 8 | static_cast<unsigned char>(header[kFormatField + 1]);
-    int order = SEGY_MSB;
     if (format_ > 255) {
-      order = SEGY_LSB;
+      is_little_endian_ = true;
       format_ = (format_ & 255) << 8 | format_ >> 8;
     }
     if (!is_known_format(format_)) {
       throw ReadError("expected sample format 1, 2, 3, 5 or 8 (bytes 3225-3226), found " + std::to_string(format_));
     }
-    check(segy_set_format(file_, format_ | order), "its sample format cannot be set");
+    check(segy_set_format(file_, format_ | (is_little_endian_ ? SEGY_LSB : SEGY_MSB)),
+          "its sample format cannot be set");
     check(segy_binheader(file_, header.data()), "its binary header cannot be read");  // in the byte order that is set
     samples_ = segy_samples(header.data());
     if (samples_ <= 0)
@@ -94,9 +102,17 @@ void SegyFile::read_header(int trace, char* header) const {
         "the header of trace " + std::to_string(trace) + " cannot be read");
 }
 
+void SegyFile::prepare_samples() {
+  if (has_small_samples()) check(segy_set_format(file_, format_ | SEGY_MSB), "its sample format cannot be set");
+}
+
 void SegyFile::read_samples(int trace, int first, int count, void* to) const {
   const int status = segy_readsubtr(file_, trace, first, first + count, 1, to, nullptr, first_trace_, trace_bytes_);
   check(status, "trace " + std::to_string(trace) + " cannot be read");
+  if (has_small_samples()) {
+    if (format_ == SEGY_SIGNED_SHORT_2_BYTE) convert_little_endian(static_cast<unsigned char*>(to), count);
+    return;
+  }
   check(segy_to_native(format_, count, to), "trace " + std::to_string(trace) + " cannot be converted");
 }
 
@@ -106,6 +122,7 @@ class SegyVolume final : public isoextract_plugin::VolumeFile {
  public:
   SegyVolume(const isoextract_plugin::Request& request, const isoextract_plugin_host& host)
       : file_(request.path), survey_(read_survey(file_, host)) {
+    file_.prepare_samples();
     format = file_.revision() >= 256 ? "SEG-Y revision " + std::to_string(file_.revision() >> 8) : "SEG-Y";
     isoextract_plugin::Grid grid;
     grid.type_name = format_text(file_.format());
@@ -121,6 +138,7 @@ class SegyVolume final : public isoextract_plugin::VolumeFile {
 
   isoextract_plugin::ReadFacts read(const isoextract_volume_selection& selection,
                                     const isoextract_plugin_host& host) override {
+    const std::scoped_lock lock(mutex_);
     isoextract_plugin::with_sample_type(grids[0].sample_type, [&]<class T>(T) { read_box<T>(selection, host); });
     isoextract_plugin::ReadFacts facts;
     facts.note = placement_note();
@@ -205,6 +223,7 @@ class SegyVolume final : public isoextract_plugin::VolumeFile {
     }
   }
 
+  std::mutex mutex_;  // of file_, which has one position
   SegyFile file_;
   Survey survey_;
 };

@@ -51,6 +51,10 @@ for a, b in zip(sys.argv[1::2], sys.argv[2::2]):
 """, *(name for pair in pairs for name in pair))
         self.assertEqual(found, "")
 
+    def parts_left_out(self, report):
+        """Chunks, slices or traces that were not read, of how many."""
+        return next((entry["count"], entry["total"]) for entry in report["work"] if entry["what"] == "file_parts")
+
     def surface(self, *arguments):
         """Area, bounds and report of the surface in index space."""
         report, _ = self.report(*arguments, "--space", "index", "-o", "surface.ply")
