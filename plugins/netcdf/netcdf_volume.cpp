@@ -78,6 +78,7 @@ class NetcdfFile final : public isoextract_plugin::VolumeFile {
   }
 
  private:
+  // `path` is "" for the root, whose variables have plain names; else it begins and ends with a slash.
   void list_group(int group, const std::string& path, const isoextract_plugin_host& host) {
     isoextract_plugin::check_cancelled(host);
     int count = 0;
@@ -100,7 +101,7 @@ class NetcdfFile final : public isoextract_plugin::VolumeFile {
     for (const int id : ids) {
       std::array<char, NC_MAX_NAME + 1> name{};
       check(nc_inq_grpname(id, name.data()), "its groups cannot be listed");
-      list_group(id, path + name.data() + "/", host);
+      list_group(id, (path.empty() ? "/" : path) + name.data() + "/", host);
     }
   }
 

@@ -128,9 +128,9 @@ for kind, name in (('NETCDF3_CLASSIC', 'c.nc'), ('NETCDF4', 'd.nc')):
     d.createVariable('s', 'f4', ('z', 'y', 'x'))[:] = 1.5
     d.close()""")
         size = (self.folder / "c.nc").stat().st_size
-        self.assert_refuses_damage("c.nc", range(4, size - 256, 9), [*range(0, size - 256, 13), size - 200, size - 1])
+        self.assert_refuses_damage("c.nc", range(7, size - 256, 12), [*range(0, size - 256, 23), size - 200, size - 1])
         size = (self.folder / "d.nc").stat().st_size
-        self.assert_refuses_damage("d.nc", range(8, size, size // 12), range(0, size, size // 12))
+        self.assert_refuses_damage("d.nc", range(8, size, size // 6), range(0, size, size // 8))
 
 
 if __name__ == "__main__":

@@ -70,7 +70,7 @@ for a, b in zip(sys.argv[1::2], sys.argv[2::2]):
             run = self.run_program(damaged, "-o", "damaged.npy")
             self.assertEqual(run.code, 2, f"{length} of {len(whole)} bytes: {run.err}")
         for position in positions:
-            for value in (0x00, 0xFF, whole[position] ^ 0x80):
+            for value in {0xFF, whole[position] ^ 0x80} - {whole[position]}:
                 damaged.write_bytes(whole[:position] + bytes([value]) + whole[position + 1:])
                 run = self.run_program(damaged, "-o", "damaged.npy")
                 self.assertIn(run.code, (0, 2), f"byte {position} = {value}: {run.err}")
