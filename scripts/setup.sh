@@ -6,6 +6,9 @@
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
 #   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
+#   scripts/setup.sh hdf5       what the plug-in around HDF5 needs: HDF5; likewise
+#   scripts/setup.sh netcdf     what the plug-in around netCDF needs: netCDF; likewise
+#   scripts/setup.sh segy       what the plug-in around segyio needs: segyio; likewise
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
@@ -27,10 +30,14 @@ build_packages=(
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
   python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
+  libhdf5-dev libnetcdf-dev libsegyio-dev python3-h5py python3-netcdf4 python3-segyio ferret-datasets
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 vtk_packages=(libvtk9-dev)
 openvdb_packages=(libopenvdb-dev libboost-dev)
+hdf5_packages=(libhdf5-dev)
+netcdf_packages=(libnetcdf-dev)
+segy_packages=(libsegyio-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
 measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage)
@@ -58,6 +65,9 @@ for group in "$@"; do
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
     openvdb) wanted+=("${openvdb_packages[@]}") ;;
+    hdf5) wanted+=("${hdf5_packages[@]}") ;;
+    netcdf) wanted+=("${netcdf_packages[@]}") ;;
+    segy) wanted+=("${segy_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     measure)
       wanted+=("${bench_packages[@]}" "${measure_packages[@]}")
@@ -67,7 +77,7 @@ for group in "$@"; do
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, bench, measure, blender, viewers or cluster"
+      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, hdf5, netcdf, segy, bench, measure, blender, viewers or cluster"
       exit 1
       ;;
   esac

@@ -132,6 +132,8 @@ class ReadmeTest(ProgramTest):
             for line in found:
                 if WITH_OPENVDB.search(line) and not HAS_OPENVDB:
                     continue
+                if any(not pathlib.Path(name).exists() for name in re.findall(r"/usr/share/\S+", line)):
+                    continue  # data of a package that is not installed
                 run = subprocess.run(["bash", "-o", "pipefail", "-c", line], cwd=self.folder, capture_output=True, text=True,
                                      env={**os.environ, "PATH": path}, check=False, timeout=120)
                 self.assertEqual(run.returncode, 0, f"{page}: {line}\n{run.stderr}")

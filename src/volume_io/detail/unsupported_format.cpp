@@ -24,7 +24,6 @@ struct UnsupportedFormatEntry {
   std::string_view way;
 };
 
-// Formats such as HDF5, whose content says less than the name, come last.
 const std::vector<UnsupportedFormatEntry>& known_unread() {
   static const std::vector<UnsupportedFormatEntry> known{
       {"a DICOM file", {".dcm", ".dicom", ".ima"}, {{128, "DICM"}}, "dcm2niix makes a NIfTI file of the series"},
@@ -52,14 +51,6 @@ const std::vector<UnsupportedFormatEntry>& known_unread() {
        {".mat"},
        {{0, "MATLAB "}},
        "scipy.io.loadmat or h5py, and numpy.save, make an NPY array of it"},
-      {"a netCDF file",
-       {".nc", ".nc4", ".cdf"},
-       {{0, "CDF\1"sv}, {0, "CDF\2"sv}, {0, "CDF\5"sv}},
-       "Python's xarray and numpy.save make an NPY array of it"},
-      {"an HDF5 file",
-       {".h5", ".hdf5", ".hdf", ".he5"},
-       {{0, "\x89HDF\r\n\x1a\n"sv}},
-       "Python's h5py and numpy.save make an NPY array of it"},
   };
   return known;
 }

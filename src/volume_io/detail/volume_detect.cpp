@@ -79,7 +79,11 @@ Result<const VolumeFormat*> known_by_content(const files::InputFile& file, std::
   if (file.size() >= sizeof start) {
     TRY(file.read_at(0, start));
   }
-  return format_by_content({file.path(), content, files::is_gzip(start)});
+  const files::FileStart begin{file.path(), content, files::is_gzip(start)};
+  // Several formats may claim the content: netCDF-4 files are HDF5 files.
+  const VolumeFormat* const named = format_by_extension(file.path());
+  if (named != nullptr && named->probe(begin)) return named;
+  return format_by_content(begin);
 }
 
 bool is_folder(const std::string& input) {

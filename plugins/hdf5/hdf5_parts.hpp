@@ -1,0 +1,111 @@
+// The parts of the plug-in around HDF5.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <hdf5.h>
+
+#include <volume_reader.hpp>
+
+namespace isoextract_hdf5 {
+
+using isoextract_plugin::Grid;
+using isoextract_plugin::HostMemory;
+using isoextract_plugin::ReadError;
+using isoextract_plugin::ReadFacts;
+using isoextract_plugin::Request;
+
+// Owns an identifier of any kind.
+class Handle {
+ public:
+  // Throws with the library's reason if the identifier is that of a failure.
+  Handle(hid_t id, const std::string& what);
+  Handle() : id_(H5I_INVALID_HID) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~Handle() {
+    if (id_ >= 0) H5Idec_ref(id_);
+  }
+  operator hid_t() const { return id_; }  // NOLINT(google-explicit-constructor): as in the library's own calls
+
+ private:
+  hid_t id_;
+};
+
+// Throws with the library's reason if the status is that of a failure.
+void check(herr_t status, const std::string& what);
+
+// Opens an object by its path; nullopt if there is none.
+std::optional<Handle> find_object(hid_t file, const std::string& path);
+// The type of the object with that path; H5O_TYPE_UNKNOWN if there is none.
+H5O_type_t object_type(hid_t file, const std::string& path);
+// Names of the links in a group, sorted; those to other places and files are left out.
+std::vector<std::string> names_in(hid_t group);
+
+// An attribute's numbers; empty if there is none or it has texts.
+std::vector<double> attribute_numbers(hid_t object, const char* name);
+// An attribute's texts; empty if there is none or it has numbers.
+std::vector<std::string> attribute_texts(hid_t object, const char* name);
+// The texts in a row, as Imaris stores single letters; "" if there are none.
+std::string attribute_text(hid_t object, const char* name);
+// The numbers of a short dataset; empty if there is none.
+std::vector<double> dataset_numbers(hid_t file, const std::string& path);
+
+// Where the samples of a grid are.
+struct Source {
+  std::vector<std::string> paths;        // of one dataset, or of one for each volume
+  std::vector<hsize_t> shape;            // of each dataset
+  std::array<std::size_t, 3> axis{};     // the dimension of each grid axis
+  std::vector<std::size_t> volumes;      // dimensions of the volumes, the slowest first
+  std::vector<hsize_t> volume_index;     // the index of each volume along the only such dimension; empty: in order
+  std::optional<std::size_t> component;  // the dimension of the components
+  std::string note;
+};
+
+// Sets the grid's type by that of a dataset, and returns its shape; empty if it has no dimensions.
+std::vector<hsize_t> describe_dataset(hid_t dataset, Grid& grid);
+// Files besides `path` that hold samples of the dataset. Throws if one is missing, as the library then makes up
+// samples.
+std::vector<std::string> other_files(hid_t dataset, const std::string& path);
+// Fills selection.box.
+ReadFacts read_source(hid_t file, const std::string& path, const Source& source, const Grid& grid,
+                      const isoextract_volume_selection& selection, const isoextract_plugin_host& host);
+
+// Grids that a file holds.
+struct Contents {
+  std::string format;
+  std::string creator;
+  std::string note;
+  std::vector<Grid> grids;
+  std::vector<Source> sources;
+  std::uint64_t levels = 1;
+
+  void add(Grid grid, Source source) {
+    grids.push_back(std::move(grid));
+    sources.push_back(std::move(source));
+  }
+};
+
+// A function for each layout returns nullopt if the file does not have it.
+//
+// ImageData of VTKHDF 1.0 and 2.x,
+// https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html#vtkhdf-file-format
+std::optional<Contents> list_vtkhdf(hid_t file);
+// Images of ITK's HDF5ImageIO.
+std::optional<Contents> list_itk(hid_t file);
+// Imaris 5.5, https://imaris.oxinst.com/support/imaris-file-format
+std::optional<Contents> list_imaris(hid_t file, const Request& request);
+// BigDataViewer, https://imagej.net/plugins/bdv; the XML file beside it is not read.
+std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request);
+// All datasets of three to five dimensions, by their paths.
+Contents list_arrays(hid_t file, const isoextract_plugin_host& host);
+
+}  // namespace isoextract_hdf5

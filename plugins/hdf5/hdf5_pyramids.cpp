@@ -1,0 +1,189 @@
+// Layouts with several resolutions: Imaris and BigDataViewer.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+#include "hdf5_parts.hpp"
+
+namespace isoextract_hdf5 {
+namespace {
+
+constexpr std::size_t kMostTimePoints = 1000000;
+
+void check_level(std::uint64_t level, std::uint64_t levels) {
+  if (level >= levels) {
+    throw ReadError("expected a level from 0 to " + std::to_string(levels - 1) + ", found " + std::to_string(level));
+  }
+}
+
+// Imaris stores numbers as texts.
+double text_number(hid_t object, const char* name) {
+  const std::string text = attribute_text(object, name);
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || end == text.c_str() || !std::isfinite(value))
+    throw ReadError(std::string("expected a number in Imaris's attribute ") + name + ", found '" + text + "'");
+  return value;
+}
+
+std::uint64_t text_size(hid_t object, const char* name) {
+  const double value = text_number(object, name);
+  if (!(value >= 1 && value < 0x1p31))
+    throw ReadError(std::string("expected a size in Imaris's attribute ") + name + ", found " +
+                    attribute_text(object, name));
+  return static_cast<std::uint64_t>(value);
+}
+
+// Counts PREFIX0, PREFIX1, ... in a group.
+std::uint64_t count_numbered(hid_t file, const std::string& prefix) {
+  std::uint64_t count = 0;
+  while (count < kMostTimePoints && object_type(file, prefix + std::to_string(count)) != H5O_TYPE_UNKNOWN) ++count;
+  return count;
+}
+
+// "2010-01-31 23:59:59.500" in seconds since 1970, in whatever time zone; nullopt if it is none.
+std::optional<double> seconds_of(const std::string& text) {
+  int year = 0;
+  int month = 0;
+  int day = 0;
+  int hour = 0;
+  int minute = 0;
+  double second = 0;
+  if (std::sscanf(text.c_str(), "%d-%d-%d %d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6)
+    return std::nullopt;
+  if (year < 1 || year > 9999 || month < 1 || month > 12 || day < 1 || day > 31) return std::nullopt;
+  // Days of the Gregorian calendar; the year begins in March (Howard Hinnant, chrono-Compatible Low-Level Date
+  // Algorithms, 2013).
+  const int y = month <= 2 ? year - 1 : year;
+  const int era = y / 400;
+  const int year_of_era = y - era * 400;
+  const int day_of_year = (153 * (month > 2 ? month - 3 : month + 9) + 2) / 5 + day - 1;
+  const int days = era * 146097 + year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year - 719468;
+  return days * 86400.0 + hour * 3600.0 + minute * 60.0 + second;
+}
+
+std::vector<double> imaris_times(hid_t file, std::uint64_t count) {
+  const auto info = find_object(file, "/DataSetInfo/TimeInfo");
+  if (!info) return {};
+  std::vector<double> times;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto time = seconds_of(attribute_text(*info, ("TimePoint" + std::to_string(i + 1)).c_str()));
+    if (!time) return {};
+    times.push_back(*time);
+  }
+  for (std::size_t i = times.size(); i-- > 0;) times[i] -= times[0];
+  return times;
+}
+
+// The extent of the image covers whole voxels; samples are at their centers.
+void place_imaris(hid_t image, Grid& grid) {
+  constexpr std::array<const char*, 3> kMin{"ExtMin0", "ExtMin1", "ExtMin2"};
+  constexpr std::array<const char*, 3> kMax{"ExtMax0", "ExtMax1", "ExtMax2"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double least = text_number(image, kMin[axis]);
+    const double spacing = (text_number(image, kMax[axis]) - least) / static_cast<double>(grid.dims[axis]);
+    grid.index_to_world[4 * axis + axis] = spacing;
+    grid.index_to_world[4 * axis + 3] = least + spacing / 2;
+  }
+  grid.length_unit = attribute_text(image, "Unit");
+}
+
+// Sets the type and shape of a grid whose volumes are datasets of z, y, x.
+bool describe_volumes(hid_t file, Grid& grid, Source& source) {
+  const Handle dataset(H5Dopen2(file, source.paths[0].c_str(), H5P_DEFAULT),
+                       "its dataset " + source.paths[0] + " cannot be opened");
+  source.shape = describe_dataset(dataset, grid);
+  if (source.shape.size() != 3) return false;
+  source.axis = {2, 1, 0};
+  grid.dims = {source.shape[2], source.shape[1], source.shape[0]};
+  grid.volumes = source.paths.size();
+  return true;
+}
+
+}  // namespace
+
+std::optional<Contents> list_imaris(hid_t file, const Request& request) {
+  const auto image = find_object(file, "/DataSetInfo/Image");
+  if (!image || object_type(file, "/DataSet/ResolutionLevel 0/TimePoint 0") != H5O_TYPE_GROUP) return std::nullopt;
+  Contents contents;
+  contents.format = "Imaris";
+  contents.levels = count_numbered(file, "/DataSet/ResolutionLevel ");
+  check_level(request.level, contents.levels);
+  const std::string level = "/DataSet/ResolutionLevel " + std::to_string(request.level) + "/TimePoint ";
+  const std::uint64_t times = count_numbered(file, level);
+  const std::uint64_t channels = count_numbered(file, level + "0/Channel ");
+  if (times == 0 || channels == 0) throw ReadError("expected time points and channels of Imaris, found none");
+  std::map<std::string, int> names;
+  for (std::uint64_t channel = 0; channel < channels; ++channel) {
+    const std::string number = std::to_string(channel);
+    const auto group = find_object(file, level + "0/Channel " + number);
+    Grid grid;
+    if (const auto info = find_object(file, "/DataSetInfo/Channel " + number))
+      grid.name = attribute_text(*info, "Name");
+    if (grid.name.empty() || names[grid.name]++ > 0) grid.name = "Channel " + number;
+    Source source;
+    for (std::uint64_t time = 0; time < times; ++time)
+      source.paths.push_back(level + std::to_string(time) + "/Channel " + number + "/Data");
+    if (object_type(file, source.paths[0]) != H5O_TYPE_DATASET || !describe_volumes(file, grid, source))
+      throw ReadError("expected samples of three dimensions in Imaris's channel " + number);
+    // Data is padded to whole chunks.
+    const std::array<std::uint64_t, 3> dims{text_size(*group, "ImageSizeX"), text_size(*group, "ImageSizeY"),
+                                            text_size(*group, "ImageSizeZ")};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (dims[axis] > grid.dims[axis])
+        throw ReadError("expected at least " + std::to_string(dims[axis]) + " samples along an axis of Imaris's " +
+                        "channel " + number + ", found " + std::to_string(grid.dims[axis]));
+    }
+    grid.dims = dims;
+    place_imaris(*image, grid);
+    grid.volume_times = imaris_times(file, times);
+    if (!grid.volume_times.empty()) grid.time_unit = "s";
+    contents.add(std::move(grid), std::move(source));
+  }
+  return contents;
+}
+
+std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request) {
+  char name[16] = "";
+  const auto setup_name = [&](unsigned setup) {
+    std::snprintf(name, sizeof name, "/s%02u", setup);
+    return std::string(name);
+  };
+  const auto time_name = [&](unsigned time) {
+    std::snprintf(name, sizeof name, "/t%05u", time);
+    return std::string(name);
+  };
+  if (object_type(file, "/s00/resolutions") != H5O_TYPE_DATASET) return std::nullopt;
+  Contents contents;
+  contents.format = "BigDataViewer HDF5";
+  for (unsigned setup = 0; setup < 100 && object_type(file, setup_name(setup)) != H5O_TYPE_UNKNOWN; ++setup) {
+    const auto factors = dataset_numbers(file, setup_name(setup) + "/resolutions");
+    const std::uint64_t levels = factors.size() / 3;
+    if (levels == 0) throw ReadError("expected three factors for each level in " + setup_name(setup) + "/resolutions");
+    check_level(request.level, levels);
+    contents.levels = std::max(contents.levels, levels);
+    Grid grid;
+    Source source;
+    for (unsigned time = 0; time < 100000; ++time) {
+      const std::string path = time_name(time) + setup_name(setup) + "/" + std::to_string(request.level) + "/cells";
+      if (object_type(file, path) != H5O_TYPE_DATASET) break;
+      source.paths.push_back(path);
+    }
+    if (source.paths.empty() || !describe_volumes(file, grid, source)) continue;
+    grid.name = setup_name(setup).substr(1);
+    grid.has_placement = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double factor = factors[3 * request.level + axis];
+      grid.index_to_world[4 * axis + axis] = factor;
+      grid.index_to_world[4 * axis + 3] = (factor - 1) / 2;  // voxels of a level cover whole ones of level 0
+      grid.has_placement = grid.has_placement || factor != 1;
+    }
+    source.note = "lengths are voxels of level 0; the spacing is in the XML file beside it, which is not read";
+    contents.add(std::move(grid), std::move(source));
+  }
+  return contents;
+}
+
+}  // namespace isoextract_hdf5
