@@ -26,6 +26,11 @@ struct ReadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The samples are spaced unevenly, and Request::evens_out is not set.
+struct UnevenError : ReadError {
+  using ReadError::ReadError;
+};
+
 // Memory that is reserved in the host, and released when this object ends.
 class HostMemory {
  public:
@@ -70,6 +75,7 @@ struct Grid {
   std::string length_unit;
   std::int32_t sample_type = ISOEXTRACT_NOT_SCALAR;
   std::int32_t kind = ISOEXTRACT_DENSITY;
+  bool is_sampled = false;
   bool has_placement = true;
   std::array<std::uint64_t, 3> dims{};
   std::array<double, 12> index_to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -233,9 +239,13 @@ inline std::string& problem() {
 
 template <class F>
 int catch_exceptions(F&& work) {
+  int failure = ISOEXTRACT_READ_FAILED;
   try {
     work();
     return 0;
+  } catch (const UnevenError& error) {
+    problem() = error.what();
+    failure = ISOEXTRACT_UNEVEN_SAMPLES;
   } catch (const std::bad_alloc&) {
     problem() = "not enough memory to read it";
   } catch (const std::exception& error) {
@@ -244,7 +254,7 @@ int catch_exceptions(F&& work) {
     problem() = "the library failed and gave no reason";
   }
   std::ranges::replace(problem(), '\n', ' ');
-  return 1;
+  return failure;
 }
 
 // A file with the lists of the C interface.
@@ -267,6 +277,7 @@ inline isoextract_volume_grid c_grid(const Grid& grid, std::vector<isoextract_vo
   c.length_unit = grid.length_unit.c_str();
   c.sample_type = grid.sample_type;
   c.kind = grid.kind;
+  c.is_sampled = grid.is_sampled ? 1 : 0;
   c.has_placement = grid.has_placement ? 1 : 0;
   std::ranges::copy(grid.dims, c.dims);
   std::ranges::copy(grid.index_to_world, c.index_to_world);
