@@ -53,8 +53,7 @@ void add_codec(const std::string& name, const Json& settings, Pipeline& pipeline
 
 // numcodecs' delta keeps the type if it has no other one; then integers wrap around, and so do their sums.
 void check_delta(const Json& settings, const DataType& type) {
-  const bool is_integer =
-      type.kind == DataType::Kind::signed_integer || type.kind == DataType::Kind::unsigned_integer;
+  const bool is_integer = type.kind == DataType::Kind::signed_integer || type.kind == DataType::Kind::unsigned_integer;
   const Json& stored = member(settings, "astype");
   if (!is_integer || (!stored.is_null() && stored != member(settings, "dtype"))) {
     throw NotSupported{"the codec 'delta' with a change of type or floating-point numbers"};
@@ -145,10 +144,11 @@ Pipeline pipeline_of(const Json& codecs, const DataType& type, std::size_t axes,
       *sharding = sharding_of(settings, type, axes);
       is_bytes = true;
     } else {
-      throw NotSupported{fmt::format("the codec '{}'", shown(name))};
+      // zarrita writes lists without 'bytes', which stand for little-endian numbers.
+      add_codec(name, settings, pipeline);
+      is_bytes = true;
     }
   }
-  if (!is_bytes) throw ReadError("expected the codec 'bytes' or 'sharding_indexed', found neither");
   return pipeline;
 }
 

@@ -80,9 +80,8 @@ void decompress_lz4(std::span<const std::byte> from, std::span<std::byte> to) {
   constexpr auto kMost = static_cast<std::size_t>(LZ4_MAX_INPUT_SIZE);
   if (from.size() < kLz4Header || from.size() > kMost || to.size() > kMost) damaged("lz4", to.size());
   const std::span block = from.subspan(kLz4Header);
-  const int got =
-      ::LZ4_decompress_safe(reinterpret_cast<const char*>(block.data()), reinterpret_cast<char*>(to.data()),
-                            static_cast<int>(block.size()), static_cast<int>(to.size()));
+  const int got = ::LZ4_decompress_safe(reinterpret_cast<const char*>(block.data()), reinterpret_cast<char*>(to.data()),
+                                        static_cast<int>(block.size()), static_cast<int>(to.size()));
   if (got < 0) damaged("lz4", to.size());
   if (static_cast<std::size_t>(got) != to.size()) wrong_size("lz4", to.size(), static_cast<std::uint64_t>(got));
 }

@@ -17,7 +17,8 @@ std::size_t copy_elements(const std::byte* from, std::ptrdiff_t from_step, std::
     return count;
   }
   // Most fill values are 0.
-  if (from_step == 0 && to_step == kStep && std::all_of(from, from + kSize, [](std::byte b) { return b == std::byte{}; })) {
+  if (from_step == 0 && to_step == kStep &&
+      std::all_of(from, from + kSize, [](std::byte b) { return b == std::byte{}; })) {
     std::memset(to, 0, count * kSize);
     return count;
   }
@@ -43,21 +44,21 @@ std::size_t widen_elements(const std::byte* from, std::ptrdiff_t from_step, std:
 // T: of the numbers of an element; Out: of the length.
 template <class T, class Out>
 CopyRow length_row(std::size_t numbers, double slope, double intercept) {
-  return [=](const std::byte* from, std::ptrdiff_t from_step, std::byte* to, std::ptrdiff_t to_step,
-             std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i, from += from_step, to += to_step) {
-      double sum = 0;
-      for (std::size_t k = 0; k < numbers; ++k) {
-        T value{};
-        std::memcpy(&value, from + k * sizeof value, sizeof value);
-        const double scaled = slope * static_cast<double>(value) + intercept;
-        sum += scaled * scaled;
-      }
-      const auto length = static_cast<Out>(std::sqrt(sum));
-      std::memcpy(to, &length, sizeof length);
-    }
-    return count;
-  };
+  return
+      [=](const std::byte* from, std::ptrdiff_t from_step, std::byte* to, std::ptrdiff_t to_step, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i, from += from_step, to += to_step) {
+          double sum = 0;
+          for (std::size_t k = 0; k < numbers; ++k) {
+            T value{};
+            std::memcpy(&value, from + k * sizeof value, sizeof value);
+            const double scaled = slope * static_cast<double>(value) + intercept;
+            sum += scaled * scaled;
+          }
+          const auto length = static_cast<Out>(std::sqrt(sum));
+          std::memcpy(to, &length, sizeof length);
+        }
+        return count;
+      };
 }
 
 CopyRow lengths_of(const DataType& type, const Conversion& how) {

@@ -24,7 +24,8 @@ std::string without_nan(std::string_view text) {
     }
     if (c == '"') is_string = !is_string;
     bool is_replaced = false;
-    for (const std::string_view word : {std::string_view("NaN"), std::string_view("-Infinity"), std::string_view("Infinity")}) {
+    for (const std::string_view word :
+         {std::string_view("NaN"), std::string_view("-Infinity"), std::string_view("Infinity")}) {
       if (is_string || !text.substr(at).starts_with(word)) continue;
       result += "null";
       at += word.size() - 1;
@@ -78,8 +79,8 @@ std::optional<Json> Hierarchy::read_json(const std::string& key) {
     return found->second;
   }
   if (value->size() > kMostMetadata) {
-    throw ReadError(
-        fmt::format("expected at most {} bytes of metadata in '{}', found {}", kMostMetadata, shown(key), value->size()));
+    throw ReadError(fmt::format("expected at most {} bytes of metadata in '{}', found {}", kMostMetadata, shown(key),
+                                value->size()));
   }
   // A parsed value takes several times its text.
   constexpr std::uint64_t kParsed = 8;

@@ -10,7 +10,7 @@
 namespace isoextract_zarr {
 namespace {
 
-constexpr int kDeepest = 16;            // groups within groups
+constexpr int kDeepest = 16;  // groups within groups
 constexpr std::size_t kMostNodes = 10000;
 
 // Walks the groups of a hierarchy in the order of their names.
@@ -25,15 +25,16 @@ class Finder {
     visit("", *root, 0);
     if (found_.images.empty()) {
       if (!first_problem_.empty()) throw ReadError(first_problem_);
-      throw ReadError(found_.notes.empty() ? "expected arrays with two or more axes, found none" : found_.notes.front());
+      throw ReadError(found_.notes.empty() ? "expected arrays with two or more axes, found none"
+                                           : found_.notes.front());
     }
     if (level_ > 0 && !has_pyramid_) {
       throw ReadError(fmt::format("expected level 0, as there is no OME-Zarr pyramid, found level {}", level_));
     }
     for (const auto& [text, count] : left_out_) {
-      found_.notes.push_back(count.first == 1 ? fmt::format("array '{}' is left out: {}", count.second, text)
-                                              : fmt::format("{} arrays such as '{}' are left out: {}", count.first,
-                                                            count.second, text));
+      found_.notes.push_back(count.first == 1 ? fmt::format("'{}' is left out: {}", count.second, text)
+                                              : fmt::format("{} arrays and images such as '{}' are left out: {}",
+                                                            count.first, count.second, text));
     }
     return std::move(found_);
   }
@@ -59,9 +60,10 @@ class Finder {
     const std::string path = join(group, name);
     if (++nodes_ > kMostNodes || depth == kDeepest) {
       if (!std::exchange(is_cut_, true)) {
-        found_.notes.push_back(fmt::format("groups below '{}' are left out: the hierarchy has more than {} groups and "
-                                           "arrays, or groups nested more than {} deep",
-                                           shown(group), kMostNodes, kDeepest));
+        found_.notes.push_back(
+            fmt::format("groups below '{}' are left out: the hierarchy has more than {} groups and "
+                        "arrays, or groups nested more than {} deep",
+                        shown(group), kMostNodes, kDeepest));
       }
       return;
     }
@@ -123,7 +125,8 @@ Images find_images(Hierarchy& hierarchy, std::uint64_t level) { return Finder(hi
 
 Axis::Kind kind_called(const std::string& name) {
   std::string word = name;
-  std::ranges::transform(word, word.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  std::ranges::transform(word, word.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
     return std::ranges::find(words, word) != words.end();
   };

@@ -28,8 +28,8 @@ struct Image {
   std::vector<double> scale;        // of each axis: coordinate = scale * index + translation
   std::vector<double> translation;  // of the center of sample 0
   bool has_placement = false;
-  std::vector<double> times;                // of an uneven time axis; empty if scale and translation are enough
-  std::vector<std::string> channel_names;   // from its metadata; may be shorter than the axis
+  std::vector<double> times;               // of an uneven time axis; empty if scale and translation are enough
+  std::vector<std::string> channel_names;  // from its metadata; may be shorter than the axis
   std::vector<isoextract_plugin::Label> labels;
   double slope = 1;
   double intercept = 0;

@@ -39,11 +39,9 @@ constexpr std::array kTypes{TypeName{"b1", "bool", DataType::Kind::unsigned_inte
                             TypeName{"c8", "complex64", DataType::Kind::complex, 8},
                             TypeName{"c16", "complex128", DataType::Kind::complex, 16}};
 
-std::string shown_json(const Json& value) {
-  return shown(value.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
+std::string shown_json(const Json& value) { return shown(value.dump(-1, ' ', false, Json::error_handler_t::replace)); }
 
-DataType type_called(std::string_view name, std::string_view TypeName::* member_name, const Json& whole) {
+DataType type_called(std::string_view name, std::string_view TypeName::*member_name, const Json& whole) {
   const auto found = std::ranges::find(kTypes, name, member_name);
   if (found != kTypes.end()) return {found->kind, found->size, std::string(found->v3)};
   return {DataType::Kind::other, 0, whole.is_string() ? shown(whole.get_ref<const std::string&>()) : "structure"};
@@ -129,7 +127,8 @@ void put_number(Bytes& bytes, const Json& fill, const DataType& type) {
     return put_float(bytes, fill, type);
   const bool is_signed = type.kind == DataType::Kind::signed_integer;
   switch (type.size) {
-    case 1: return is_signed ? put_integer<std::int8_t>(bytes, fill, type) : put_integer<std::uint8_t>(bytes, fill, type);
+    case 1:
+      return is_signed ? put_integer<std::int8_t>(bytes, fill, type) : put_integer<std::uint8_t>(bytes, fill, type);
     case 2:
       return is_signed ? put_integer<std::int16_t>(bytes, fill, type) : put_integer<std::uint16_t>(bytes, fill, type);
     case 4:
@@ -214,7 +213,8 @@ std::uint64_t product_of(const std::vector<std::uint64_t>& factors, std::uint64_
   constexpr std::uint64_t kMost = std::uint64_t{1} << 63;
   std::uint64_t product = first;
   for (const std::uint64_t factor : factors) {
-    if (factor > 0 && product >= kMost / factor) throw ReadError("its shape has more samples than any machine can hold");
+    if (factor > 0 && product >= kMost / factor)
+      throw ReadError("its shape has more samples than any machine can hold");
     product *= factor;
   }
   return product;

@@ -1,4 +1,5 @@
-// OME-Zarr: pyramids, their axes and transformations, channels, label images (NGFF 0.4 and 0.5; axes of 0.3 and before).
+// OME-Zarr: pyramids, their axes and transformations, channels, label images (NGFF 0.4 and 0.5; axes of 0.3 and
+// before).
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -59,8 +60,8 @@ void apply_transformations(const Json& list, Image& image) {
     }
     const auto numbers = numbers_of(member(entry, type.c_str()), count);
     if (!numbers || (type == "scale" && std::ranges::find(*numbers, 0.0) != numbers->end())) {
-      throw ReadError(fmt::format("expected a {} of {} finite numbers{}", type, count,
-                                  type == "scale" ? " other than 0" : ""));
+      throw ReadError(
+          fmt::format("expected a {} of {} finite numbers{}", type, count, type == "scale" ? " other than 0" : ""));
     }
     for (std::size_t i = 0; i < count; ++i) {
       if (type == "scale") {

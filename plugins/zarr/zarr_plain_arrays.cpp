@@ -89,8 +89,8 @@ void place_axis(Hierarchy& hierarchy, std::size_t index, Image& image, Images& f
   } else if (axis.kind == Axis::Kind::time) {
     image.times = *values;
   } else if (is_space) {
-    found.notes.push_back(fmt::format("the coordinates of axis '{}' are not evenly spaced, so that they are not used",
-                                      shown(axis.name)));
+    found.notes.push_back(
+        fmt::format("the coordinates of axis '{}' are not evenly spaced, so that they are not used", shown(axis.name)));
   }
 }
 
@@ -109,15 +109,15 @@ Image describe_plain_array(Hierarchy& hierarchy, Array array, const Json& attrib
   });
   if (first_other != image.axes.end() && image.axis_of(time) == kNoAxis) {
     first_other->kind = time;
-    found.notes.push_back(fmt::format("the volumes of '{}' lie along its axis '{}'", shown(image.name),
-                                      shown(first_other->name)));
+    found.notes.push_back(
+        fmt::format("the volumes of '{}' lie along its axis '{}'", shown(image.name), shown(first_other->name)));
   }
   for (std::size_t i = 0; i < image.axes.size(); ++i) {
     try {
       place_axis(hierarchy, i, image, found);
     } catch (const ReadError& error) {
-      found.notes.push_back(fmt::format("the coordinates of axis '{}' are not used: {}", shown(image.axes[i].name),
-                                        error.what()));
+      found.notes.push_back(
+          fmt::format("the coordinates of axis '{}' are not used: {}", shown(image.axes[i].name), error.what()));
     }
   }
   // CF conventions, as xarray decodes them.

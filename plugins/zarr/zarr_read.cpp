@@ -214,17 +214,16 @@ class BoxReader {
     from += component_offset_;
     for (std::uint64_t z = 0; z < count[2]; ++z) {
       for (std::uint64_t y = 0; y < count[1]; ++y) {
-        const std::byte* row = from + static_cast<std::ptrdiff_t>(z) * from_step[2] +
-                               static_cast<std::ptrdiff_t>(y) * from_step[1];
-        const std::uint64_t sample =
-            ((begin[2] + z) * box_.count[1] + begin[1] + y) * box_.count[0] + begin[0];
+        const std::byte* row =
+            from + static_cast<std::ptrdiff_t>(z) * from_step[2] + static_cast<std::ptrdiff_t>(y) * from_step[1];
+        const std::uint64_t sample = ((begin[2] + z) * box_.count[1] + begin[1] + y) * box_.count[0] + begin[0];
         const std::size_t copied = copy_row_(row, from_step[0], to_ + sample * sample_bytes_,
                                              static_cast<std::ptrdiff_t>(sample_bytes_), count[0]);
         if (copied == count[0]) continue;
-        throw ReadError(fmt::format("expected integers that a double represents exactly, such as all up to 2^53, "
-                                    "found another at sample ({}, {}, {})",
-                                    box_.first[0] + begin[0] + copied, box_.first[1] + begin[1] + y,
-                                    box_.first[2] + begin[2] + z));
+        throw ReadError(
+            fmt::format("expected integers that a double represents exactly, such as all up to 2^53, "
+                        "found another at sample ({}, {}, {})",
+                        box_.first[0] + begin[0] + copied, box_.first[1] + begin[1] + y, box_.first[2] + begin[2] + z));
       }
     }
   }
@@ -247,10 +246,8 @@ class BoxReader {
 
 ChunkCount read_box(const Store& store, const Array& array, const ArrayBox& box, const Conversion& conversion, void* to,
                     const isoextract_plugin_host& host) {
-  if (!array.metadata.problem.empty()) {
-    throw ReadError(fmt::format("the array '{}' has {}, which this reader does not support", shown(array.path),
-                                array.metadata.problem));
-  }
+  if (!array.metadata.problem.empty())
+    throw ReadError("expected an array that can be read: it has " + array.metadata.problem);
   return BoxReader(store, array, box, conversion, to, host).read();
 }
 

@@ -47,8 +47,8 @@ struct Conversion {
 [[nodiscard]] ChunkCount read_box(const Store& store, const Array& array, const ArrayBox& box,
                                   const Conversion& conversion, void* to, const isoextract_plugin_host& host);
 
-// Calls use(key) with the key of every chunk file that the box touches, whether it exists or not. Returns false, without
-// calling, if there are more than `most`.
+// Calls use(key) with the key of every chunk file that the box touches, whether it exists or not. Returns false,
+// without calling, if there are more than `most`.
 bool visit_chunk_keys(const Array& array, const ArrayBox& box, std::uint64_t most,
                       const std::function<void(const std::string&)>& use);
 

@@ -128,7 +128,8 @@ std::unique_ptr<Store> open_store(const std::string& path, isoextract_plugin::Ho
 std::string shown(std::string_view text) {
   constexpr std::size_t kMost = 100;
   std::string result(text.substr(0, kMost));
-  std::ranges::replace_if(result, [](char c) { return c < ' ' || c > '~'; }, '?');
+  std::ranges::replace_if(
+      result, [](char c) { return c < ' ' || c > '~'; }, '?');
   if (text.size() > kMost) result += "...";
   return result;
 }

@@ -19,21 +19,22 @@ constexpr std::uint64_t kMostChannels = 1024;
 constexpr std::uint64_t kMostChunkFiles = 10000;
 constexpr std::array<Axis::Kind, 3> kSpace{Axis::Kind::x, Axis::Kind::y, Axis::Kind::z};
 
-// Units of length that OME-Zarr names, in meters.
-constexpr std::array<std::pair<std::string_view, double>, 12> kUnits{{{"angstrom", 1e-10},
-                                                                      {"picometer", 1e-12},
-                                                                      {"nanometer", 1e-9},
-                                                                      {"micrometer", 1e-6},
-                                                                      {"millimeter", 1e-3},
-                                                                      {"centimeter", 1e-2},
-                                                                      {"decimeter", 1e-1},
-                                                                      {"meter", 1},
-                                                                      {"kilometer", 1e3},
-                                                                      {"inch", 0.0254},
-                                                                      {"foot", 0.3048},
-                                                                      {"yard", 0.9144}}};
+// Units of length that OME-Zarr names, in picometers: so the ratios of metric ones are exact.
+constexpr std::array<std::pair<std::string_view, double>, 12> kUnits{{{"angstrom", 1e2},
+                                                                      {"picometer", 1},
+                                                                      {"nanometer", 1e3},
+                                                                      {"micrometer", 1e6},
+                                                                      {"millimeter", 1e9},
+                                                                      {"centimeter", 1e10},
+                                                                      {"decimeter", 1e11},
+                                                                      {"meter", 1e12},
+                                                                      {"kilometer", 1e15},
+                                                                      {"inch", 25.4e9},
+                                                                      {"foot", 304.8e9},
+                                                                      {"yard", 914.4e9}}};
 
-double meters_of(const std::string& unit) {
+// Returns 0 for another unit.
+double picometers_of(const std::string& unit) {
   const auto* const found = std::ranges::find(kUnits, unit, [](const auto& entry) { return entry.first; });
   return found == kUnits.end() ? 0 : found->second;
 }
@@ -62,14 +63,15 @@ ArrayBox box_of(const Image& image, std::uint64_t channel, std::uint64_t volume)
 
 // Returns why no surface can be extracted from an image; empty if one can.
 std::string problem_of(const Image& image) {
-  if (!image.array.metadata.problem.empty()) return image.array.metadata.problem;
-  for (std::size_t i = 0; i < image.axes.size(); ++i) {
-    if (image.axes[i].kind == Axis::Kind::other && image.array.metadata.shape[i] > 1) {
-      return fmt::format("an axis {} that is neither space, time nor channel",
-                         image.axes[i].name.empty() ? std::to_string(i) : fmt::format("'{}'", shown(image.axes[i].name)));
-    }
+  std::string problem = image.array.metadata.problem;
+  for (std::size_t i = 0; problem.empty() && i < image.axes.size(); ++i) {
+    if (image.axes[i].kind != Axis::Kind::other || image.array.metadata.shape[i] == 1) continue;
+    const std::string& name = image.axes[i].name;
+    problem = fmt::format("an axis '{}' that is neither space, time nor channel",
+                          name.empty() ? std::to_string(i) : shown(name));
   }
-  return {};
+  if (problem.empty()) return problem;
+  return fmt::format("the array '{}' has {}, which this reader does not support", shown(image.array.path), problem);
 }
 
 // Sets the placement; coordinates in other units than those of x are converted to that.
@@ -84,12 +86,12 @@ void place(const Image& image, Grid& grid, std::vector<std::string>& notes) {
     if (unit.empty()) unit = own;
     double factor = 1;
     if (own != unit && !own.empty()) {
-      if (meters_of(own) > 0 && meters_of(unit) > 0) {
-        factor = meters_of(own) / meters_of(unit);
+      if (picometers_of(own) > 0 && picometers_of(unit) > 0) {
+        factor = picometers_of(own) / picometers_of(unit);
         notes.push_back(fmt::format("axis '{}' is converted from {} to {}", shown(image.axes[at].name), own, unit));
       } else {
-        notes.push_back(fmt::format("axis '{}' is in '{}', which is not converted to '{}'",
-                                    shown(image.axes[at].name), shown(own), shown(unit)));
+        notes.push_back(fmt::format("axis '{}' is in '{}', which is not converted to '{}'", shown(image.axes[at].name),
+                                    shown(own), shown(unit)));
       }
     }
     grid.index_to_world[4 * row + row] = image.scale[at] * factor;
@@ -135,6 +137,9 @@ class ZarrFile final : public isoextract_plugin::VolumeFile {
     format = found.format;
     creator = found.creator;
     images_ = std::move(found.images);
+    if (std::ranges::all_of(images_, [](const Image& image) { return !problem_of(image).empty(); })) {
+      throw ReadError(problem_of(images_.front()));
+    }
     for (std::size_t i = 0; i < images_.size(); ++i) add_image(i, found.notes);
     files.assign(hierarchy.files().begin(), hierarchy.files().end());
     add_chunk_files(volume, found.notes);
@@ -169,7 +174,7 @@ class ZarrFile final : public isoextract_plugin::VolumeFile {
     if (const std::string problem = problem_of(image); problem.empty()) {
       grid.sample_type = sample_type_of(type);
     } else {
-      notes.push_back(fmt::format("'{}' cannot be read: it has {}", shown(image.name), problem));
+      notes.push_back(problem);
     }
     if (type.kind == DataType::Kind::complex) {
       grid.components = 2;
@@ -183,8 +188,7 @@ class ZarrFile final : public isoextract_plugin::VolumeFile {
       notes.push_back(fmt::format("only the first {} of {} channels of '{}' are listed", kMostChannels, channels,
                                   shown(image.name)));
     }
-    const std::vector<std::string> names =
-        channels > kMostChannels ? std::vector<std::string>() : channel_names(image);
+    const std::vector<std::string> names = channels > kMostChannels ? std::vector<std::string>() : channel_names(image);
     for (std::uint64_t channel = 0; channel < std::min(channels, kMostChannels); ++channel) {
       const std::string name = names.empty() ? fmt::format("c{}", channel) : names[channel];
       // The name of a lone channel stands for an image that has none.
