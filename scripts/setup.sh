@@ -5,6 +5,7 @@
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
+#   scripts/setup.sh images     what the plug-in for images needs: libtiff, OpenEXR, libpng; likewise
 #   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
@@ -26,10 +27,11 @@ build_packages=(
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
-  python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
+  python3-pandas python3-pil python3-tifffile libtiff-dev jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 vtk_packages=(libvtk9-dev)
+images_packages=(libtiff-dev libopenexr-dev libpng-dev)
 openvdb_packages=(libopenvdb-dev libboost-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
@@ -57,6 +59,7 @@ for group in "$@"; do
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
+    images) wanted+=("${images_packages[@]}") ;;
     openvdb) wanted+=("${openvdb_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     measure)
@@ -67,7 +70,7 @@ for group in "$@"; do
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, bench, measure, blender, viewers or cluster"
+      say "unknown group '$group': expected build, test, fuzz, vtk, images, openvdb, bench, measure, blender, viewers or cluster"
       exit 1
       ;;
   esac

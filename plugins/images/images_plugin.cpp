@@ -66,7 +66,8 @@ class Stack final : public VolumeFile {
     check_is_slice(*first, paths.front());
     format = first->format + " slices";
     creator = first->creator;
-    note = first->note;
+    note = std::to_string(paths.size()) + " files are the slices of one volume" +
+           (first->note.empty() ? "" : "; " + first->note);
     grids = first->grids;
     for (std::size_t i = 1; i < paths.size(); ++i) {
       check_cancelled(host);

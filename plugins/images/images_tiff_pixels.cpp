@@ -140,7 +140,11 @@ class Buffer {
 
 // Decodes a strip or tile; one that the file leaves out is all 0.
 void decode(const Tiff& tiff, std::uint32_t number, bool is_tile, unsigned char* to, std::uint64_t bytes) {
-  if (TIFFGetStrileOffset(tiff.get(), number) == 0 && TIFFGetStrileByteCount(tiff.get(), number) == 0) {
+  int failed = 0;
+  const std::uint64_t offset = TIFFGetStrileOffsetWithErr(tiff.get(), number, &failed);
+  const std::uint64_t stored = failed != 0 ? 0 : TIFFGetStrileByteCountWithErr(tiff.get(), number, &failed);
+  if (failed != 0) tiff.fail("the table of its strips or tiles cannot be read");
+  if (offset == 0 && stored == 0) {
     std::memset(to, 0, bytes);
     return;
   }
