@@ -137,8 +137,8 @@ bool is_plain_rgb(const Imf::Header& header) {
     if (channel.xSampling != 1 || channel.ySampling != 1 || channel.type != type.value_or(channel.type)) return false;
     type = channel.type;
   }
-  const bool has_rgb = channel_of(header, "R") != nullptr && channel_of(header, "G") != nullptr &&
-                       channel_of(header, "B") != nullptr;
+  const bool has_rgb =
+      channel_of(header, "R") != nullptr && channel_of(header, "G") != nullptr && channel_of(header, "B") != nullptr;
   return has_rgb && type && sample_type_of(*type) != ISOEXTRACT_NOT_SCALAR;
 }
 
@@ -170,8 +170,8 @@ class ExrFile final : public VolumeFile {
       throw ReadError("expected one sample per pixel and channel, found a deep image, which has any number of them");
     }
     if (grids.empty()) throw ReadError("expected an image with channels, found none");
-    if (deep > 0) add_note(std::to_string(deep) + " of " + std::to_string(file.parts()) +
-                           " parts are deep images and left out");
+    if (deep > 0)
+      add_note(std::to_string(deep) + " of " + std::to_string(file.parts()) + " parts are deep images and left out");
   }
 
   void list_part(Imf::MultiPartInputFile& file, int part, std::uint64_t size, const RgbRule& rule,
@@ -181,7 +181,8 @@ class ExrFile final : public VolumeFile {
     const std::uint64_t pixels = checked_product(width_of(window), height_of(window));
     std::uint64_t pixel_bytes = 0;
     for (auto at = header.channels().begin(); at != header.channels().end(); ++at) {
-      if (at.channel().xSampling == 1 && at.channel().ySampling == 1) pixel_bytes += at.channel().type == Imf::HALF ? 2 : 4;
+      if (at.channel().xSampling == 1 && at.channel().ySampling == 1)
+        pixel_bytes += at.channel().type == Imf::HALF ? 2 : 4;
     }
     check_file_holds(size, checked_product(pixels, pixel_bytes),
                      header.compression() == Imf::NO_COMPRESSION ? 1 : kMostRatio);
@@ -260,7 +261,8 @@ class ExrFile final : public VolumeFile {
       }
     }
     ReadFacts facts;
-    if (differs) facts.note = "R, G and B differ, unlike in the slices that were compared: R was read";
+    if (differs)
+      facts.note = "R, G and B differ, unlike those of the first, the middle and the last slice: the samples are R";
     return facts;
   }
 

@@ -36,12 +36,12 @@ struct Element {
 
 std::string decoded(std::string_view text) {
   static const std::map<std::string_view, std::string_view> entities{
-      {"amp", "&"}, {"lt", "<"}, {"gt", ">"}, {"quot", "\""}, {"apos", "'"}, {"#181", "\xC2\xB5"}, {"#xB5", "\xC2\xB5"}};
+      {"amp", "&"},  {"lt", "<"},          {"gt", ">"},         {"quot", "\""},
+      {"apos", "'"}, {"#181", "\xC2\xB5"}, {"#xB5", "\xC2\xB5"}};
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const std::size_t end = text[i] == '&' ? text.find(';', i) : std::string_view::npos;
-    const auto found =
-        end == std::string_view::npos ? entities.end() : entities.find(text.substr(i + 1, end - i - 1));
+    const auto found = end == std::string_view::npos ? entities.end() : entities.find(text.substr(i + 1, end - i - 1));
     if (found == entities.end()) {
       out += text[i];
     } else {
@@ -97,7 +97,7 @@ std::vector<Element> elements_of(std::string_view xml) {
 
 // Meters in a unit of lengths; 0: unknown.
 double meters_of(const std::string& unit) {
-  static const std::map<std::string, double> known{{"m", 1},     {"cm", 1e-2}, {"mm", 1e-3},        {"um", 1e-6},
+  static const std::map<std::string, double> known{{"m", 1},     {"cm", 1e-2},  {"mm", 1e-3},        {"um", 1e-6},
                                                    {"nm", 1e-9}, {"pm", 1e-12}, {"angstrom", 1e-10}, {"in", 0.0254}};
   const auto found = known.find(unit);
   return found == known.end() ? 0 : found->second;
@@ -116,7 +116,7 @@ void place(const Element& pixels, Series& series, Layout& layout) {
     if (size > 0) {
       sizes[axis] = size;
     } else if (axis < 2 || series.sizes[0] > 1) {
-      layout.add_note("it states no valid " + name + ": 1 is assumed");
+      layout.add_note("it states no valid " + name + ": the reader takes 1");
       units[axis] = units[0];
     }
     if (units[axis] == units[0]) continue;
@@ -147,8 +147,7 @@ class ImageBuilder {
   void start_planes(std::uint64_t samples, std::size_t pages) {
     if (!series_.pages.empty()) return;
     if (samples > 1 && series_.sizes[1] % samples == 0) series_.sizes[1] /= samples;
-    const std::uint64_t planes =
-        checked_product(checked_product(series_.sizes[0], series_.sizes[1]), series_.sizes[2]);
+    const std::uint64_t planes = checked_product(checked_product(series_.sizes[0], series_.sizes[1]), series_.sizes[2]);
     if (planes == 0 || planes > pages) {
       throw ReadError("expected " + std::to_string(planes) + " pages by its OME-XML, found " + std::to_string(pages));
     }
@@ -160,7 +159,8 @@ class ImageBuilder {
                   std::size_t pages) {
     const std::uint64_t start = linear_of(first);
     for (std::uint64_t i = 0; i < count && start + i < series_.pages.size(); ++i) {
-      if (page + i >= pages) throw ReadError("its OME-XML refers to page " + std::to_string(page + i) + " of " + std::to_string(pages));
+      if (page + i >= pages)
+        throw ReadError("its OME-XML refers to page " + std::to_string(page + i) + " of " + std::to_string(pages));
       const auto [z, c, t] = place_of(start + i);
       series_.pages[(t * series_.sizes[1] + c) * series_.sizes[0] + z] = page + i;
     }
@@ -208,7 +208,8 @@ class ImageBuilder {
 }  // namespace
 
 std::optional<Layout> ome_layout(const std::string& text, const std::vector<Page>& pages, const std::string& path) {
-  if (text.substr(0, 4096).find("<OME") == std::string::npos && text.substr(0, 4096).find(":OME") == std::string::npos) {
+  if (text.substr(0, 4096).find("<OME") == std::string::npos &&
+      text.substr(0, 4096).find(":OME") == std::string::npos) {
     return std::nullopt;
   }
   Layout layout;
@@ -253,7 +254,7 @@ std::optional<Layout> ome_layout(const std::string& text, const std::vector<Page
                     " files: " + *files.begin() + ", " + *std::next(files.begin()) + (files.size() > 2 ? ", ..." : ""));
   }
   if (files.size() == 1 && *files.begin() != std::filesystem::path(path).filename().string()) {
-    layout.add_note("its OME-XML calls it " + *files.begin() + ": all pages are taken from the file itself");
+    layout.add_note("its OME-XML calls it " + *files.begin() + ": the reader takes all pages from this file");
   }
   if (layout.series.empty()) return std::nullopt;
   return layout;

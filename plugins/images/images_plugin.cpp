@@ -9,7 +9,7 @@ namespace isoextract_plugin {
 std::uint64_t file_size_of(const std::string& path) {
   std::error_code problem;
   const std::uintmax_t size = std::filesystem::file_size(path, problem);
-  if (problem) throw ReadError("the file cannot be read: " + problem.message());
+  if (problem) throw ReadError("expected a readable file: " + problem.message());
   return size;
 }
 

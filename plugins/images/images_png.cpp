@@ -9,7 +9,7 @@
 namespace isoextract_plugin {
 namespace {
 
-constexpr std::uint64_t kDeflateRatio = 1040;  // the most bytes that deflate makes of one
+constexpr std::uint64_t kDeflateRatio = 1040;                  // the most bytes that deflate makes of one
 constexpr std::uint64_t kMostMemory = std::uint64_t{1} << 26;  // of a chunk besides the samples
 
 // An open file with libpng's state. libpng reports errors by a jump, which must not pass objects with destructors: the
@@ -49,7 +49,8 @@ bool read_header(Png& self) {
   png_init_io(self.png, self.file);
   png_read_info(self.png, self.info);
   if (png_get_bit_depth(self.png, self.info) < 8) png_set_packing(self.png);
-  if (png_get_bit_depth(self.png, self.info) == 16 && std::endian::native == std::endian::little) png_set_swap(self.png);
+  if (png_get_bit_depth(self.png, self.info) == 16 && std::endian::native == std::endian::little)
+    png_set_swap(self.png);
   static_cast<void>(png_set_interlace_handling(self.png));
   png_read_update_info(self.png, self.info);
   return true;
@@ -71,7 +72,7 @@ bool read_image(Png& self, png_bytep* rows) {
 
 void open(Png& self, const std::string& path) {
   self.file = std::fopen(path.c_str(), "rb");
-  if (self.file == nullptr) throw ReadError("the file cannot be opened");
+  if (self.file == nullptr) throw ReadError("expected a readable file");
   if (!read_header(self)) throw ReadError(self.problem[0] == 0 ? "libpng cannot start" : self.problem);
 }
 
@@ -104,8 +105,7 @@ class PngFile final : public VolumeFile {
     open(self, path_);
     const Grid& grid = grids.front();
     const std::uint64_t bytes = row_bytes(grid);
-    if (png_get_rowbytes(self.png, self.info) != bytes ||
-        png_get_image_height(self.png, self.info) != grid.dims[1]) {
+    if (png_get_rowbytes(self.png, self.info) != bytes || png_get_image_height(self.png, self.info) != grid.dims[1]) {
       throw ReadError("the file changed during the run");
     }
     const bool is_interlaced = png_get_interlace_type(self.png, self.info) != PNG_INTERLACE_NONE;
@@ -154,9 +154,7 @@ class PngFile final : public VolumeFile {
 
 }  // namespace
 
-bool is_png(const unsigned char* start, std::size_t bytes) {
-  return starts_with(start, bytes, "\x89PNG\r\n\x1a\n");
-}
+bool is_png(const unsigned char* start, std::size_t bytes) { return starts_with(start, bytes, "\x89PNG\r\n\x1a\n"); }
 
 std::unique_ptr<VolumeFile> open_png(const std::string& path, const isoextract_plugin_host& /*host*/) {
   return std::make_unique<PngFile>(path);

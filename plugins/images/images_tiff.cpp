@@ -10,7 +10,8 @@ namespace isoextract_plugin {
 namespace {
 
 constexpr std::uint64_t kMostPages = 1 << 20;
-constexpr std::uint64_t kLibraryMemory = std::uint64_t{1} << 26;  // of one allocation of libtiff besides a compressed strip
+constexpr std::uint64_t kLibraryMemory = std::uint64_t{1}
+                                         << 26;  // of one allocation of libtiff besides a compressed strip
 
 int keep_error(TIFF* /*tiff*/, void* problem, const char* /*module*/, const char* format, va_list values) {
   char text[300] = "";
@@ -23,8 +24,9 @@ int keep_error(TIFF* /*tiff*/, void* problem, const char* /*module*/, const char
 // Keeps the warning of a tag whose value lies beyond the end of the file: it is missing afterwards. Drops others, such
 // as those of unknown tags.
 int judge_warning(TIFF* tiff, void* lost, const char* module, const char* format, va_list values) {
-  return std::string_view(format).find("IO error") == std::string_view::npos ? 1
-                                                                             : keep_error(tiff, lost, module, format, values);
+  return std::string_view(format).find("IO error") == std::string_view::npos
+             ? 1
+             : keep_error(tiff, lost, module, format, values);
 }
 
 // The most bytes that a compression can make of one.
@@ -67,8 +69,8 @@ Page page_of(const Tiff& tiff) {
   } else if (TIFFGetField(file, TIFFTAG_OSUBFILETYPE, &old_kind) != 0) {
     page.is_reduced = old_kind == OFILETYPE_REDUCEDIMAGE;
   }
-  const std::uint64_t bits = checked_product(checked_product(shape.width, shape.height),
-                                             std::uint64_t{shape.bits} * shape.samples);
+  const std::uint64_t bits =
+      checked_product(checked_product(shape.width, shape.height), std::uint64_t{shape.bits} * shape.samples);
   if (TIFFIsTiled(file) == 0 || compression == COMPRESSION_NONE)  // tiles may be missing
     check_file_holds(tiff.file_size(), bits / 8, ratio_of(compression));
   return page;
@@ -80,7 +82,7 @@ std::vector<Page> pages_of(Tiff& tiff, const isoextract_plugin_host& host) {
     if (pages.size() % 256 == 0) check_cancelled(host);
     if (pages.size() >= kMostPages) throw ReadError("more than " + std::to_string(kMostPages) + " pages");
     if (TIFFReadDirectory(tiff.get()) == 0) {
-      tiff.fail("page " + std::to_string(pages.size() + 1) + " cannot be read");
+      tiff.fail("page " + std::to_string(pages.size() + 1) + ": libtiff cannot read it");
     }
     pages.push_back(page_of(tiff));
   }
@@ -126,7 +128,8 @@ class TiffFile final : public VolumeFile {
     Tiff tiff(path_);
     for (std::uint64_t z = 0; z < selection.count[2]; ++z) {
       check_cancelled(host);
-      const std::uint64_t plane = (selection.volume * series.sizes[1] + channel) * series.sizes[0] + selection.first[2] + z;
+      const std::uint64_t plane =
+          (selection.volume * series.sizes[1] + channel) * series.sizes[0] + selection.first[2] + z;
       char* const to = static_cast<char*>(selection.box) + z * bytes;
       const Page& page = pages_[series.pages[plane]];
       read_page(tiff, page, box, is_length ? all.data() : to, host);
@@ -153,7 +156,7 @@ class TiffFile final : public VolumeFile {
                       " " + type_of(pages_[page].shape).name);
     }
     const PageType type = type_of(shape);
-    if (type.is_wide_integer) layout.add_note("its 64-bit integers are read as doubles, exact up to 2^53");
+    if (type.is_wide_integer) layout.add_note("the reader makes doubles of 64-bit integers, exact up to 2^53");
     for (std::uint64_t c = 0; c < series.sizes[1]; ++c) {
       Grid grid;
       grid.name = grid_name(series, c);
@@ -167,7 +170,8 @@ class TiffFile final : public VolumeFile {
       grid.slope = series.slope;
       grid.intercept = series.intercept;
       if (series.time_step > 0) {
-        for (std::uint64_t t = 0; t < grid.volumes; ++t) grid.volume_times.push_back(static_cast<double>(t) * series.time_step);
+        for (std::uint64_t t = 0; t < grid.volumes; ++t)
+          grid.volume_times.push_back(static_cast<double>(t) * series.time_step);
         grid.time_unit = series.time_unit;
       }
       grid.components = shape.samples;
@@ -188,11 +192,12 @@ class TiffFile final : public VolumeFile {
 
   void add_notes(Tiff& tiff, Layout& layout) const {
     const auto reduced = std::ranges::count(pages_, true, &Page::is_reduced);
-    if (reduced > 0) layout.add_note(std::to_string(reduced) + " reduced copies or masks are left out");
+    if (reduced > 0) layout.add_note(std::to_string(reduced) + " reduced copies or masks do not count as pages");
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
     if (TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &photometric) == 0) return;
     if (photometric == PHOTOMETRIC_PALETTE) layout.add_note("the samples are indices of its palette, not colors");
-    if (photometric == PHOTOMETRIC_MINISWHITE) layout.add_note("samples are as stored, although 0 is shown as white");
+    if (photometric == PHOTOMETRIC_MINISWHITE)
+      layout.add_note("the samples are those of the file, where 0 means white");
   }
 
   std::string path_;
@@ -221,7 +226,7 @@ Tiff::Tiff(const std::string& path) : size_(file_size_of(path)) {
 }
 
 void Tiff::check_tags() const {
-  if (!lost_->empty()) throw ReadError("the file is cut short: libtiff: " + *lost_);
+  if (!lost_->empty()) throw ReadError("the file ends before the values of its tags: libtiff: " + *lost_);
 }
 
 void Tiff::fail(const std::string& otherwise) const {
@@ -232,7 +237,7 @@ void Tiff::fail(const std::string& otherwise) const {
 
 void Tiff::select(std::uint64_t directory) {
   if (TIFFCurrentDirOffset(get()) == directory) return;
-  if (TIFFSetSubDirectory(get(), directory) == 0) fail("a page cannot be read");
+  if (TIFFSetSubDirectory(get(), directory) == 0) fail("libtiff cannot find a page");
 }
 
 std::string text_tag(const Tiff& tiff, std::uint32_t tag) {

@@ -35,7 +35,7 @@ class Tiff {
     void operator()(TIFF* tiff) const { TIFFClose(tiff); }
   };
   std::unique_ptr<std::string> problem_ = std::make_unique<std::string>();  // libtiff keeps its address
-  std::unique_ptr<std::string> lost_ = std::make_unique<std::string>();     // likewise
+  std::unique_ptr<std::string> lost_ = std::make_unique<std::string>();     // as problem_
   std::uint64_t size_ = 0;
   std::unique_ptr<TIFF, Close> tiff_;
 };
@@ -83,7 +83,7 @@ struct Series {
   double intercept = 0;
 };
 
-// What the file's texts and tags say.
+// The volumes of a file by its texts and tags.
 struct Layout {
   std::string format = "TIFF";
   std::string note;

@@ -153,7 +153,8 @@ void calibrate(const Tiff& tiff, const Entries& entries, Series& series, Layout&
     const bool sized = unit != entries.end() && x > 0 && y > 0;
     const double z = number_in(entries, "spacing", 0);
     const std::array<double, 3> size{sized ? x : 1, sized ? y : 1, z > 0 ? z : 1};
-    if (!(z > 0) && has_slices) layout.add_note("it states no distance of its slices: 1 is assumed, as ImageJ does");
+    if (!(z > 0) && has_slices)
+      layout.add_note("it states no distance of its slices: the reader takes 1, as ImageJ does");
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double origin = number_in(entries, std::string(1, "xyz"[axis]) + "origin", 0);
       series.index_to_world[5 * axis] = size[axis];
@@ -178,9 +179,9 @@ void calibrate(const Tiff& tiff, const Entries& entries, Series& series, Layout&
 
 std::string known_unit(std::string text) {
   static const std::map<std::string, std::string> names{
-      {"\\u00B5m", "um"}, {"\\u00b5m", "um"}, {"\xC2\xB5m", "um"}, {"\xCE\xBCm", "um"}, {"\xB5m", "um"},
-      {"micron", "um"},   {"microns", "um"},  {"\xC3\x85", "angstrom"}, {"inch", "in"}, {"pixel", ""},
-      {"pixels", ""},     {"reference frame", ""}};
+      {"\\u00B5m", "um"}, {"\\u00b5m", "um"}, {"\xC2\xB5m", "um"}, {"\xCE\xBCm", "um"},
+      {"\xB5m", "um"},    {"micron", "um"},   {"microns", "um"},   {"\xC3\x85", "angstrom"},
+      {"inch", "in"},     {"pixel", ""},      {"pixels", ""},      {"reference frame", ""}};
   while (text.ends_with('\r') || text.ends_with(' ')) text.pop_back();
   const auto found = names.find(text);
   return found == names.end() ? text : found->second;
@@ -212,8 +213,8 @@ std::optional<Layout> imagej_layout(Tiff& tiff, const std::string& text, std::ve
   if (pages.size() == 1 && images > 1) {  // more than 4 GiB: the other planes follow the first one
     std::uint16_t compression = COMPRESSION_NONE;
     TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_COMPRESSION, &compression);
-    const std::uint64_t plane = checked_product(checked_product(shape.width, shape.height),
-                                                std::uint64_t{shape.samples} * shape.bits) / 8;
+    const std::uint64_t plane =
+        checked_product(checked_product(shape.width, shape.height), std::uint64_t{shape.samples} * shape.bits) / 8;
     const std::uint64_t first = TIFFGetStrileOffset(tiff.get(), 0);
     if (compression != COMPRESSION_NONE || shape.bits % 8 != 0 || TIFFIsTiled(tiff.get()) != 0) {
       throw ReadError("expected " + std::to_string(images) + " pages by ImageJ's description, found one");

@@ -143,15 +143,15 @@ void decode(const Tiff& tiff, std::uint32_t number, bool is_tile, unsigned char*
   int failed = 0;
   const std::uint64_t offset = TIFFGetStrileOffsetWithErr(tiff.get(), number, &failed);
   const std::uint64_t stored = failed != 0 ? 0 : TIFFGetStrileByteCountWithErr(tiff.get(), number, &failed);
-  if (failed != 0) tiff.fail("the table of its strips or tiles cannot be read");
+  if (failed != 0) tiff.fail("libtiff cannot read the table of its strips or tiles");
   if (offset == 0 && stored == 0) {
     std::memset(to, 0, bytes);
     return;
   }
   const auto size = static_cast<tmsize_t>(bytes);
-  const tmsize_t got = is_tile ? TIFFReadEncodedTile(tiff.get(), number, to, size)
-                               : TIFFReadEncodedStrip(tiff.get(), number, to, size);
-  if (got != size) tiff.fail(std::string(is_tile ? "tile " : "strip ") + std::to_string(number) + " is cut short");
+  const tmsize_t got =
+      is_tile ? TIFFReadEncodedTile(tiff.get(), number, to, size) : TIFFReadEncodedStrip(tiff.get(), number, to, size);
+  if (got != size) tiff.fail(std::string(is_tile ? "tile " : "strip ") + std::to_string(number) + " ends early");
 }
 
 void read_tiles(const Tiff& tiff, const Target& target, std::uint64_t samples, std::optional<std::uint64_t> plane,
@@ -213,9 +213,9 @@ void read_plane(const Tiff& tiff, std::uint64_t offset, const Target& target, Bu
   TIFFSeekProc seek = TIFFGetSeekProc(tiff.get());
   TIFFReadWriteProc read = TIFFGetReadProc(tiff.get());
   const std::uint64_t at = offset + target.box.y * row_bytes;
-  if (seek(TIFFClientdata(tiff.get()), at, SEEK_SET) != at) tiff.fail("a plane cannot be read");
+  if (seek(TIFFClientdata(tiff.get()), at, SEEK_SET) != at) tiff.fail("expected a plane where the file ends");
   if (read(TIFFClientdata(tiff.get()), data, static_cast<tmsize_t>(bytes)) != static_cast<tmsize_t>(bytes)) {
-    tiff.fail("a plane is cut short");
+    tiff.fail("a plane ends early");
   }
   if (TIFFIsByteSwapped(tiff.get()) != 0) {
     const std::uint64_t size = shape.bits / 8;
@@ -254,8 +254,7 @@ PageType type_of(const PageShape& shape) {
 std::int32_t given_type(const PageType& type, bool has_no_data) {
   const bool is_exact = type.stored == ISOEXTRACT_F16 || type.stored == ISOEXTRACT_NOT_SCALAR;
   if (!has_no_data || is_exact) return type.stored;
-  const bool is_wide =
-      type.stored == ISOEXTRACT_F64 || type.stored == ISOEXTRACT_U32 || type.stored == ISOEXTRACT_I32;
+  const bool is_wide = type.stored == ISOEXTRACT_F64 || type.stored == ISOEXTRACT_U32 || type.stored == ISOEXTRACT_I32;
   return is_wide ? ISOEXTRACT_F64 : ISOEXTRACT_F32;
 }
 
@@ -277,7 +276,7 @@ void read_page(Tiff& tiff, const Page& page, const PageBox& box, void* to, const
   TIFFGetFieldDefaulted(file, TIFFTAG_COMPRESSION, &compression);
   if (width != page.shape.width || height != page.shape.height) throw ReadError("the file changed during the run");
   if (TIFFIsCODECConfigured(compression) == 0) {
-    throw ReadError("its compression " + std::to_string(compression) + " is not known to this libtiff");
+    throw ReadError("its compression " + std::to_string(compression) + ", which this libtiff does not have");
   }
   if (photometric == PHOTOMETRIC_YCBCR) {
     if (compression == COMPRESSION_JPEG) {

@@ -11,11 +11,11 @@
 
 #include "base/printable.hpp"
 #include "batch/detail/decimal_names.hpp"
-#include "files/folder_names.hpp"
 #include "batch/detail/input_names.hpp"
-#include "files/natural_order.hpp"
 #include "batch/detail/sequences.hpp"
+#include "files/folder_names.hpp"
 #include "files/frame_pattern.hpp"
+#include "files/natural_order.hpp"
 #include "particle_io/particle_format.hpp"
 #include "volume_io/volume_format.hpp"
 #include "volume_io/volume_reader.hpp"

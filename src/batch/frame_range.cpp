@@ -21,7 +21,8 @@ constexpr std::size_t kShownText = 60;
 std::optional<std::int64_t> take_number(std::string_view& text) {
   std::int64_t number = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (read.ec != std::errc() || number < -files::kMaxFrameNumber || number > files::kMaxFrameNumber) return std::nullopt;
+  if (read.ec != std::errc() || number < -files::kMaxFrameNumber || number > files::kMaxFrameNumber)
+    return std::nullopt;
   text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
   return number;
 }

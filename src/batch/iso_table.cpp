@@ -11,9 +11,9 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "files/frame_pattern.hpp"
 #include "batch/frame_range.hpp"
 #include "files/file_bytes.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/text_file.hpp"
 
 namespace isoextract::batch {

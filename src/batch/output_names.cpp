@@ -11,14 +11,14 @@
 
 #include "base/printable.hpp"
 #include "batch/detail/input_names.hpp"
-#include "files/name_parts.hpp"
 #include "batch/detail/piece_names.hpp"
-#include "files/frame_pattern.hpp"
 #include "batch/manifest.hpp"
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
 #include "files/file_bytes.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/location_keys.hpp"
+#include "files/name_parts.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::batch {

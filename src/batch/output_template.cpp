@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "files/name_parts.hpp"
-#include "files/frame_pattern.hpp"
 #include "convert/surface_edits.hpp"
+#include "files/frame_pattern.hpp"
+#include "files/name_parts.hpp"
 
 namespace isoextract::batch {
 

@@ -12,7 +12,6 @@
 #include "base/printable.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/find_frames.hpp"
-#include "files/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
@@ -28,6 +27,7 @@
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
@@ -298,8 +298,9 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (wants_all_volumes(flags)) one.input.volume.reset();
   const Context context(plan_memory(flags.input.memory_limit));
   const auto read = TRY(plan_read(one.input));
-  auto found = TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
-                                            : batch::find_frames(flags.input.inputs, flags.batch.frames, flags.heightfield));
+  auto found =
+      TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
+                                   : batch::find_frames(flags.input.inputs, flags.batch.frames, flags.heightfield));
   std::string usual_iso;
   if (!flags.batch.iso_table && makes_surfaces(flags)) {
     usual_iso = TRY(set_default_iso(one, found.frames.front().input, context));

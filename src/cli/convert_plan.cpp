@@ -45,7 +45,8 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFo
                                     word_of(*flags.normals)),
                         "leave out --normals, or choose another format");
   }
-  if (flags.heightfield) return flags.normals.value_or(is_gltf(format) ? convert::Normals::area : convert::Normals::none);
+  if (flags.heightfield)
+    return flags.normals.value_or(is_gltf(format) ? convert::Normals::area : convert::Normals::none);
   const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface, flags.input).method);
   if (!method.traits.gradient_normals) {
     if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);

@@ -9,11 +9,11 @@
 
 #include "base/nearest_name.hpp"
 #include "base/printable.hpp"
-#include "files/frame_pattern.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/values.hpp"
 #include "convert/attribute_source.hpp"
 #include "field/demo_field.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {

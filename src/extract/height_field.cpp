@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kBytesASample = 16;  // of the lists below
-constexpr double kFloorDepth = 0.1;  // of the default floor, in ranges of the heights
+constexpr double kFloorDepth = 0.1;          // of the default floor, in ranges of the heights
 
 // Builds the mesh of one field. Quads are numbered by their lower corner. Vertex numbers of a sample are `first` and,
 // where two quads touch at the sample only, `first` + 1 for the quad with the larger y.
@@ -37,8 +37,8 @@ class HeightMesh {
 
   Result<Extraction> run() {
     const Stopwatch watch;
-    const auto memory = TRY(context_.reserve(at(0, height_) * kBytesASample,
-                                             fmt::format("{}: its heights", field_.source)));
+    const auto memory =
+        TRY(context_.reserve(at(0, height_) * kBytesASample, fmt::format("{}: its heights", field_.source)));
     TRY(read_heights());
     TRY(choose_floor());
     result_.stats.classify = watch.elapsed();
@@ -55,7 +55,9 @@ class HeightMesh {
 
  private:
   using Index = std::size_t;
-  [[nodiscard]] Index at(int i, int j) const { return static_cast<Index>(j) * static_cast<Index>(width_) + static_cast<Index>(i); }
+  [[nodiscard]] Index at(int i, int j) const {
+    return static_cast<Index>(j) * static_cast<Index>(width_) + static_cast<Index>(i);
+  }
 
   Result<void> read_heights() {
     values_.resize(at(0, height_));
@@ -95,16 +97,17 @@ class HeightMesh {
     if (!heights_.solid || lowest > highest) return {};
     floor_ = heights_.base.value_or(lowest - (highest > lowest ? kFloorDepth * (highest - lowest) : 1));
     if (floor_ < lowest) return {};
-    return fail(ErrorCode::input, fmt::format("{}: expected a base below all heights, which are from {} to {}, found {}",
-                                              field_.source, lowest, highest, floor_),
+    return fail(ErrorCode::input,
+                fmt::format("{}: expected a base below all heights, which are from {} to {}, found {}", field_.source,
+                            lowest, highest, floor_),
                 {Remedy::change, Setting::height_base});
   }
 
   // Returns whether the square has four heights; false outside the field.
   [[nodiscard]] bool has_quad(int i, int j) const {
     if (i < 0 || j < 0 || i + 1 >= width_ || j + 1 >= height_) return false;
-    return !std::isnan(values_[at(i, j)]) && !std::isnan(values_[at(i + 1, j)]) &&
-           !std::isnan(values_[at(i, j + 1)]) && !std::isnan(values_[at(i + 1, j + 1)]);
+    return !std::isnan(values_[at(i, j)]) && !std::isnan(values_[at(i + 1, j)]) && !std::isnan(values_[at(i, j + 1)]) &&
+           !std::isnan(values_[at(i + 1, j + 1)]);
   }
 
   // Returns how many vertices a sample has.
@@ -214,8 +217,8 @@ class HeightMesh {
     constexpr double kMost = std::numeric_limits<float>::max();
     const glm::dvec3 farthest = glm::max(glm::abs(low - result_.mesh.origin), glm::abs(high - result_.mesh.origin));
     if (glm::all(glm::lessThanEqual(farthest, glm::dvec3(kMost)))) return {};
-    return fail(ErrorCode::input, fmt::format("{}: its coordinates are outside the range of float32 positions",
-                                              field_.source),
+    return fail(ErrorCode::input,
+                fmt::format("{}: its coordinates are outside the range of float32 positions", field_.source),
                 {Remedy::change, Setting::scale});
   }
 
@@ -282,9 +285,9 @@ Result<Extraction> extract_heights(const field::ScalarField& field, const Height
   TRY(check_request(field, options));
   const auto* const dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr || dense->dims.z != 1) {
-    const std::string found = dense == nullptr ? "a sparse grid"
-                                               : fmt::format("{} x {} x {} samples", dense->dims.x, dense->dims.y,
-                                                             dense->dims.z);
+    const std::string found = dense == nullptr
+                                  ? "a sparse grid"
+                                  : fmt::format("{} x {} x {} samples", dense->dims.x, dense->dims.y, dense->dims.z);
     return fail(ErrorCode::input,
                 fmt::format("{}: expected a field of heights, with one sample along z, found {}", field.source, found),
                 {Remedy::leave_out, Setting::height_field});

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/ascii.hpp"
-#include "files/natural_order.hpp"
 #include "batch/detail/sequences.hpp"
 #include "files/frame_pattern.hpp"
+#include "files/natural_order.hpp"
 
 namespace isoextract::batch {
 namespace {

@@ -85,7 +85,7 @@ std::string other_numbers(std::span<const DigitGroup> groups, std::size_t frame)
 std::string pattern_of(std::string_view name, const DigitGroup& group, bool with_sign, int width) {
   const std::size_t first = group.at - (with_sign && group.minus ? 1 : 0);
   return files::FramePattern(std::string(name.substr(0, first)), width,
-                      std::string(name.substr(group.at + group.digits.size())))
+                             std::string(name.substr(group.at + group.digits.size())))
       .text();
 }
 
