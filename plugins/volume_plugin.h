@@ -11,7 +11,7 @@
  *                                 contains: DATASET IMAGE text in the first 1024 bytes of its files; likewise
  *                                 folders: .zgroup .zarray names of entries by which a folder is an input of this
  *                                                         format; * for any folder with a file of this format
- *                                 uses: level spacing     what of isoextract_volume_request it uses besides the path
+ *                                 uses: level slices      what of isoextract_volume_request it uses besides the path
  *                                 library: GDCM 3.0       for users
  *                                 package: libgdcm-dev    what builds it, for users
  *    isoextract-volume-ID.so    a shared object with the function isoextract_volume_plugin()
@@ -43,7 +43,7 @@ extern "C" {
 /* What to list. Members that the plug-in's table does not name are 0. */
 typedef struct isoextract_volume_request {
   const char* path;         /* of a file or folder */
-  const char* const* files; /* the slices of the volume in order, if there are several files; then path is the first */
+  const char* const* files; /* "slices": those of the volume in order, if it is a stack of files; path is the first */
   size_t file_count;        /* 0 if there is one */
   uint64_t volume;          /* the volume that will be read, whose box and placement are to be listed; from 0 */
   uint64_t level;           /* "level": of a pyramid of resolutions; 0 is the finest */

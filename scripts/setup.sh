@@ -5,6 +5,7 @@
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
+#   scripts/setup.sh images     what the plug-in for images needs: libtiff, OpenEXR, libpng; likewise
 #   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
 #   scripts/setup.sh hdf5       what the plug-in around HDF5 needs: HDF5; likewise
 #   scripts/setup.sh netcdf     what the plug-in around netCDF needs: netCDF; likewise
@@ -29,11 +30,12 @@ build_packages=(
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
-  python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
+  python3-pandas python3-pil python3-tifffile libtiff-dev jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
   libhdf5-dev libnetcdf-dev libsegyio-dev python3-h5py python3-netcdf4 python3-segyio ferret-datasets
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 vtk_packages=(libvtk9-dev)
+images_packages=(libtiff-dev libopenexr-dev libpng-dev)
 openvdb_packages=(libopenvdb-dev libboost-dev)
 hdf5_packages=(libhdf5-dev)
 netcdf_packages=(libnetcdf-dev)
@@ -64,6 +66,7 @@ for group in "$@"; do
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
+    images) wanted+=("${images_packages[@]}") ;;
     openvdb) wanted+=("${openvdb_packages[@]}") ;;
     hdf5) wanted+=("${hdf5_packages[@]}") ;;
     netcdf) wanted+=("${netcdf_packages[@]}") ;;

@@ -108,6 +108,8 @@ enum class Setting {
   empty_policy,
   level_set_filter,
   blur,
+  height_field,  // make terrain of heights
+  height_base,   // the floor of terrain
   resolutions,  // the resolutions of a benchmark
   // The output
   mesh_format,

@@ -11,11 +11,11 @@
 
 #include "base/printable.hpp"
 #include "batch/detail/decimal_names.hpp"
-#include "batch/detail/folder_names.hpp"
 #include "batch/detail/input_names.hpp"
-#include "batch/detail/natural_order.hpp"
 #include "batch/detail/sequences.hpp"
-#include "batch/frame_pattern.hpp"
+#include "files/folder_names.hpp"
+#include "files/frame_pattern.hpp"
+#include "files/natural_order.hpp"
 #include "particle_io/particle_format.hpp"
 #include "volume_io/volume_format.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -79,7 +79,7 @@ Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>&
   return frames;
 }
 
-Result<Frames> without_files(const FramePattern& pattern, const std::optional<FrameRange>& range,
+Result<Frames> without_files(const files::FramePattern& pattern, const std::optional<FrameRange>& range,
                              const std::string& input) {
   if (!range) {
     return fail(
@@ -97,21 +97,21 @@ Result<Frames> without_files(const FramePattern& pattern, const std::optional<Fr
 // A pattern split at the folder entry that contains its number.
 struct EntryPattern {
   std::string folder;  // with its slash; may be empty
-  FramePattern pattern;
+  files::FramePattern pattern;
   std::string rest;  // starts with a slash; may be empty
 };
 
-EntryPattern entry_pattern(const FramePattern& pattern) {
+EntryPattern entry_pattern(const files::FramePattern& pattern) {
   const std::string& prefix = pattern.prefix();
   const std::string& suffix = pattern.suffix();
   const std::size_t name = prefix.find_last_of('/') + 1;
   const std::size_t rest = std::min(suffix.find('/'), suffix.size());
-  return {prefix.substr(0, name), FramePattern(prefix.substr(name), pattern.width(), suffix.substr(0, rest)),
+  return {prefix.substr(0, name), files::FramePattern(prefix.substr(name), pattern.width(), suffix.substr(0, rest)),
           suffix.substr(rest)};
 }
 
 // Judges the digits that stand for the pattern's number in the matching names.
-FractionKind judge_numbers(const FramePattern& pattern, std::span<const std::string> names) {
+FractionKind judge_numbers(const files::FramePattern& pattern, std::span<const std::string> names) {
   const std::string& prefix = pattern.prefix();
   if (names.size() < 2 || !ends_within_decimal(prefix)) return FractionKind::whole_numbers;
   if (ends_in_exponent(prefix)) return FractionKind::fractions;
@@ -124,7 +124,7 @@ FractionKind judge_numbers(const FramePattern& pattern, std::span<const std::str
 }
 
 // Adds a note if digits after a point could be whole numbers or fractions.
-void add_note_of_unclear(const FramePattern& pattern, std::span<const std::string> names, FoundFrames& found) {
+void add_note_of_unclear(const files::FramePattern& pattern, std::span<const std::string> names, FoundFrames& found) {
   if (judge_numbers(pattern, names) != FractionKind::unclear) return;
   found.notes.push_back(
       {NoteId::frame_order,
@@ -141,14 +141,14 @@ tl::unexpected<Error> fail_decimals(const std::string& input, const EntryPattern
                           printable(entries.pattern.suffix() + entries.rest)));
 }
 
-Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optional<FrameRange>& range,
+Result<FoundFrames> matching_files(const files::FramePattern& pattern, const std::optional<FrameRange>& range,
                                    const std::string& input) {
   const EntryPattern entries = entry_pattern(pattern);
-  const FramePattern any_width(entries.pattern.prefix(), 0, entries.pattern.suffix());
+  const files::FramePattern any_width(entries.pattern.prefix(), 0, entries.pattern.suffix());
   FoundFrames found;
   std::vector<std::string> matched;
   std::string other_width;  // a name that matches except for the width
-  TRY(visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
+  TRY(files::visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
     const auto number = entries.pattern.match(name);
     if (!number) {
       if (any_width.match(name) && (other_width.empty() || name < other_width)) other_width = name;
@@ -198,7 +198,7 @@ FoundFrames numbered_frames(std::span<const std::string> names, std::span<const 
                                                                  names[decimals->names.back()], names.size())});
   } else if (!found.numbered) {
     found.notes.push_back({NoteId::frame_order, note_by_position(names.size())});
-  } else if (const auto pattern = FramePattern::parse(sequences.front().pattern); pattern && *pattern) {
+  } else if (const auto pattern = files::FramePattern::parse(sequences.front().pattern); pattern && *pattern) {
     add_note_of_unclear(**pattern, names, found);
   }
   return found;
@@ -230,33 +230,37 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
   return fail(ErrorCode::input, std::move(message), std::move(hint));
 }
 
-// Finds volumes, else particles: tables and meshes often lie beside volumes.
+// Finds volumes, else particles, else pictures: tables, meshes and pictures often lie beside volumes.
 Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> names;
   std::vector<std::string> particles;
+  std::vector<std::string> pictures;
   std::size_t others = 0;
   std::string first;  // of the files that are neither
-  TRY(visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
+  TRY(files::visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;
-    if (volume_io::has_volume_extension(name)) {
+    if (volume_io::has_picture_extension(name)) {
+      pictures.push_back(name);
+      ++others;
+    } else if (volume_io::has_volume_extension(name)) {
       names.push_back(name);
     } else {
       if (particle_io::has_particle_extension(name)) {
         particles.push_back(name);
-      } else if (first.empty() || NaturalLess()(name, first)) {
+      } else if (first.empty() || files::NaturalLess()(name, first)) {
         first = name;
       }
       ++others;
     }
   }));
-  const bool are_particles = names.empty();
-  if (are_particles) {
-    others -= particles.size();
-    names = std::move(particles);
+  const bool are_particles = names.empty() && !particles.empty();
+  if (names.empty()) {
+    names = std::move(are_particles ? particles : pictures);
+    others -= names.size();
   }
   if (names.empty()) return fail_no_names(folder, first);
-  std::ranges::sort(names, NaturalLess());
+  std::ranges::sort(names, files::NaturalLess());
   const std::vector<Sequence> sequences = sequences_of(names);
   const auto is_several = [](const Sequence& sequence) { return sequence.members.size() > 1; };
   const auto decimals = order_by_decimals(names);
@@ -290,7 +294,7 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
     if (volume_io::find_inner_path(input)) continue;
     bool several = is_folder;
     if (!several) {
-      const auto pattern = TRY(FramePattern::parse(input));
+      const auto pattern = TRY(files::FramePattern::parse(input));
       several = pattern.has_value();
     }
     if (!several) continue;
@@ -322,7 +326,8 @@ std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> fr
   return runs_of(missing);
 }
 
-Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range) {
+Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range,
+                           bool pictures_are_frames) {
   if (inputs.empty()) return fail(ErrorCode::usage, "expected an input, found none");
   const std::string& input = inputs.front();
   const auto choose = [&](Result<FoundFrames> found) -> Result<Frames> {
@@ -334,9 +339,10 @@ Result<Frames> find_frames(std::span<const std::string> inputs, const std::optio
   std::error_code none;
   const fs::file_status status = is_file_name(input) ? fs::status(input, none) : fs::file_status();
   const bool is_folder = fs::is_directory(status);
-  if (is_folder && !volume_io::is_volume_folder(input, Context())) return choose(files_of_folder(input));
-  if (!fs::exists(status) && !volume_io::find_inner_path(input)) {
-    const auto pattern = TRY(FramePattern::parse(input));
+  const bool is_stack = !pictures_are_frames && volume_io::is_slice_stack(input, Context());
+  if (is_folder && !is_stack && !volume_io::is_volume_folder(input, Context())) return choose(files_of_folder(input));
+  if (!fs::exists(status) && !is_stack && !volume_io::find_inner_path(input)) {
+    const auto pattern = TRY(files::FramePattern::parse(input));
     if (pattern && !is_file_name(input)) return without_files(*pattern, range, input);
     if (pattern) return choose(matching_files(*pattern, range, input));
   }

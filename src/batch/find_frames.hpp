@@ -1,5 +1,6 @@
 // Finds the frames of a run in the inputs that were given: the number and the input of each frame. Reads folders. Opens
-// no file, except one in a folder without volumes and particles, to name its format in the error.
+// no file, except two of a pattern or folder of pictures, and one in a folder without volumes and particles, to name its
+// format in the error.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +38,10 @@ struct Frames {
 // Finds the frames. `inputs` are one of these:
 //   a pattern     the files that match it (frame_pattern.hpp); if a file has this very name, only that file
 //   demo:NAME     with a pattern in it: one input for each number of `range`, which is then required
-//   a folder      its files with an extension of a volume format (else of a particle format), but no hidden files: one
-//                 sequence, or files that are no sequence, in natural order
+//   a folder      its files with an extension of a volume format (else of a particle format, else of pictures), but no
+//                 hidden files: one sequence, or files that are no sequence, in natural order
+//   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()) is one frame, whose input it is;
+//                 with `pictures_are_frames` each picture is a frame
 //   other files   as shells expand them; a missing file is a frame too, and fails when it is read
 //
 // Files are numbered by the only group of digits in which their names differ (detail/sequences.hpp). Without such a
@@ -57,6 +60,7 @@ struct Frames {
 //   - FramePattern::parse() fails, or a pattern in demo:NAME has no range;
 //   - a pattern's number is part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb);
 //   - a range is given for a single file, `inputs` is empty, or there are more than kMaxFrames frames.
-[[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range);
+[[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range,
+                                         bool pictures_are_frames = false);
 
 }  // namespace isoextract::batch

@@ -10,7 +10,7 @@
 #include "base/ascii.hpp"
 #include "base/checked.hpp"
 #include "base/printable.hpp"
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -21,7 +21,8 @@ constexpr std::size_t kShownText = 60;
 std::optional<std::int64_t> take_number(std::string_view& text) {
   std::int64_t number = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (read.ec != std::errc() || number < -kMaxFrameNumber || number > kMaxFrameNumber) return std::nullopt;
+  if (read.ec != std::errc() || number < -files::kMaxFrameNumber || number > files::kMaxFrameNumber)
+    return std::nullopt;
   text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
   return number;
 }

@@ -11,9 +11,9 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "batch/frame_pattern.hpp"
 #include "batch/frame_range.hpp"
 #include "files/file_bytes.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/text_file.hpp"
 
 namespace isoextract::batch {
@@ -163,7 +163,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     }
     const std::string& frame_field = (*fields)[columns->frame];
     const auto frame = field_number<std::int64_t>(frame_field);
-    if (!frame || *frame < -kMaxFrameNumber || *frame > kMaxFrameNumber) {
+    if (!frame || *frame < -files::kMaxFrameNumber || *frame > files::kMaxFrameNumber) {
       return fail(ErrorCode::input, fmt::format("{}: expected the number of a frame, found '{}'", place,
                                                 printable(frame_field, kShownField)));
     }

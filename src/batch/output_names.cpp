@@ -11,14 +11,14 @@
 
 #include "base/printable.hpp"
 #include "batch/detail/input_names.hpp"
-#include "batch/detail/name_parts.hpp"
 #include "batch/detail/piece_names.hpp"
-#include "batch/frame_pattern.hpp"
 #include "batch/manifest.hpp"
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
 #include "files/file_bytes.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/location_keys.hpp"
+#include "files/name_parts.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::batch {
@@ -119,7 +119,7 @@ std::string name_in_folder(std::span<const OutputSource> sources, std::string_vi
     with_frame = with_frame || frame->second != source.frame;
     const auto grid = grid_of_frame.try_emplace({source.frame, source.input}, &source.grid).first;
     with_grid = with_grid || *grid->second != source.grid;
-    digits = std::max(digits, frame_digits(source.frame < 0 ? -source.frame : source.frame, 0).size());
+    digits = std::max(digits, files::frame_digits(source.frame < 0 ? -source.frame : source.frame, 0).size());
   }
   return fmt::format("{{stem}}{}{}.{}", with_frame ? fmt::format("_{{frame:0{}}}", digits) : "",
                      with_grid ? "_{grid}" : "", extension);
@@ -132,7 +132,7 @@ Result<OutputTemplate> template_of(std::span<const OutputSource> sources, const 
   std::error_code none;
   if (fs::is_directory(*output, none)) {
     const std::string slash = output->ends_with('/') ? "" : "/";
-    return OutputTemplate::parse(escaped_name(*output) + slash + name_in_folder(sources, extension));
+    return OutputTemplate::parse(files::escaped_name(*output) + slash + name_in_folder(sources, extension));
   }
   return OutputTemplate::parse(output->ends_with('/') ? *output + name_in_folder(sources, extension) : *output);
 }

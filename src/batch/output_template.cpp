@@ -6,21 +6,21 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "batch/detail/name_parts.hpp"
-#include "batch/frame_pattern.hpp"
 #include "convert/surface_edits.hpp"
+#include "files/frame_pattern.hpp"
+#include "files/name_parts.hpp"
 
 namespace isoextract::batch {
 
 Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
-  const auto parts = TRY(name_parts(name));
+  const auto parts = TRY(files::name_parts(name));
   OutputTemplate result;
-  for (const NamePart& part : parts) {
-    if (part.kind == NamePart::Kind::text) {
+  for (const files::NamePart& part : parts) {
+    if (part.kind == files::NamePart::Kind::text) {
       result.end_ += part.text;
       continue;
     }
-    const auto word = part.kind == NamePart::Kind::number ? OutputWord::frame : value_of<OutputWord>(part.word);
+    const auto word = part.kind == files::NamePart::Kind::number ? OutputWord::frame : value_of<OutputWord>(part.word);
     if (!word) {
       return fail(
           ErrorCode::usage,
@@ -44,8 +44,8 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
     name += part.text;
     switch (part.word) {
       case OutputWord::stem: name += safe_file_name(words.stem); break;
-      case OutputWord::frame: name += frame_digits(words.frame, part.width); break;
-      case OutputWord::step: name += frame_digits(words.step, part.width); break;
+      case OutputWord::frame: name += files::frame_digits(words.frame, part.width); break;
+      case OutputWord::step: name += files::frame_digits(words.step, part.width); break;
       case OutputWord::grid: name += safe_file_name(words.grid); break;
       case OutputWord::iso: name += words.iso; break;
       case OutputWord::piece: name += convert::kPiecePlaceholder; break;
@@ -54,7 +54,7 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
   return name + end_;
 }
 
-std::string template_of(std::string_view name) { return escaped_name(name); }
+std::string template_of(std::string_view name) { return files::escaped_name(name); }
 
 std::string safe_file_name(std::string_view text) {
   constexpr std::string_view kUnsafe = "/\\:*?\"<>|";

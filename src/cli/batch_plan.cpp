@@ -12,10 +12,10 @@
 #include "base/printable.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/find_frames.hpp"
-#include "batch/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
+#include "cli/height_plan.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/particle_file_plan.hpp"
 #include "cli/particle_plan.hpp"
@@ -27,6 +27,7 @@
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
@@ -263,22 +264,25 @@ bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   if (inputs.empty()) return false;
   if (inputs.size() > 1 || wants_all_volumes(flags) || flags.batch.any_set()) return true;
+  if (flags.heightfield && volume_io::is_slice_stack(inputs.front(), Context())) return true;
   return is_frame_pattern(inputs.front());
 }
 
 bool is_frame_pattern(const std::string& input) {
+  if (volume_io::is_slice_stack(input, Context())) return false;
   if (!input.starts_with(field::kDemoPrefix) && files::is_there(input)) {
     std::error_code none;
     return fs::is_directory(input, none) && !volume_io::is_volume_folder(input, Context());
   }
   if (volume_io::find_inner_path(input)) return false;
-  const auto pattern = batch::FramePattern::parse(input);
+  const auto pattern = files::FramePattern::parse(input);
   return !pattern || pattern->has_value();  // the search for frames reports an invalid pattern
 }
 
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
   ConvertFlags flags = given;
   TRY(take_labels(flags));
+  TRY(take_heights(flags));
   if (flags.output == "-") return refuse_usage("a batch writes frames to files, not to stdout", "give a name with -o");
   if (flags.explain)
     return refuse_usage("--explain describes one conversion, not a batch", "use --table or -v for frames");
@@ -294,8 +298,9 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (wants_all_volumes(flags)) one.input.volume.reset();
   const Context context(plan_memory(flags.input.memory_limit));
   const auto read = TRY(plan_read(one.input));
-  auto found = TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
-                                            : batch::find_frames(flags.input.inputs, flags.batch.frames));
+  auto found =
+      TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
+                                   : batch::find_frames(flags.input.inputs, flags.batch.frames, flags.heightfield));
   std::string usual_iso;
   if (!flags.batch.iso_table && makes_surfaces(flags)) {
     usual_iso = TRY(set_default_iso(one, found.frames.front().input, context));

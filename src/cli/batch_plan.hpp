@@ -43,7 +43,8 @@ struct BatchPlan {
 
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
-// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name.
+// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name, and
+// neither are pictures that are the slices of one volume.
 // Returns true for an invalid pattern as well; the search for frames reports it.
 [[nodiscard]] bool is_frame_pattern(const std::string& input);
 

@@ -10,6 +10,7 @@
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/height_plan.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/packing_plan.hpp"
@@ -44,6 +45,8 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFo
                                     word_of(*flags.normals)),
                         "leave out --normals, or choose another format");
   }
+  if (flags.heightfield)
+    return flags.normals.value_or(is_gltf(format) ? convert::Normals::area : convert::Normals::none);
   const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface, flags.input).method);
   if (!method.traits.gradient_normals) {
     if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
@@ -192,6 +195,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   TRY(plan_region(flags.surface, job.source));
   TRY(plan_resolution(flags.surface, job.source));
   TRY(plan_labels(flags, job));
+  plan_heights(flags, job);
   job.source.filters = flags.surface.filters;
   TRY(plan_edits(flags, job));
   job.empty = flags.empty.value_or(job.empty);
@@ -210,6 +214,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (inputs.empty()) return refuse_usage("INPUT is missing", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
   TRY(take_labels(flags));
+  TRY(take_heights(flags));
   const Context context(plan_memory(flags.input.memory_limit));
   auto note = TRY(makes_surfaces(flags) ? set_default_iso(flags, inputs.front(), context) : std::string());
   auto plan = plan_conversion(flags, flags.isos, context);
@@ -218,7 +223,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   plan->job.source.input = inputs.front();
   const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.meshes().format);
   TRY(check_output_name(flags, format));
-  const auto found = TRY(batch::find_frames(inputs, std::nullopt));
+  const auto found = TRY(batch::find_frames(inputs, std::nullopt, flags.heightfield));
   const std::int64_t number = found.frames.front().number;
   batch::OutputSource source{number,     inputs.front(), flags.input.grid().value_or(""),
                              flags.isos, true,           flags.input.more_grids()};

@@ -86,6 +86,12 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
   return choice;
 }
 
+Result<HeightBase> parse_height_base(std::string_view text) {
+  if (text == "none") return HeightBase();
+  const auto height = parse_number(text);
+  return height ? Result<HeightBase>(HeightBase{*height}) : expected_but("a height, or none", text);
+}
+
 Result<convert::BlurStep> parse_blur(std::string_view text) {
   constexpr std::string_view kMedian = "median:";
   if (text.starts_with(kMedian)) {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
@@ -51,7 +51,7 @@ std::string example_of(const SequenceReport& report, double iso) {
   const std::string name_of_input = report.input.substr(0, report.input.find_last_not_of('/') + 1);
   std::string stem = batch::stem_of(name_of_input);
   if (stem.empty() || stem.front() == '.') stem = "frame";
-  const auto pattern = batch::FramePattern::parse(stem);
+  const auto pattern = files::FramePattern::parse(stem);
   const std::string name = pattern && pattern->has_value() ? stem : batch::template_of(stem) + "_{:04}";
   std::string arguments;
   for (const std::string& argument : report.arguments) arguments += " " + argument;

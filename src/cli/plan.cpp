@@ -8,7 +8,7 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "field/demo_field.hpp"
@@ -24,7 +24,7 @@ std::string foreign_numbering(const std::string& input) {
   if (input.starts_with(field::kDemoPrefix)) return {};
   const std::size_t at = input.find_first_of("*<#$");
   if (at == std::string::npos || files::is_there(input)) return {};
-  const auto pattern = batch::FramePattern::parse(input);
+  const auto pattern = files::FramePattern::parse(input);
   if (!pattern || pattern->has_value()) return {};
   if (input[at] == '*') return "*";
   const std::size_t end = input[at] == '<' ? input.find('>', at) : input.find_first_of("._-/ ", at);

@@ -58,6 +58,8 @@ SettingWords setting_words(Setting setting) {
     case Setting::empty_policy: return {{"--empty skip", "--empty write"}, " if an empty surface is no error"};
     case Setting::level_set_filter: return {{"--filter FILTER"}, ""};
     case Setting::blur: return {{"--blur SIGMA"}, ", which is for all fields"};
+    case Setting::height_field: return {{"--heightfield"}, ", if the samples are heights of terrain"};
+    case Setting::height_base: return {{"--base H"}, ""};
     case Setting::resolutions: return {{"--sizes (demo fields)", "--coarser (files)"}, ""};
     case Setting::mesh_format: return {{"--format FORMAT"}, ""};
     case Setting::half_floats: return {{"--half"}, ""};

@@ -31,6 +31,11 @@ struct RadiusChoice {
   bool is_of_each_frame = false;
 };
 
+// The floor of terrain; none: it has no floor.
+struct HeightBase {
+  std::optional<double> height;
+};
+
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);        // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);           // finite
 [[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto, zero or p0..p100
@@ -71,6 +76,7 @@ struct RadiusChoice {
 
 [[nodiscard]] Result<convert::MinComponentSize> parse_least_piece(
     std::string_view text);                                                          // 100, area:40, volume:5world
+[[nodiscard]] Result<HeightBase> parse_height_base(std::string_view text);           // a finite number, or none
 [[nodiscard]] Result<convert::SmoothChoice> parse_smoothing(std::string_view text);  // 20, 20:sinc, 20:taubin:0.05
 [[nodiscard]] Result<convert::BlurStep> parse_blur(std::string_view text);           // 2, 2voxel, 0.5world, median:1
 

@@ -9,11 +9,11 @@
 
 #include "base/nearest_name.hpp"
 #include "base/printable.hpp"
-#include "batch/frame_pattern.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/values.hpp"
 #include "convert/attribute_source.hpp"
 #include "field/demo_field.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
@@ -273,7 +273,7 @@ Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes
   for (convert::AttributeChoice& choice : attributes) {
     const convert::AttributeLocation place = convert::attribute_location(choice);
     if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || files::is_there(place.file)) continue;
-    const auto pattern = TRY(batch::FramePattern::parse(place.file));
+    const auto pattern = TRY(files::FramePattern::parse(place.file));
     if (!pattern) continue;
     choice.from = pattern->expand(frame) + (place.grid ? fmt::format("[{}]", *place.grid) : "");
   }

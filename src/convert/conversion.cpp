@@ -143,8 +143,7 @@ class Conversion {
     opened_ = grid;
     const field::ScalarField& field = source_.field;
     if (!job_.source.more_grids.empty()) events_.name_grid(field.grid.empty() ? field.name : field.grid);
-    const auto& note_of = extras_.field_note;
-    if (const auto text = note_of ? note_of(field) : std::nullopt) events_.note(*text);
+    if (const auto text = extras_.field_note ? extras_.field_note(field) : std::nullopt) events_.note(*text);
     events_.end_reading();
     TRY(find_labels());
     all_ids_.clear();
@@ -298,7 +297,7 @@ class Conversion {
   Result<Surface> extract(const ResolvedIso& asked) {
     const Stopwatch watch;
     const extract::ExtractOptions options = extract_options_of(job_, source_, asked.id.figure());
-    auto extraction = labels_ ? extract_label(asked, options) : extractor_->extract(source_.field, options, context_);
+    auto extraction = extract_field(asked, options);
     if (!extraction && fall_back_to_cpu(extraction.error()))
       extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
@@ -329,14 +328,15 @@ class Conversion {
     return surface;
   }
 
-  Result<extract::Extraction> extract_label(const ResolvedIso& asked, const extract::ExtractOptions& options) {
+  Result<extract::Extraction> extract_field(const ResolvedIso& asked, const extract::ExtractOptions& options) {
+    if (const auto& heights = job_.surface.heights) return extract_heights(source_.field, *heights, options, context_);
+    if (!labels_) return extractor_->extract(source_.field, options, context_);
     auto extraction = labels_->extract(source_.field, asked.id.label(), options, context_);
     if (extraction) extraction->mesh.name = source_.field.name;
     return extraction;
   }
 
-  // Falls back to the CPU if automatic chose a GPU that cannot do the work, and notes it. Never when verifying: then
-  // there would be no second backend to compare with.
+  // Falls back to the CPU, with a note, if automatic chose a GPU that cannot do the work; never when verifying.
   bool fall_back_to_cpu(const Error& error) {
     const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
                      other_extractor_ == nullptr;

@@ -178,6 +178,7 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("cap", job.surface.cap);
   add("voxel_faces", job.surface.voxel_faces);
   add("relaxations", job.surface.relaxations);
+  add("heights", job.surface.heights);
   add("normals", job.normals);
   add("colour", job.color);
   add("label_names", job.label_names);

@@ -19,6 +19,7 @@
 #include "convert/surface_edits.hpp"
 #include "convert/vertex_choices.hpp"
 #include "extract/extractor.hpp"
+#include "extract/height_field.hpp"
 #include "field/interpolant.hpp"
 #include "field/resample.hpp"
 #include "mesh_io/mesh_writer.hpp"
@@ -159,6 +160,8 @@ struct SurfaceOptions {
   bool cap = false;
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
   std::uint64_t relaxations = extract::kDefaultRelaxations;
+  // Makes terrain of heights (extract/height_field.hpp) instead of an isosurface; read.flat is set then.
+  std::optional<extract::HeightOptions> heights = {};
 
   // Returns whether surface nets smooth their vertices.
   [[nodiscard]] bool relaxes() const { return method == extract::Method::surface_nets && relaxations > 0; }

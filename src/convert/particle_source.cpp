@@ -43,6 +43,7 @@ Format particle_format(const std::string& id) {
 }  // namespace
 
 Result<bool> is_particles(const SourceOptions& options, const Context& context) {
+  if (options.read.flat) return false;
   const bool expected = options.particles.expected;
   const auto volume = TRY(volume_io::is_certainly_volume(options.input, options.read, context));
   if (volume && !expected && options.read.format) return false;

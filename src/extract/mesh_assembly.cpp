@@ -35,7 +35,11 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
     const auto dims = box.dims();
     return fail(ErrorCode::input,
                 fmt::format("{}: a surface needs at least 2 samples along each axis, found {} x {} x {}", field.source,
-                            dims.x, dims.y, dims.z));
+                            dims.x, dims.y, dims.z),
+                dims.z == 1 ? Hint{"give the pattern of numbered pictures, such as 'slice_####.tif' in quotes, to read "
+                                   "them as the slices of one volume",
+                                   {Remedy::use, Setting::height_field}}
+                            : Hint());
   }
   return fail(
       ErrorCode::input,

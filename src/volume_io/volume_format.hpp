@@ -79,6 +79,7 @@ struct ReadOptions {
   std::optional<std::uint64_t> level;        // of a pyramid of resolutions; default 0, the finest
   std::optional<glm::dvec3> sampling;        // spacing of the samples of data that do not lie on a lattice
   bool evens_out = false;                    // resample unevenly spaced samples, otherwise an error
+  bool flat = false;                         // accept arrays [y, x], as volumes of one slice
   std::optional<field::Box> region;          // samples beyond it need not be read; in world coordinates
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
@@ -133,6 +134,7 @@ struct FormatDescription {
   bool has_levels = false;      // files may have several resolutions, selected by ReadOptions::level
   bool takes_sampling = false;  // samples need not lie on a lattice; uses ReadOptions::sampling
   bool takes_evening = false;   // samples may be spaced unevenly; uses ReadOptions::evens_out
+  bool takes_slices = false;    // single pictures: a pattern or folder of them is one volume (detail/slice_stack.hpp)
   std::string library = {};     // that reads them: "GDCM"; empty for the program's own code
   std::string package = {};     // Debian's, with which a plug-in is built
   std::string plugin = {};      // path of the plug-in that reads them, "" if none does or none is there

@@ -13,6 +13,7 @@
 #include "field/no_data.hpp"
 #include "files/file_bytes.hpp"
 #include "volume_io/detail/grid_choice.hpp"
+#include "volume_io/detail/slice_stack.hpp"
 #include "volume_io/detail/volume_detect.hpp"
 
 namespace isoextract::volume_io {
@@ -129,6 +130,10 @@ std::optional<std::size_t> find_inner_path(const std::string& input) {
 bool is_volume_folder(const std::filesystem::path& path, const Context& context) {
   return std::ranges::any_of(volume_formats(),
                              [&](const VolumeFormat* format) { return format->probe_folder(path, context); });
+}
+
+bool is_slice_stack(const std::string& input, const Context& context) {
+  return format_of_stack(input, context) != nullptr;
 }
 
 Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options, const Context& context) {

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "batch/frame_pattern.hpp"
 #include "batch/frame_range.hpp"
 #include "convert/mesh_normals.hpp"
 #include "convert/output_checks.hpp"
 #include "files/content_hash.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::batch {
@@ -60,8 +60,8 @@ Result<void> Animation::check() const {
 Result<std::vector<mesh_io::PackedFacts>> Animation::take(std::size_t frame, const convert::MeshCollector& collected) {
   const std::int64_t number = batch_.frames[frame].number;
   const std::string stem = std::filesystem::path(batch_.animation->path).stem().string();
-  auto added = writer_.add(fmt::format("{}_{}", stem, frame_digits(number, kNodeDigits)), number, collected.meshes,
-                           collected.packing, collected.placement);
+  auto added = writer_.add(fmt::format("{}_{}", stem, files::frame_digits(number, kNodeDigits)), number,
+                           collected.meshes, collected.packing, collected.placement);
   if (!added && writer_.has_failed()) {
     const std::lock_guard lock(mutex_);
     lost_ = added.error();

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/ascii.hpp"
-#include "batch/detail/natural_order.hpp"
 #include "batch/detail/sequences.hpp"
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
+#include "files/natural_order.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -120,7 +120,7 @@ enum class Steps {
 Steps steps_of(std::span<const std::string_view> digits) {
   std::vector<std::int64_t> numbers;
   for (const std::string_view text : digits) {
-    if (text.size() > kMaxFrameDigits) return Steps::unequal;
+    if (text.size() > files::kMaxFrameDigits) return Steps::unequal;
     std::from_chars(text.data(), text.data() + text.size(), numbers.emplace_back());
   }
   if (numbers.size() < 3) return Steps::unequal;
@@ -209,7 +209,7 @@ std::optional<DecimalOrder> order_by_decimals(std::span<const std::string> names
   DecimalOrder order{std::vector<std::size_t>(names.size()), reading == Reading::perhaps_decimals};
   std::iota(order.names.begin(), order.names.end(), std::size_t{0});
   std::ranges::sort(order.names, [&](std::size_t a, std::size_t b) {
-    return values[a] != values[b] ? values[a] < values[b] : NaturalLess()(names[a], names[b]);
+    return values[a] != values[b] ? values[a] < values[b] : files::NaturalLess()(names[a], names[b]);
   });
   return order;
 }

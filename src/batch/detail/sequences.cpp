@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/ascii.hpp"
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -38,7 +38,7 @@ SplitName split(std::string_view name) {
     const std::size_t first = std::min(name.find_first_of(kDigits, at), name.size());
     const std::size_t end = std::min(name.find_first_not_of(kDigits, first), name.size());
     result.skeleton += name.substr(at, first - at);
-    if (end - first > kMaxFrameDigits) {
+    if (end - first > files::kMaxFrameDigits) {
       result.skeleton += name.substr(first, end - first);
     } else if (end > first) {
       DigitGroup group{name.substr(first, end - first), first};
@@ -84,8 +84,8 @@ std::string other_numbers(std::span<const DigitGroup> groups, std::size_t frame)
 // Returns the pattern of the names; `width` 0 matches any number of digits.
 std::string pattern_of(std::string_view name, const DigitGroup& group, bool with_sign, int width) {
   const std::size_t first = group.at - (with_sign && group.minus ? 1 : 0);
-  return FramePattern(std::string(name.substr(0, first)), width,
-                      std::string(name.substr(group.at + group.digits.size())))
+  return files::FramePattern(std::string(name.substr(0, first)), width,
+                             std::string(name.substr(group.at + group.digits.size())))
       .text();
 }
 
@@ -94,7 +94,7 @@ Sequence sequence_of(std::span<const std::string> names, const NameGroup& alike,
   const auto group = [&](std::size_t i) -> const DigitGroup& { return alike.groups[i][frame]; };
   const bool with_sign =
       !std::ranges::all_of(chosen, [&](std::size_t i) { return group(i).minus && group(i).may_be_hyphen; });
-  std::size_t fewest = kMaxFrameDigits;
+  std::size_t fewest = files::kMaxFrameDigits;
   for (const std::size_t i : chosen) fewest = std::min(fewest, group(i).digits.size());
   const int width = static_cast<int>(fewest);
   Sequence sequence;
@@ -102,7 +102,7 @@ Sequence sequence_of(std::span<const std::string> names, const NameGroup& alike,
   bool as_width = true;
   for (const std::size_t i : chosen) {
     const std::int64_t number = group(i).number(with_sign);
-    const std::string digits = frame_digits(number < 0 ? -number : number, width);
+    const std::string digits = files::frame_digits(number < 0 ? -number : number, width);
     as_width = as_width && digits == group(i).digits;
     filled = filled || (group(i).digits.size() > 1 && group(i).digits.front() == '0');
     sequence.members.push_back({alike.names[i], number});

@@ -97,6 +97,21 @@ struct ConvertFlags : OptionSet {
                                  "Table with names and colors of labels. As ITK-SNAP, FreeSurfer or 3D Slicer write "
                                  "it. Meshes get the names, and in glb, gltf and ply the colors.",
                                  About::surface};
+  Flag heightfield{
+      only_convert(OptionGroup::surface), "--heightfield",
+      "Make terrain of a picture or array of heights. For single images (TIFF, GeoTIFF, PNG, OpenEXR), "
+      "NumPy arrays [y, x] and elevation models; several files are frames. The sample at column x and row "
+      "y becomes a vertex; the third number of --spacing scales the heights. Squares with a NaN corner are "
+      "holes (--nan error refuses them).",
+      About::surface};
+  Value<HeightBase> base{only_convert(OptionGroup::surface),
+                         "--base",
+                         "H|none",
+                         parse_height_base,
+                         "Floor of the terrain (default: below its lowest point). With --heightfield: walls and a flat "
+                         "floor at the height H close it; the default lies a tenth of the range of heights below the "
+                         "lowest. none leaves it open.",
+                         About::surface};
   Value<std::uint64_t> relaxations{
       in(OptionGroup::surface),
       "--relax",

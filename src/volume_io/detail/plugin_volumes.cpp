@@ -16,6 +16,7 @@
 #include "plugin_host/plugin_session.hpp"
 #include "volume_io/detail/dense_format.hpp"
 #include "volume_io/detail/grid_choice.hpp"
+#include "volume_io/detail/slice_stack.hpp"
 
 namespace isoextract::volume_io {
 namespace {
@@ -68,6 +69,8 @@ class PluginFormat final : public VolumeFormat {
                                                     const Context& context) const override {
     std::vector<fs::path> files;
     std::error_code none;
+    const auto slices = TRY(slices_of(input));
+    if (!slices.empty()) return std::vector<fs::path>(slices.begin(), slices.end());
     if (!fs::is_directory(input, none)) files.emplace_back(input);
     const auto visit = TRY(visit_input(input, options, context));
     const isoextract_volume_list& list = visit->list();
@@ -156,19 +159,29 @@ class PluginFormat final : public VolumeFormat {
     wanted.level = options.level.value_or(0);
     if (options.sampling) wanted.spacing = {options.sampling->x, options.sampling->y, options.sampling->z};
     wanted.evens_out = options.evens_out;
+    wanted.files = TRY(slices_of(input));
+    if (!wanted.files.empty()) wanted.path = wanted.files.front();
     std::error_code none;
-    fs::path folder = input;
+    fs::path folder = wanted.path;
     if (!fs::is_directory(folder, none)) {
       folder = folder.parent_path();
-      const auto file = TRY(files::InputFile::open(input, context));
+      const auto file = TRY(files::InputFile::open(wanted.path, context));
       auto& start =
           wanted.start.emplace(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), files::kStartBytes)));
       TRY(file.read_at(0, start));
       wanted.bytes = file.size();
+      for (std::size_t i = 1; i < wanted.files.size(); ++i) wanted.bytes += fs::file_size(wanted.files[i], none);
       if (table_.folders.empty()) return wanted;
     }
     wanted.bytes += bytes_in(folder.empty() ? "." : folder);
     return wanted;
+  }
+
+  // Returns the files of a stack in order; none for other inputs.
+  [[nodiscard]] Result<std::vector<std::string>> slices_of(const std::string& input) const {
+    if (!about().takes_slices) return std::vector<std::string>();
+    auto slices = TRY(find_slices(input, *this));
+    return std::move(slices).value_or(std::vector<std::string>());
   }
 
   // Returns the size of the files below a folder; of the first ones, if there are very many.
@@ -380,6 +393,7 @@ FormatDescription describe_plugin(const plugin_host::PluginTable& table, const p
   about.has_levels = uses("level");
   about.takes_sampling = uses("spacing");
   about.takes_evening = uses("evens_out");
+  about.takes_slices = uses("slices");
   about.library = table.library;
   about.package = table.package;
   about.plugin = plugin_host::PluginLibrary(plugin_host::kVolumePlugins, table.id, folders).path();

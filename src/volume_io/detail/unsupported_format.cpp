@@ -35,10 +35,6 @@ const std::vector<UnsupportedFormatEntry>& known_unread() {
        {{0, "#INRIMAGE"}},
        "its samples follow a header of a multiple of "
        "256 bytes: read it as a raw file"},
-      {"a stack of TIFF images",
-       {".tif", ".tiff"},
-       {{0, "II*\0"sv}, {0, "MM\0*"sv}, {0, "II+\0"sv}, {0, "MM\0+"sv}},
-       "Python's tifffile and numpy.save make an NPY array of it"},
       {"a NanoVDB file", {".nvdb"}, {{0, "NanoVDB"}}, "nanovdb_convert makes a VDB file of it"},
       {"a Field3D file", {".f3d"}, {}, "Houdini and Field3D's own tools make a VDB file of it"},
       {"an Alembic file", {".abc"}, {{0, "Ogawa"}}, "Houdini and Blender read it, and write VDB files or PLY points"},

@@ -9,6 +9,7 @@
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volume_io/detail/formats.hpp"
+#include "volume_io/detail/slice_stack.hpp"
 #include "volume_io/detail/unsupported_format.hpp"
 #include "volume_io/volume_reader.hpp"
 
@@ -103,13 +104,25 @@ Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOpti
               "name the files in the folder, with a pattern such as 'FOLDER/*'");
 }
 
+// Returns whether the format takes the files of a pattern as slices.
+bool is_pattern_of(const std::string& id, const std::string& input) {
+  const VolumeFormat* const format = find_volume_format(id);
+  if (format == nullptr || !format->about().takes_slices) return false;
+  const auto slices = find_slices(input, *format);
+  return !slices || *slices;
+}
+
 }  // namespace
 
 bool is_named_by_prefix(const std::string& input) { return format_by_prefix(input) != nullptr; }
 
 Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options, const Context& context) {
   if (const VolumeFormat* format = format_by_prefix(input)) return DetectedFormat{format, {}};
+  if (!options.format) {
+    if (const VolumeFormat* format = format_of_stack(input, context)) return DetectedFormat{format, {}};
+  }
   if (is_folder(input)) return format_of_folder(input, options, context);
+  if (options.format && is_pattern_of(*options.format, input)) return chosen_format(input, *options.format);
   const auto file = TRY(files::InputFile::open(input, context));
   if (options.format) return chosen_format(file.name(), *options.format);
   const auto content = TRY(files::first_bytes(file, files::kStartBytes));
@@ -132,6 +145,11 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
 
 bool has_volume_extension(const std::filesystem::path& path) { return format_by_extension(path) != nullptr; }
 
+bool has_picture_extension(const std::filesystem::path& path) {
+  const VolumeFormat* const format = format_by_extension(path);
+  return format != nullptr && format->about().takes_slices;
+}
+
 std::optional<Error> unsupported_format_error(const std::filesystem::path& path, const Context& context) {
   const auto file = files::InputFile::open(path, context);
   if (!file) return std::nullopt;
@@ -140,6 +158,7 @@ std::optional<Error> unsupported_format_error(const std::filesystem::path& path,
 }
 
 Result<bool> has_volume_content(const std::string& input, const Context& context) {
+  if (format_of_stack(input, context) != nullptr) return true;
   if (is_folder(input)) return is_volume_folder(input, context);
   const auto file = TRY(files::InputFile::open(input, context));
   const auto content = TRY(files::first_bytes(file, files::kStartBytes));

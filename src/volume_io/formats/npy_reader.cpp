@@ -68,8 +68,9 @@ Hint read_as_vectors(const NpyHeader& header) {
 }
 
 Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool has_component, AxisOrder order,
-                          Notes& notes) {
+                          bool is_flat, Notes& notes) {
   std::vector<std::uint64_t> shape = header.shape;
+  if (is_flat && shape.size() == 2) shape.insert(order == AxisOrder::zyx ? shape.begin() : shape.end(), 1);
   const std::size_t wanted = has_component ? 4 : 3;  // one more with volumes
   while (shape.size() > wanted && shape.front() == 1) shape.erase(shape.begin());
   const std::size_t kept = shape.size();
@@ -79,8 +80,9 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
     return fail(ErrorCode::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
-                kept <= 2
-                    ? Hint{"an array of fewer than three axes is not a volume", {Remedy::use, Setting::particle_method}}
+                kept <= 2                     ? Hint{"an array of fewer than three axes is not a volume",
+                                 {Remedy::use, Setting::particle_method},
+                                 {Remedy::use, Setting::height_field}}
                 : kept == 5 && !has_component ? read_as_vectors(header)
                                               : Hint("take a part with fewer axes in NumPy first, for example a[0]"));
   }
@@ -138,7 +140,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   const AxisOrder order = options.axis_order.value_or(AxisOrder::zyx);
   const bool is_complex = type->numbers > 1;
   const bool has_component_axis = options.component.has_value() && !is_complex && header.shape.size() > 3;
-  const auto axes = TRY(find_axes(name, header, has_component_axis, order, dense.notes));
+  const auto axes = TRY(find_axes(name, header, has_component_axis, order, options.flat, dense.notes));
   const auto dims = TRY(checked_dims(name, axes.sizes, type->type));
   dense.volumes = axes.volumes.value_or(1);
   dense.components = axes.components.value_or(type->numbers);

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -104,7 +104,7 @@ TEST(FrameRange, RefusesTooManyFramesBeforeTakingMemory) {
   EXPECT_NE(range_refusal("-999999999999999999-999999999999999999"), "accepted");
   EXPECT_NE(range_refusal("1-600000,600001-1200000"), "accepted");
   EXPECT_EQ(parsed_range("-999999999999999999-999999999999999999x999999999999999999").numbers(),
-            (Numbers{-kMaxFrameNumber, 0, kMaxFrameNumber}));
+            (Numbers{-files::kMaxFrameNumber, 0, files::kMaxFrameNumber}));
 }
 
 TEST(FrameRuns, ParseTheirOwnText) {

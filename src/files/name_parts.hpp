@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 
-namespace isoextract::batch {
+namespace isoextract::files {
 
 struct NamePart {
   enum class Kind { text, number, word };
@@ -24,4 +24,4 @@ struct NamePart {
 // Escapes text so that name_parts() returns it as text.
 [[nodiscard]] std::string escaped_name(std::string_view text);
 
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

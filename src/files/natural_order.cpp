@@ -1,11 +1,11 @@
-#include "batch/detail/natural_order.hpp"
+#include "files/natural_order.hpp"
 
 #include <algorithm>
 #include <cstddef>
 
 #include "base/ascii.hpp"
 
-namespace isoextract::batch {
+namespace isoextract::files {
 namespace {
 
 // Removes the leading digits from `text` and returns them without leading zeros.
@@ -40,4 +40,4 @@ std::strong_ordering natural_order(std::string_view a, std::string_view b) {
   return a.compare(b) <=> 0;
 }
 
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

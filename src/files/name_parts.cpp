@@ -1,4 +1,4 @@
-#include "batch/detail/name_parts.hpp"
+#include "files/name_parts.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -8,9 +8,9 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 
-namespace isoextract::batch {
+namespace isoextract::files {
 namespace {
 
 // Parses "04" and "4" as 4, "" as 0; nullopt if it is no number. Too large numbers become kMaxFrameDigits + 1.
@@ -178,4 +178,4 @@ std::string escaped_name(std::string_view text) {
   return escaped;
 }
 
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

@@ -1,4 +1,4 @@
-#include "batch/detail/natural_order.hpp"
+#include "files/natural_order.hpp"
 
 #include <algorithm>
 #include <string>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace isoextract::batch {
+namespace isoextract::files {
 namespace {
 
 TEST(NaturalOrder, ComparesNumbersByValue) {
@@ -45,4 +45,4 @@ TEST(NaturalOrder, IsTotalOrder) {
 }
 
 }  // namespace
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

@@ -4,7 +4,7 @@
 #include <compare>
 #include <string_view>
 
-namespace isoextract::batch {
+namespace isoextract::files {
 
 // Compares names, the same in every locale: digits as numbers of any length, everything else byte by byte. A total
 // order: names that differ only in leading zeros of a number are adjacent, in byte order.
@@ -16,4 +16,4 @@ struct NaturalLess {
   }
 };
 
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

@@ -1,4 +1,4 @@
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 
 #include <charconv>
 #include <utility>
@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "batch/detail/name_parts.hpp"
+#include "files/name_parts.hpp"
 
-namespace isoextract::batch {
+namespace isoextract::files {
 
 Result<std::optional<FramePattern>> FramePattern::parse(std::string_view name) {
   const auto parts = TRY(name_parts(name));
@@ -62,4 +62,4 @@ std::string frame_digits(std::int64_t number, int width) {
   return fmt::format("{}{:0{}}", number < 0 ? "-" : "", number < 0 ? -number : number, width);
 }
 
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

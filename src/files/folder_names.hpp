@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/printable.hpp"
 
-namespace isoextract::batch {
+namespace isoextract::files {
 
 // Calls visit(name, entry) for each entry of `folder` ("" is the current one), in no order. Fails with ErrorCode::input
 // if reading fails, also after some entries.
@@ -26,4 +26,4 @@ template <class Visit>
               fmt::format("{}: cannot read the folder: {}", folder.empty() ? "." : printable(folder), error.message()));
 }
 
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

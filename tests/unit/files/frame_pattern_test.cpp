@@ -1,10 +1,10 @@
-#include "batch/frame_pattern.hpp"
+#include "files/frame_pattern.hpp"
 
 #include <gtest/gtest.h>
 
-#include "batch/detail/name_parts.hpp"
+#include "files/name_parts.hpp"
 
-namespace isoextract::batch {
+namespace isoextract::files {
 namespace {
 
 FramePattern parsed_pattern(const std::string& name) {
@@ -143,4 +143,4 @@ TEST(FramePattern, ReadsMinusOfPrefixAsText) {
 }
 
 }  // namespace
-}  // namespace isoextract::batch
+}  // namespace isoextract::files

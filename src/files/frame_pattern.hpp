@@ -22,7 +22,7 @@
 
 #include "base/error.hpp"
 
-namespace isoextract::batch {
+namespace isoextract::files {
 
 // Frame numbers and their differences fit into std::int64_t.
 inline constexpr int kMaxFrameDigits = 18;
@@ -63,4 +63,4 @@ class FramePattern {
 // Returns "-0001" for -1 and width 4.
 [[nodiscard]] std::string frame_digits(std::int64_t number, int width);
 
-}  // namespace isoextract::batch
+}  // namespace isoextract::files
