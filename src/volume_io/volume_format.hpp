@@ -31,6 +31,8 @@ struct RawLayout {
   field::SampleType type = field::SampleType::u8;
   std::endian endian = std::endian::little;
   std::uint64_t skip = 0;  // bytes before the first sample
+  std::uint64_t components = 1;  // numbers per sample
+  bool planar = false;           // each volume has one component after another, else sample by sample
 
   friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };

@@ -94,6 +94,10 @@ GridInfo grid_of(const DenseFile& dense, std::string name) {
   if (dense.wide != Integer64::none) grid.type = dense.wide == Integer64::i64 ? "i64" : "u64";
   grid.volumes = dense.volumes;
   grid.components = dense.components;
+  grid.labels = dense.labels;
+  grid.length_unit = dense.length_unit;
+  grid.world_space = dense.world_space;
+  grid.component_names = dense.component_names;
   return grid;
 }
 

@@ -41,6 +41,7 @@ struct DenseFile {
   bool components_interleaved = false;  // whether components are stored sample by sample, else component by component
   bool component_before_volume = true;  // if both axes are on the same side of the spatial ones, components are the
                                         // faster
+  std::vector<field::LabelName> labels;  // as in ScalarField
   std::string component_names;          // names of the components in order; may be empty
   Hint other_interpretation;            // other interpretation of a file with several volumes; see choose_volume()
   std::vector<SamplePiece> pieces;      // of all volumes and components
