@@ -98,6 +98,12 @@ typedef struct isoextract_volume_list {
   void* owner; /* for the plug-in's own use, such as the open file */
 } isoextract_volume_list;
 
+/* What list() and open() return if they fail. */
+enum isoextract_read_failure {
+  ISOEXTRACT_READ_FAILED = 1,
+  ISOEXTRACT_UNEVEN_SAMPLES = 2 /* samples are spaced unevenly, and evens_out is not set */
+};
+
 #define ISOEXTRACT_COMPONENT_LENGTH (-1)
 
 /* Which samples of a list to read. */
@@ -131,12 +137,12 @@ typedef struct isoextract_volume_plugin_v4 {
   int (*probe)(const unsigned char* start, size_t bytes, const char* path);
 
   /* Opens a file or folder and lists its grids, without reading samples where the format allows that. Returns 0 on
-   * success; then free_list is called once. Memory that it reserves counts until then. */
+   * success, else an isoextract_read_failure; after a success free_list is called once. Memory that it reserves counts until then. */
   int (*list)(const isoextract_volume_request* request, const isoextract_plugin_host* host,
               isoextract_volume_list* list);
   void (*free_list)(isoextract_volume_list* list);
 
-  /* Reads samples of a list. Returns 0 on success; then free_samples is called once. The plug-in reserves memory for
+  /* Reads samples of a list. Returns as list() does; after a success free_samples is called once. The plug-in reserves memory for
    * sparse samples and for everything else that reading needs, but not for the box. */
   int (*open)(const isoextract_volume_list* list, const isoextract_volume_selection* selection,
               const isoextract_plugin_host* host, isoextract_volume_samples* samples);

@@ -26,6 +26,11 @@ struct ReadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The samples are spaced unevenly, and Request::evens_out is not set.
+struct UnevenError : ReadError {
+  using ReadError::ReadError;
+};
+
 // Memory that is reserved in the host, and released when this object ends.
 class HostMemory {
  public:
@@ -233,9 +238,13 @@ inline std::string& problem() {
 
 template <class F>
 int catch_exceptions(F&& work) {
+  int failure = ISOEXTRACT_READ_FAILED;
   try {
     work();
     return 0;
+  } catch (const UnevenError& error) {
+    problem() = error.what();
+    failure = ISOEXTRACT_UNEVEN_SAMPLES;
   } catch (const std::bad_alloc&) {
     problem() = "not enough memory to read it";
   } catch (const std::exception& error) {
@@ -244,7 +253,7 @@ int catch_exceptions(F&& work) {
     problem() = "the library failed and gave no reason";
   }
   std::ranges::replace(problem(), '\n', ' ');
-  return 1;
+  return failure;
 }
 
 // A file with the lists of the C interface.

@@ -111,6 +111,7 @@ struct Entry {
 };
 
 struct Listed {
+  std::string path;
   std::vector<Entry> entries;
   std::vector<isoextract_volume_grid> grids;
 };
@@ -193,6 +194,10 @@ std::unique_ptr<Listed> list_file(openvdb::io::File& file) {
     listed->grids[i].name = listed->entries[i].name.c_str();
     listed->grids[i].type_name = listed->entries[i].type.c_str();
     listed->grids[i].world_space = "";
+    listed->grids[i].has_placement = 1;
+    listed->grids[i].slope = 1;
+    listed->grids[i].components = 1;
+    listed->grids[i].volumes = 1;
   }
   return listed;
 }
@@ -374,30 +379,37 @@ int probe(const unsigned char* start, std::size_t bytes, const char* /*path*/) {
   return bytes >= kStart.size() && std::equal(kStart.begin(), kStart.end(), start) ? 1 : 0;
 }
 
-int list(const char* path, isoextract_volume_list* list) {
+int list(const isoextract_volume_request* request, const isoextract_plugin_host* /*host*/,
+         isoextract_volume_list* list) {
   return catch_exceptions([&] {
-    openvdb::io::File file(path);
+    openvdb::io::File file(request->path);
     file.setCopyMaxBytes(0);
     file.open(false);
     auto listed = list_file(file);
-    *list = {listed->grids.data(), listed->grids.size(), listed.get()};
+    listed->path = request->path;
+    *list = {};
+    list->grids = listed->grids.data();
+    list->count = listed->grids.size();
+    list->owner = listed.get();
     static_cast<void>(listed.release());
   });
 }
 
 void free_list(isoextract_volume_list* list) { delete static_cast<Listed*>(list->owner); }
 
-int open(const char* path, std::size_t grid, const isoextract_plugin_host* host, isoextract_volume_samples* samples) {
+int open(const isoextract_volume_list* list, const isoextract_volume_selection* selection,
+         const isoextract_plugin_host* host, isoextract_volume_samples* samples) {
   return catch_exceptions([&] {
+    const std::string& path = static_cast<const Listed*>(list->owner)->path;
     openvdb::io::File file(path);
     file.setCopyMaxBytes(0);
     file.open(false);
     const auto listed = list_file(file);
-    if (grid >= listed->entries.size())
+    if (selection->grid >= listed->entries.size())
       throw PluginError("the file changed during the run: a grid that it listed is missing");
     auto store = std::make_unique<SparseStore>();
-    read_grid(file, path, listed->entries[grid], *host, *store);
-    *samples = {nullptr, 0, &store->samples, store->note.c_str(), store.get()};
+    read_grid(file, path.c_str(), listed->entries[selection->grid], *host, *store);
+    *samples = {0, &store->samples, 0, 0, store->note.c_str(), store.get()};
     static_cast<void>(store.release());
   });
 }
@@ -406,9 +418,9 @@ void free_samples(isoextract_volume_samples* samples) { delete static_cast<Spars
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_volume_plugin_v3 kPlugin{
+constexpr isoextract_volume_plugin_v4 kPlugin{
     ISOEXTRACT_VOLUME_PLUGIN_VERSION, "openvdb", "OpenVDB", probe, list, free_list, open, free_samples, error_text};
 
 }  // namespace
 
-const isoextract_volume_plugin_v3* isoextract_volume_plugin() { return &kPlugin; }
+const isoextract_volume_plugin_v4* isoextract_volume_plugin() { return &kPlugin; }

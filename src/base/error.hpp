@@ -81,6 +81,8 @@ enum class Setting {
   sample_type,    // of a raw file
   skipped_bytes,  // the length of a raw file's header
   axis_order,
+  level,         // of a pyramid of resolutions
+  even_spacing,  // resample unevenly spaced samples
   spacing_and_origin,
   frames,
   demo_fields,

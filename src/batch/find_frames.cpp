@@ -285,8 +285,10 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
     } else {
       all_files = false;
     }
-    if (fs::exists(status) && !fs::is_directory(status)) continue;
-    bool several = fs::is_directory(status);
+    const bool is_folder = fs::is_directory(status);
+    if (fs::exists(status) && (!is_folder || volume_io::is_volume_folder(input, Context()))) continue;
+    if (volume_io::find_inner_path(input)) continue;
+    bool several = is_folder;
     if (!several) {
       const auto pattern = TRY(FramePattern::parse(input));
       several = pattern.has_value();
@@ -331,8 +333,9 @@ Result<Frames> find_frames(std::span<const std::string> inputs, const std::optio
   if (inputs.size() > 1) return choose(listed_files(inputs));
   std::error_code none;
   const fs::file_status status = is_file_name(input) ? fs::status(input, none) : fs::file_status();
-  if (fs::is_directory(status)) return choose(files_of_folder(input));
-  if (!fs::exists(status)) {
+  const bool is_folder = fs::is_directory(status);
+  if (is_folder && !volume_io::is_volume_folder(input, Context())) return choose(files_of_folder(input));
+  if (!fs::exists(status) && !volume_io::find_inner_path(input)) {
     const auto pattern = TRY(FramePattern::parse(input));
     if (pattern && !is_file_name(input)) return without_files(*pattern, range, input);
     if (pattern) return choose(matching_files(*pattern, range, input));

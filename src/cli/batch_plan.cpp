@@ -269,8 +269,9 @@ bool is_batch(const ConvertFlags& flags) {
 bool is_frame_pattern(const std::string& input) {
   if (!input.starts_with(field::kDemoPrefix) && files::is_there(input)) {
     std::error_code none;
-    return fs::is_directory(input, none);
+    return fs::is_directory(input, none) && !volume_io::is_volume_folder(input, Context());
   }
+  if (volume_io::find_inner_path(input)) return false;
   const auto pattern = batch::FramePattern::parse(input);
   return !pattern || pattern->has_value();  // the search for frames reports an invalid pattern
 }

@@ -98,6 +98,10 @@ void add_volumes(NamedLines& lines, const InputReport& report) {
     if (!has_several_volumes(grid)) continue;
     lines.add("volumes", fmt::format("{}, counted from 0; this report describes {}, choose another with --volume K",
                                      grid.volumes, report.volume.value_or(0)));
+    if (!grid.volume_times.empty()) {
+      lines.add("times",
+                fmt::format("{} to {} {}", grid.volume_times.front(), grid.volume_times.back(), grid.time_unit));
+    }
   }
 }
 
@@ -245,6 +249,9 @@ convert::Json json_of(const volume_io::GridInfo& grid) {
   json["voxels"] = grid.voxels ? convert::Json(*grid.voxels) : nullptr;
   json["volumes"] = grid.volumes;
   json["components"] = grid.components;
+  json["component_names"] = grid.component_names;
+  json["times"] = grid.volume_times;
+  json["time_unit"] = grid.time_unit;
   json["creator"] = grid.creator;
   json["labels"] = convert::Json::array();
   for (const field::LabelName& label : grid.labels) {

@@ -28,6 +28,8 @@ SettingWords setting_words(Setting setting) {
     case Setting::sample_type: return {{"--dtype TYPE"}, ""};
     case Setting::skipped_bytes: return {{"--skip BYTES"}, ""};
     case Setting::axis_order: return {{"--axis-order ORDER"}, ""};
+    case Setting::level: return {{"--level K"}, ""};
+    case Setting::even_spacing: return {{"--resample"}, " to make evenly spaced samples of them"};
     case Setting::spacing_and_origin: return {{"--spacing SX,SY,SZ", "--origin X,Y,Z"}, " to place the volume"};
     case Setting::frames: return {{"--frames A-B"}, " to say which"};
     case Setting::in_process: return {{"--in-process"}, " if you trust the file"};
@@ -38,7 +40,7 @@ SettingWords setting_words(Setting setting) {
       return {{":spacing=SX,SY,SZ", ":origin=X,Y,Z"}, " behind NAME=FILE to place the volume"};
     case Setting::volume_options:
       return {{"--grid", "--component", "--dims", "--dtype", "--endian", "--skip", "--axis-order", "--nodata",
-               "--spacing", "--origin", "--inside"},
+               "--level", "--resample", "--spacing", "--origin", "--inside"},
               ""};
     case Setting::particle_options: return {{"the options of particles ('isoextract help particles')"}, ""};
     case Setting::particle_method:

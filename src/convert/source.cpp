@@ -173,9 +173,19 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   }
 }
 
+// Returns whether only samples in the region, and next to it, can change the result: not with an iso value or an
+// attribute that depends on all samples, nor with a step that gives a sample the values of others farther away.
+bool needs_region_only(const SourceOptions& options, const SourceUse& use) {
+  return options.roi && options.placement.space != Space::index && !use.outside_region && options.filters.empty() &&
+         options.blurs.empty() && !options.resamples() && options.attributes.empty() &&
+         std::ranges::all_of(use.isos, &IsoChoice::is_number);
+}
+
 Result<void> read_volume_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                Events& events, Source& source) {
-  auto field = TRY(read_field(options.input, options.read, context, events));
+  volume_io::ReadOptions read = options.read;
+  if (needs_region_only(options, use)) read.region = options.roi;
+  auto field = TRY(read_field(options.input, read, context, events));
   source.field = std::move(field);
   StageReport facts = report_on(StageName::read, field_label(source.field));
   facts.work = reading_facts(source.field, options.more_grids.size());

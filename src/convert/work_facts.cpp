@@ -41,6 +41,11 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t
     facts.push_back({WorkTopic::grids, WorkDone::left_out, others, field.grids,
                      fmt::format("the other {} grids of the file", others)});
   }
+  if (field.parts.of > 0) {
+    const std::uint64_t unread = field.parts.of - std::min(field.parts.read, field.parts.of);
+    facts.push_back({WorkTopic::file_parts, WorkDone::left_out, unread, field.parts.of,
+                     fmt::format("{} of {} parts of the file (chunks, slices or files)", unread, field.parts.of)});
+  }
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense != nullptr && dense->file_backed) {
     const std::uint64_t bytes = dense->count() * field::sample_size(dense->type);

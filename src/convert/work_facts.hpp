@@ -20,6 +20,7 @@ namespace isoextract::convert {
 // Words of the JSON report; docs/schemas/report.schema.json lists them.
 enum class WorkTopic {
   grids,
+  file_parts,
   resolution,
   labels,
   bricks,
@@ -48,6 +49,7 @@ enum class WorkTopic {
 };
 constexpr auto words_of(WorkTopic /*type*/) {
   return std::array{Word{WorkTopic::grids, "grids"},
+                    Word{WorkTopic::file_parts, "file_parts"},
                     Word{WorkTopic::resolution, "resolution"},
                     Word{WorkTopic::labels, "labels"},
                     Word{WorkTopic::bricks, "bricks"},

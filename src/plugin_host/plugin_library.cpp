@@ -1,6 +1,7 @@
 #include "plugin_host/plugin_library.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
 #include <fstream>
 #include <map>
@@ -29,6 +30,28 @@ struct PluginHead {
   const char* id;
 };
 
+std::vector<std::string> words_of_line(const std::string& line) {
+  std::istringstream words(line);
+  std::vector<std::string> found;
+  for (std::string word; words >> word;) found.push_back(std::move(word));
+  return found;
+}
+
+// Parses "128 4449434d"; returns nothing for other texts.
+std::optional<PluginMagic> read_magic(const std::string& text) {
+  std::istringstream words(text);
+  PluginMagic magic;
+  std::string hex;
+  if (!(words >> magic.offset >> hex) || hex.empty() || hex.size() % 2 != 0) return std::nullopt;
+  for (std::size_t i = 0; i < hex.size(); i += 2) {
+    unsigned value = 0;
+    const auto [end, status] = std::from_chars(hex.data() + i, hex.data() + i + 2, value, 16);
+    if (status != std::errc{} || end != hex.data() + i + 2) return std::nullopt;
+    magic.bytes.push_back(static_cast<std::byte>(value));
+  }
+  return magic;
+}
+
 // Parses lines "key: value"; ignores unknown keys, which later versions may define.
 PluginTable read_table(const std::string& id, const fs::path& path) {
   PluginTable table;
@@ -40,10 +63,17 @@ PluginTable read_table(const std::string& id, const fs::path& path) {
     const std::string key = line.substr(0, colon);
     const std::string value = line.substr(colon + 2);
     if (key == "title") table.title = printable(value, 200);
+    if (key == "library") table.library = printable(value, 200);
+    if (key == "package") table.package = printable(value, 200);
+    if (key == "contains") table.contains.push_back(value);
+    if (key == "folders") table.folders = words_of_line(value);
+    if (key == "uses") table.uses = words_of_line(value);
+    if (key == "magic") {
+      if (auto magic = read_magic(value)) table.magic.push_back(std::move(*magic));
+    }
     if (key != "extensions") continue;
-    std::istringstream words(value);
-    for (std::string word; words >> word;) {
-      if (word.starts_with('.')) table.extensions.push_back(word);
+    for (std::string& word : words_of_line(value)) {
+      if (word.starts_with('.')) table.extensions.push_back(std::move(word));
     }
   }
   return table;
@@ -92,8 +122,8 @@ std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const 
   return found;
 }
 
-PluginLibrary::PluginLibrary(PluginKind kind, std::string id, PluginFolders folders)
-    : kind_(std::move(kind)), id_(std::move(id)), folders_(std::move(folders)) {}
+PluginLibrary::PluginLibrary(PluginKind kind, std::string id, PluginFolders folders, std::string package)
+    : kind_(std::move(kind)), id_(std::move(id)), folders_(std::move(folders)), package_(std::move(package)) {}
 
 Result<std::string> PluginLibrary::found(const std::string& input) const {
   const std::string name = fmt::format("{}{}.so", kind_.name_start, id_);
@@ -103,12 +133,17 @@ Result<std::string> PluginLibrary::found(const std::string& input) const {
     if (fs::exists(folder / name, none)) return (folder / name).string();
     looked.push_back(folder.string());
   }
-  return fail(ErrorCode::unavailable,
-              fmt::format("{}: {} the plug-in {}, which is in none of the folders {}", input,
-                          kind_.is_format ? fmt::format("the format {} needs", id_)
-                                          : fmt::format("the grid tools of {} need", id_),
-                          name, fmt::join(looked, ", ")),
-              "install the plug-in, or set the environment variable ISOEXTRACT_PLUGINS to its folder");
+  return fail(
+      ErrorCode::unavailable,
+      fmt::format(
+          "{}: {} the plug-in {}, which is in none of the folders {}", input,
+          kind_.is_format ? fmt::format("the format {} needs", id_) : fmt::format("the grid tools of {} need", id_),
+          name, fmt::join(looked, ", ")),
+      package_.empty()
+          ? "install the plug-in, or set the environment variable ISOEXTRACT_PLUGINS to its folder"
+          : fmt::format("install the package {} and build isoextract again, which then builds the plug-in; or set "
+                        "the environment variable ISOEXTRACT_PLUGINS to the plug-in's folder",
+                        package_));
 }
 
 namespace {

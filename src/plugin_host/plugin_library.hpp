@@ -23,10 +23,23 @@ using PluginFolders = std::vector<std::filesystem::path>;
 // ":"), then `plugins` and `../lib/isoextract/plugins`, relative to the program's folder. They need not exist.
 [[nodiscard]] PluginFolders plugin_folders();
 
+// Bytes that the files of a format have at an offset.
+struct PluginMagic {
+  std::uint64_t offset = 0;
+  std::vector<std::byte> bytes;
+};
+
+// What a table says (plugins/volume_plugin.h). Unknown lines are ignored, as later versions may define them.
 struct PluginTable {
   std::string id;
   std::string title;
   std::vector<std::string> extensions;  // ".vti"
+  std::vector<PluginMagic> magic;
+  std::vector<std::string> contains;
+  std::vector<std::string> folders;
+  std::vector<std::string> uses;
+  std::string library;
+  std::string package;
 };
 
 // Returns the tables, which are the files name_start + ID + ".txt" in the folders, by folder and then by ID. Of several
@@ -50,10 +63,13 @@ struct PluginKind {
 // The shared object of one plug-in.
 class PluginLibrary {
  public:
-  PluginLibrary(PluginKind kind, std::string id, PluginFolders folders);
+  // `package` is the Debian package with which the plug-in is built, for messages; may be empty.
+  PluginLibrary(PluginKind kind, std::string id, PluginFolders folders, std::string package = {});
 
   // Returns whether one of the folders has the plug-in's file.
   [[nodiscard]] bool is_there() const { return found({}).has_value(); }
+  // Returns the path of that file; empty if there is none.
+  [[nodiscard]] std::string path() const { return found({}).value_or(std::string()); }
 
   // Returns the result of the exported function after checking its version and id, in this process. Fails with
   // ErrorCode::unavailable if no folder has the plug-in, if it cannot be opened, or if its version or id differs.
@@ -73,6 +89,7 @@ class PluginLibrary {
   PluginKind kind_;
   std::string id_;
   PluginFolders folders_;
+  std::string package_;
   mutable std::mutex mutex_;
   mutable const void* plugin_ = nullptr;
   mutable std::unique_ptr<sandbox::WorkerPool> workers_;

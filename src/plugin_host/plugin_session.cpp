@@ -6,15 +6,16 @@
 
 #include <fmt/format.h>
 
+#include "base/buffer.hpp"
 #include "base/printable.hpp"
-#include "files/file_start.hpp"
+#include "plugin_host/detail/volume_request.hpp"
 #include "plugin_host/plugin_samples.hpp"
 #include "sandbox/program.hpp"
 
 namespace isoextract::plugin_host {
 namespace {
 
-using VolumePlugin = isoextract_volume_plugin_v3;
+using VolumePlugin = isoextract_volume_plugin_v4;
 using ParticlePlugin = isoextract_particle_plugin_v3;
 
 std::atomic<bool> files_are_trusted{false};
@@ -33,48 +34,55 @@ struct GivenSamples {
 
   const VolumePlugin& plugin;
   PluginMemory memory;
+  Buffer<std::byte> box;
   isoextract_volume_samples samples{};
   bool is_given = false;
 };
 
 class VolumeHere final : public VolumeSession {
  public:
-  VolumeHere(const VolumePlugin& plugin, std::string id, const files::InputFile& file)
-      : plugin_(plugin),
-        id_(std::move(id)),
-        name_(file.name()),
-        path_(file.path().string()),
-        context_(file.context()) {}
+  VolumeHere(const VolumePlugin& plugin, std::string id, const VolumeInput& input)
+      : plugin_(plugin), id_(std::move(id)), input_(input), memory_(input.context, plugin_needs(input.name, id_)) {}
   ~VolumeHere() override {
     if (is_listed_) plugin_.free_list(&list_);
   }
 
   Result<void> fill_list() {
-    if (plugin_.list(path_.c_str(), &list_) != 0) {
-      return tl::unexpected(plugin_error(name_, plugin_text(plugin_.error_text())));
+    std::vector<const char*> files;
+    for (const std::string& file : input_.files) files.push_back(file.c_str());
+    const VolumeRequest request(input_, files);
+    if (const int failure = plugin_.list(&request.get(), &memory_.host(), &list_); failure != 0) {
+      return tl::unexpected(memory_.refusal_or(error_of(failure)));
     }
     is_listed_ = true;
     return {};
   }
 
-  [[nodiscard]] std::string format() const override { return plugin_text(plugin_.format); }
+  [[nodiscard]] std::string format() const override {
+    return list_.format == nullptr ? plugin_text(plugin_.format) : list_.format;
+  }
   [[nodiscard]] const isoextract_volume_list& list() const override { return list_; }
 
-  [[nodiscard]] Result<SessionSamples> open(std::size_t grid, std::uint64_t /*box_bytes*/) override {
-    const auto given = std::make_shared<GivenSamples>(plugin_, context_, plugin_needs(name_, id_));
-    if (plugin_.open(path_.c_str(), grid, &given->memory.host(), &given->samples) != 0) {
-      return tl::unexpected(given->memory.refusal_or(plugin_error(name_, plugin_text(plugin_.error_text()))));
+  [[nodiscard]] Result<SessionSamples> open(const VolumeSelection& wanted) override {
+    const auto given = std::make_shared<GivenSamples>(plugin_, input_.context, plugin_needs(input_.name, id_));
+    given->box = Buffer<std::byte>(static_cast<std::size_t>(wanted.box_bytes));
+    const isoextract_volume_selection selection = selection_of(wanted, given->box.data());
+    if (const int failure = plugin_.open(&list_, &selection, &given->memory.host(), &given->samples); failure != 0) {
+      return tl::unexpected(given->memory.refusal_or(error_of(failure)));
     }
     given->is_given = true;
-    return SessionSamples{&given->samples, given};
+    return SessionSamples{&given->samples, given->box.data(), given};
   }
 
  private:
+  [[nodiscard]] Error error_of(int failure) const {
+    return plugin_error(input_.name, plugin_text(plugin_.error_text()), failure);
+  }
+
   const VolumePlugin& plugin_;
   std::string id_;
-  std::string name_;
-  std::string path_;
-  Context context_;
+  VolumeInput input_;
+  PluginMemory memory_;
   isoextract_volume_list list_{};
   bool is_listed_ = false;
 };
@@ -117,10 +125,10 @@ class ParticlesHere final : public ParticleSession {
 
 void read_files_in_process() { files_are_trusted = true; }
 
-Error plugin_error(const std::string& input, const std::string& text) {
+Error plugin_error(const std::string& input, const std::string& text, std::int32_t failure) {
   return {ErrorCode::input,
           fmt::format("{}: {}", input, text.empty() ? "the plug-in failed and gave no reason" : printable(text, 400)),
-          {}};
+          failure == ISOEXTRACT_UNEVEN_SAMPLES ? Hint(Remedy::give, Setting::even_spacing) : Hint()};
 }
 
 Error wrong_format_error(const std::string& input, const std::string& id, std::span<const std::byte> start) {
@@ -133,23 +141,39 @@ std::string plugin_needs(const std::string& input, const std::string& id) {
   return fmt::format("{}: reading with the plug-in for {}", input, id);
 }
 
-Result<std::vector<std::byte>> raw_first_bytes(const files::InputFile& file) {
-  std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), files::kStartBytes)));
-  TRY(file.read_at(0, start));
-  return start;
+VolumeRequest::VolumeRequest(const VolumeInput& input, std::span<const char* const> files) {
+  request_.path = input.path.c_str();
+  request_.files = files.data();
+  request_.file_count = files.size();
+  request_.volume = input.volume;
+  request_.level = input.level;
+  std::ranges::copy(input.spacing, request_.spacing);
+  request_.evens_out = input.evens_out ? 1 : 0;
+}
+
+isoextract_volume_selection selection_of(const VolumeSelection& wanted, void* box) {
+  isoextract_volume_selection selection{};
+  selection.grid = wanted.grid;
+  selection.volume = wanted.volume;
+  selection.component = wanted.component;
+  std::ranges::copy(wanted.first, selection.first);
+  std::ranges::copy(wanted.count, selection.count);
+  selection.box = box;
+  return selection;
 }
 
 Result<std::unique_ptr<VolumeSession>> open_volume_session(const PluginLibrary& library, const std::string& id,
-                                                           const files::InputFile& file) {
-  if (reads_apart()) return open_volume_in_worker(library, id, file);
-  const auto opened = TRY(library.opened(file.name()));
+                                                           const VolumeInput& input) {
+  if (reads_apart()) return open_volume_in_worker(library, id, input);
+  const auto opened = TRY(library.opened(input.name));
   const auto& plugin = *static_cast<const VolumePlugin*>(opened);
-  const auto start = TRY(raw_first_bytes(file));
-  const auto* bytes = reinterpret_cast<const unsigned char*>(start.data());
-  if (plugin.probe(bytes, start.size(), file.path().c_str()) == 0) {
-    return tl::unexpected(wrong_format_error(file.name(), id, start));
+  if (input.start) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(input.start->data());
+    if (plugin.probe(bytes, input.start->size(), input.path.c_str()) == 0) {
+      return tl::unexpected(wrong_format_error(input.name, id, *input.start));
+    }
   }
-  auto visit = std::make_unique<VolumeHere>(plugin, id, file);
+  auto visit = std::make_unique<VolumeHere>(plugin, id, input);
   TRY(visit->fill_list());
   return visit;
 }

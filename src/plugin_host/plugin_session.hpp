@@ -9,8 +9,10 @@
 // run_as_plugin_reader(), such as a fuzz target.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,9 +29,34 @@ namespace isoextract::plugin_host {
 // Implements read_in_process() of plugin_reader.hpp.
 void read_files_in_process();
 
+// A file or folder to read, and what to list of it (isoextract_volume_request).
+struct VolumeInput {
+  std::string name;  // for messages
+  std::string path;
+  std::optional<std::vector<std::byte>> start;  // the first files::kStartBytes of a file; nothing for a folder
+  std::uint64_t bytes = 0;                      // size of all files that the plug-in may read, for its limits
+  std::vector<std::string> files;
+  std::uint64_t volume = 0;
+  std::uint64_t level = 0;
+  std::array<double, 3> spacing{};
+  bool evens_out = false;
+  Context context;
+};
+
+// Which samples of a list to read (isoextract_volume_selection).
+struct VolumeSelection {
+  std::size_t grid = 0;
+  std::uint64_t volume = 0;
+  std::int64_t component = 0;  // or ISOEXTRACT_COMPONENT_LENGTH
+  std::array<std::uint64_t, 3> first{};
+  std::array<std::uint64_t, 3> count{};
+  std::uint64_t box_bytes = 0;  // size of these samples, for which the caller has reserved memory; 0 for a sparse grid
+};
+
 // Samples as given by a plug-in.
 struct SessionSamples {
   const isoextract_volume_samples* samples = nullptr;
+  const void* box = nullptr;          // the samples of a full box, aligned to 64 bytes
   std::shared_ptr<const void> owner;  // keeps the samples and their reservation alive
 };
 
@@ -43,9 +70,8 @@ class VolumeSession {
 
   [[nodiscard]] virtual std::string format() const = 0;
   [[nodiscard]] virtual const isoextract_volume_list& list() const = 0;
-  // Reads a grid; call once. `box_bytes` is the size of all samples of a dense grid, for which the caller has reserved
-  // memory; 0 for a sparse grid.
-  [[nodiscard]] virtual Result<SessionSamples> open(std::size_t grid, std::uint64_t box_bytes) = 0;
+  // Reads samples; call once.
+  [[nodiscard]] virtual Result<SessionSamples> open(const VolumeSelection& selection) = 0;
   // Returns the captured output of the plug-in and its library as one line; may be empty.
   [[nodiscard]] virtual std::string printed() const { return {}; }
 };
@@ -54,7 +80,7 @@ class VolumeSession {
 // file, crashes on it, or exceeds its limits of time or memory.
 [[nodiscard]] Result<std::unique_ptr<VolumeSession>> open_volume_session(const PluginLibrary& library,
                                                                          const std::string& id,
-                                                                         const files::InputFile& file);
+                                                                         const VolumeInput& input);
 
 class ParticleSession {
  public:
@@ -86,7 +112,7 @@ struct ParticleSelection {
 // are read in this process.
 [[nodiscard]] Result<std::unique_ptr<VolumeSession>> open_volume_in_worker(const PluginLibrary& library,
                                                                            const std::string& id,
-                                                                           const files::InputFile& file);
+                                                                           const VolumeInput& input);
 [[nodiscard]] Result<std::unique_ptr<ParticleSession>> open_particles_in_worker(const PluginLibrary& library,
                                                                                 const std::string& id,
                                                                                 const files::InputFile& file,
@@ -95,14 +121,13 @@ struct ParticleSelection {
 // plugin_error(), wrong_format_error() and plugin_needs() make the texts of messages, so that sessions in this process
 // and in a worker have the same.
 
-// Returns the error with the plug-in's text.
-[[nodiscard]] Error plugin_error(const std::string& input, const std::string& text);
+// Returns the error with the plug-in's text, for an isoextract_read_failure.
+[[nodiscard]] Error plugin_error(const std::string& input, const std::string& text,
+                                 std::int32_t failure = ISOEXTRACT_READ_FAILED);
 // Returns the error for a file that is not of the plug-in's format.
 [[nodiscard]] Error wrong_format_error(const std::string& input, const std::string& id,
                                        std::span<const std::byte> start);
 // Returns the text that names this read in messages about memory: "INPUT: reading with the plug-in for ID".
 [[nodiscard]] std::string plugin_needs(const std::string& input, const std::string& id);
-// Returns the first bytes of a file without decompressing them.
-[[nodiscard]] Result<std::vector<std::byte>> raw_first_bytes(const files::InputFile& file);
 
 }  // namespace isoextract::plugin_host

@@ -81,7 +81,7 @@ struct ReadOptions {
   std::optional<std::uint64_t> level;        // of a pyramid of resolutions; default 0, the finest
   std::optional<glm::dvec3> sampling;        // spacing of the samples of data that do not lie on a lattice
   bool evens_out = false;                    // resample unevenly spaced samples, otherwise an error
-  std::optional<field::Box> region;          // in world coordinates: samples beyond it need not be read
+  std::optional<field::Box> region;          // samples beyond it need not be read; in world coordinates
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
@@ -156,6 +156,11 @@ class VolumeFormat {
 
   // Returns whether the start of a file proves that it is of this format; false if only its name can tell.
   [[nodiscard]] virtual bool probe(const files::FileStart& /*start*/) const { return false; }
+
+  // Returns whether a folder is an input of this format.
+  [[nodiscard]] virtual bool probe_folder(const std::filesystem::path& /*folder*/, const Context& /*context*/) const {
+    return false;
+  }
 
   // Lists the grids, scalar or not; a single one if the format does not name them. Never reads samples.
   [[nodiscard]] virtual Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,

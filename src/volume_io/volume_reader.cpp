@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/allocation_error.hpp"
+#include "base/printable.hpp"
 #include "field/no_data.hpp"
 #include "files/file_bytes.hpp"
 #include "volume_io/detail/grid_choice.hpp"
@@ -51,6 +52,12 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
                     about.id),
         {Remedy::leave_out, Setting::axis_order});
   }
+  if (options.level && !about.has_levels) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: a level applies to formats with several resolutions, such as OME-Zarr; this is {}",
+                            input, about.id),
+                {Remedy::leave_out, Setting::level});
+  }
   if (about.needs_layout && !options.raw) {
     return fail(ErrorCode::usage, fmt::format("{}: a raw file does not state its dimensions and sample type", input),
                 {Remedy::give, Setting::raw_layout});
@@ -69,14 +76,37 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
   return {};
 }
 
-// Detects the format and calls work(detected), which returns a Result. Catches exceptions of libraries.
+// A file or folder with the options for it; the path within a file, of FILE.h5:/PATH, is a grid's name.
+struct Located {
+  std::string input;
+  ReadOptions options;
+};
+
+Result<Located> locate(const std::string& input, const ReadOptions& options) {
+  Located located{input, options};
+  const auto inner = find_inner_path(input);
+  if (!inner) return located;
+  located.input = input.substr(0, *inner);
+  std::string grid = input.substr(*inner + 1);
+  if (options.grid && *options.grid != grid) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: expected one grid, found {} and the grid name {}", located.input, printable(grid),
+                            printable(*options.grid)),
+                {Remedy::leave_out, Setting::grid});
+  }
+  located.options.grid = std::move(grid);
+  return located;
+}
+
+// Detects the format and calls work(detected, located), which returns a Result. Catches exceptions of libraries.
 template <class F>
 auto with_format(const std::string& input, const ReadOptions& options, const Context& context, F&& work)
-    -> decltype(work(DetectedFormat())) {
+    -> decltype(work(DetectedFormat(), Located())) {
   try {
-    const auto detected = TRY(detect_format(input, options, context));
-    TRY(check_options(files::input_label(input), detected.format->about(), options));
-    return work(detected);
+    const auto located = TRY(locate(input, options));
+    const auto detected = TRY(detect_format(located.input, located.options, context));
+    TRY(check_options(files::input_label(located.input), detected.format->about(), located.options));
+    return work(detected, located);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(allocation_error(files::input_label(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
@@ -86,11 +116,27 @@ auto with_format(const std::string& input, const ReadOptions& options, const Con
 
 }  // namespace
 
+std::optional<std::size_t> find_inner_path(const std::string& input) {
+  const std::size_t colon = input.rfind(":/");
+  if (colon == std::string::npos || colon == 0) return std::nullopt;
+  std::error_code none;
+  if (std::filesystem::exists(input, none) || !std::filesystem::exists(input.substr(0, colon), none)) {
+    return std::nullopt;
+  }
+  return colon;
+}
+
+bool is_volume_folder(const std::filesystem::path& path, const Context& context) {
+  return std::ranges::any_of(volume_formats(),
+                             [&](const VolumeFormat* format) { return format->probe_folder(path, context); });
+}
+
 Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options, const Context& context) {
   if (is_named_by_prefix(input) || options.raw) return true;
   if (options.format) return find_volume_format(*options.format) != nullptr;
   try {
-    return has_volume_content(input, context);
+    const auto located = TRY(locate(input, options));
+    return has_volume_content(located.input, context);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(allocation_error(files::input_label(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
@@ -99,19 +145,22 @@ Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& op
 }
 
 Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options, const Context& context) {
-  return with_format(input, options, context,
-                     [&](const DetectedFormat& detected) { return detected.format->list(input, options, context); });
+  return with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
+    return detected.format->list(at.input, at.options, context);
+  });
 }
 
 Result<std::string> grid_label(const std::string& input, const ReadOptions& options, const Context& context) {
   const auto grids = TRY(list_grids(input, options, context));
-  const auto chosen = choose_grid(files::input_label(input), grids, options.grid);
+  const auto located = TRY(locate(input, options));
+  const std::optional<std::string>& wanted = located.options.grid;
+  const auto chosen = choose_grid(files::input_label(input), grids, wanted);
   if (chosen) return (grids)[*chosen].label;
   // Plug-ins read grids that are not scalar, and parts of vector grids.
   for (const GridInfo& grid : grids) {
     if (grid.plugin.empty()) continue;
-    const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();
-    if (!is_part && !grid.matches_name(*options.grid)) continue;
+    const bool is_part = std::ranges::find(grid.parts, *wanted) != grid.parts.end();
+    if (!is_part && !grid.matches_name(*wanted)) continue;
     if (grid.plugin_is_missing) {
       return fail(
           ErrorCode::unavailable,
@@ -119,7 +168,7 @@ Result<std::string> grid_label(const std::string& input, const ReadOptions& opti
                       files::input_label(input), grid.label, grid.type, grid.plugin),
           "install the plug-in, or set the environment variable ISOEXTRACT_PLUGINS to its folder");
     }
-    if (is_part || grid.parts.empty()) return *options.grid;
+    if (is_part || grid.parts.empty()) return *wanted;
     return fail(ErrorCode::input, chosen.error().message,
                 Hint(Remedy::choose, Setting::grid, fmt::format("\n  {}", fmt::join(grid.parts, "\n  "))));
   }
@@ -127,41 +176,45 @@ Result<std::string> grid_label(const std::string& input, const ReadOptions& opti
 }
 
 Result<FormatDescription> format_of(const std::string& input, const ReadOptions& options, const Context& context) {
-  return with_format(input, options, context, [](const DetectedFormat& detected) -> Result<FormatDescription> {
-    return detected.format->about();
-  });
+  return with_format(input, options, context,
+                     [](const DetectedFormat& detected, const Located& /*at*/) -> Result<FormatDescription> {
+                       return detected.format->about();
+                     });
 }
 
 Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions& options, const Context& context) {
   ReadOptions all = options;
   all.volume.reset();
-  return with_format(input, all, context, [&](const DetectedFormat& detected) -> Result<std::uint64_t> {
-    if (!detected.format->about().has_volumes) return 1;
-    const auto grids = TRY(detected.format->list(input, all, context));
-    if (grids.empty()) return 1;
-    if (options.grid) {
-      const auto chosen = TRY(choose_grid(files::input_label(input), grids, options.grid));
-      return (grids)[chosen].volumes;
-    }
-    return std::ranges::max(grids, {}, &GridInfo::volumes).volumes;
-  });
+  return with_format(input, all, context,
+                     [&](const DetectedFormat& detected, const Located& at) -> Result<std::uint64_t> {
+                       if (!detected.format->about().has_volumes) return 1;
+                       const auto grids = TRY(detected.format->list(at.input, at.options, context));
+                       if (grids.empty()) return 1;
+                       if (at.options.grid) {
+                         const auto chosen = TRY(choose_grid(files::input_label(at.input), grids, at.options.grid));
+                         return (grids)[chosen].volumes;
+                       }
+                       return std::ranges::max(grids, {}, &GridInfo::volumes).volumes;
+                     });
 }
 
 Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input, const ReadOptions& options,
                                                             const Context& context) {
-  return with_format(input, options, context,
-                     [&](const DetectedFormat& detected) { return detected.format->files(input, options, context); });
+  return with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
+    return detected.format->files(at.input, at.options, context);
+  });
 }
 
 Result<std::vector<files::FilePart>> list_input_parts(const std::string& input, const ReadOptions& options,
                                                       const Context& context) {
-  return with_format(input, options, context,
-                     [&](const DetectedFormat& detected) { return detected.format->parts(input, options, context); });
+  return with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
+    return detected.format->parts(at.input, at.options, context);
+  });
 }
 
 Result<field::ScalarField> read_volume(const std::string& input, const ReadOptions& options, const Context& context) {
-  return with_format(input, options, context, [&](const DetectedFormat& detected) {
-    auto field = detected.format->open(input, options, context);
+  return with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
+    auto field = detected.format->open(at.input, at.options, context);
     if (!field) return field;
     if (!detected.note.empty()) field->notes.insert(field->notes.begin(), {NoteId::format_not_by_name, detected.note});
     field->source = files::input_label(input);

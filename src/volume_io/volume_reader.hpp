@@ -14,6 +14,14 @@
 
 namespace isoextract::volume_io {
 
+// Returns the position of the colon in FILE:/PATH, which names a grid of a file: FILE exists, and no file is named like
+// the whole. Every function here takes such inputs.
+[[nodiscard]] std::optional<std::size_t> find_inner_path(const std::string& input);
+
+// Returns whether the folder is an input, such as a Zarr array or a series of DICOM files, instead of a folder of
+// inputs. Reads the starts of some of its files.
+[[nodiscard]] bool is_volume_folder(const std::filesystem::path& path, const Context& context);
+
 // Returns whether an input is certainly a volume: by its demo: prefix, by the format or raw layout in `options`, or by
 // its content. Also returns true for every NPY array: the caller must check whether an array with one row per particle
 // holds particles. Reads the start of the file.

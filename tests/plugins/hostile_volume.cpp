@@ -27,6 +27,7 @@ constexpr int kProgram = 3;  // the socket to it
 const std::array<float, 8> kValues{0, 0, 0, 0, 1, 1, 1, 1};
 const std::string kLongName(1 << 20, 'n');
 
+std::string path;  // of the file that is open
 std::string note;
 isoextract_volume_grid grid{};
 isoextract_sparse_samples sparse{};
@@ -72,13 +73,49 @@ void try_the_world(const std::string& path) {
 // As a worker in the hands of its file would speak: counts and places that are not there.
 void lie_about_blocks() {
   constexpr std::uint64_t kMany = std::uint64_t{1} << 60;
-  say_words({static_cast<std::uint64_t>(MessageKind::grid_opened), 0, 1, ISOEXTRACT_F32, 0, 8, 0, 0, 0, 0, 0, 0, kMany,
-             0, 0, 0, 0, 0});
+  say_words({static_cast<std::uint64_t>(MessageKind::grid_opened),
+             0,
+             0,
+             0,
+             1,
+             ISOEXTRACT_F32,
+             0,
+             8,
+             0,
+             0,
+             0,
+             0,
+             0,
+             0,
+             kMany,
+             0,
+             0,
+             0,
+             0,
+             0});
   ::_exit(0);
 }
 void lie_about_places() {
-  say_words({static_cast<std::uint64_t>(MessageKind::grid_opened), 0, 1, ISOEXTRACT_F32, 0, 8, 0, 0, 0, 0, 0, 0, 1, 40,
-             1 << 20, 0, 0, 0});
+  say_words({static_cast<std::uint64_t>(MessageKind::grid_opened),
+             0,
+             0,
+             0,
+             1,
+             ISOEXTRACT_F32,
+             0,
+             8,
+             0,
+             0,
+             0,
+             0,
+             0,
+             0,
+             1,
+             40,
+             1 << 20,
+             0,
+             0,
+             0});
   ::_exit(0);
 }
 
@@ -135,7 +172,7 @@ struct Wanted {
   std::string stage;
   std::string deed;
 };
-Wanted read_wanted(const char* path) {
+Wanted read_wanted(const std::string& path) {
   std::ifstream file(path);
   std::string word;
   Wanted wanted;
@@ -143,13 +180,15 @@ Wanted read_wanted(const char* path) {
   return wanted;
 }
 
-int probe(const unsigned char* start, size_t bytes, const char* /*path*/) {
+int probe(const unsigned char* start, size_t bytes, const char* /*given*/) {
   return bytes >= 7 && std::memcmp(start, "hostile", 7) == 0 ? 1 : 0;
 }
 
-int list(const char* path, isoextract_volume_list* list) {
+int list(const isoextract_volume_request* request, const isoextract_plugin_host* /*host*/,
+         isoextract_volume_list* list) {
+  path = request->path;
   const Wanted wanted = read_wanted(path);
-  if (wanted.stage == "list") do_deed(wanted.deed, path);
+  if (wanted.stage == "list") do_deed(wanted.deed, path.c_str());
   grid = {};
   grid.name = wanted.deed == "name" ? kLongName.c_str() : "";
   grid.type_name = "float";
@@ -159,18 +198,25 @@ int list(const char* path, isoextract_volume_list* list) {
       wanted.deed.starts_with("sparse") || wanted.deed.starts_with("lie") || wanted.deed == "greed" ? 1 : 0;
   for (auto& dim : grid.dims) dim = wanted.deed == "huge" ? 2000 : 2;
   for (int i = 0; i < 3; ++i) grid.index_to_world[5 * i] = 1;
-  *list = {&grid, 1, nullptr};
+  grid.has_placement = 1;
+  grid.slope = 1;
+  grid.components = 1;
+  grid.volumes = 1;
+  *list = {};
+  list->grids = &grid;
+  list->count = 1;
   return 0;
 }
 
 void free_list(isoextract_volume_list* /*list*/) {}
 
-int open(const char* path, size_t /*grid*/, const isoextract_plugin_host* /*host*/,
-         isoextract_volume_samples* samples) {
+int open(const isoextract_volume_list* /*list*/, const isoextract_volume_selection* selection,
+         const isoextract_plugin_host* /*host*/, isoextract_volume_samples* samples) {
   const Wanted wanted = read_wanted(path);
   note.clear();
-  if (wanted.stage == "open") do_deed(wanted.deed, path);
-  *samples = {kValues.data(), sizeof(kValues), nullptr, note.c_str(), nullptr};
+  if (wanted.stage == "open") do_deed(wanted.deed, path.c_str());
+  if (grid.is_sparse == 0) std::memcpy(selection->box, kValues.data(), sizeof(kValues));
+  *samples = {sizeof(kValues), nullptr, 0, 0, note.c_str(), nullptr};
   if (grid.is_sparse != 0) {
     // Blocks of the plug-in's own memory; of "sparse-unsorted" in the wrong order.
     static std::vector<float> values(2 * 512, 0.0F);
@@ -187,13 +233,13 @@ void free_samples(isoextract_volume_samples* /*samples*/) {}
 
 const char* error_text() { return ""; }
 
-constexpr isoextract_volume_plugin_v3 kPlugin{
+constexpr isoextract_volume_plugin_v4 kPlugin{
     ISOEXTRACT_VOLUME_PLUGIN_VERSION, "hostile", "hostile", probe, list, free_list, open, free_samples, error_text};
 
 }  // namespace
 
 // HOSTILE_LOADING is the number of a signal that ends or stops the process that loads this.
-const isoextract_volume_plugin_v3* isoextract_volume_plugin() {
+const isoextract_volume_plugin_v4* isoextract_volume_plugin() {
   if (const char* number = std::getenv("HOSTILE_LOADING")) std::raise(std::atoi(number));
   return &kPlugin;
 }

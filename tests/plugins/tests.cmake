@@ -2,10 +2,10 @@
 set(test_plugins ${PROJECT_BINARY_DIR}/test-plugins)
 isoextract_volume_plugin(text TITLE "volumes as text" EXTENSIONS .tvol .textvol FOLDER ${test_plugins}
   SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/text_volume.cpp)
-target_compile_definitions(isoextract_volume_text PRIVATE TEXT_VOLUME_VERSION=3 TEXT_VOLUME_ID="text")
+target_compile_definitions(isoextract_volume_text PRIVATE TEXT_VOLUME_VERSION=4 TEXT_VOLUME_ID="text")
 isoextract_volume_plugin(newer TITLE "volumes of another version" EXTENSIONS .newer FOLDER ${test_plugins}
   SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/text_volume.cpp)
-target_compile_definitions(isoextract_volume_newer PRIVATE TEXT_VOLUME_VERSION=4 TEXT_VOLUME_ID="newer")
+target_compile_definitions(isoextract_volume_newer PRIVATE TEXT_VOLUME_VERSION=5 TEXT_VOLUME_ID="newer")
 isoextract_volume_plugin(hostile TITLE "volumes that do harm" EXTENSIONS .hostile FOLDER ${test_plugins}
   SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/hostile_volume.cpp)
 target_include_directories(isoextract_volume_hostile PRIVATE ${PROJECT_SOURCE_DIR}/src)

@@ -1,5 +1,6 @@
 // A plug-in for the tests: volumes as text. A file is "textvolume", then for each grid "NAME NX NY NZ" and as many
-// numbers. A file without a grid is an error; a grid named "hollow" is given without samples, "short" with too few.
+// numbers. A file without a grid is an error; of a grid named "short" the plug-in fills too little.
+#include <cstdint>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -42,6 +43,10 @@ std::unique_ptr<TextVolume> read_text(const char* path) {
     text.grid.world_space = "lab";
     text.grid.sample_type = ISOEXTRACT_F32;
     text.grid.kind = ISOEXTRACT_LEVEL_SET;
+    text.grid.has_placement = 1;
+    text.grid.slope = 1;
+    text.grid.components = 1;
+    text.grid.volumes = 1;
     for (int i = 0; i < 3; ++i) text.grid.index_to_world[5 * i] = 0.5;
     text.grid.index_to_world[3] = 10;
     volume->grids.push_back(text.grid);
@@ -53,33 +58,44 @@ int probe(const unsigned char* start, size_t bytes, const char* /*path*/) {
   return bytes >= 10 && std::string(start, start + 10) == "textvolume" ? 1 : 0;
 }
 
-int list(const char* path, isoextract_volume_list* list) {
-  auto volume = read_text(path);
-  if (!volume) return 1;
-  *list = {volume->grids.data(), volume->grids.size(), volume.get()};
-  static_cast<void>(volume.release());
+int list(const isoextract_volume_request* request, const isoextract_plugin_host* /*host*/,
+         isoextract_volume_list* list) {
+  auto volume = read_text(request->path);
+  if (!volume) return ISOEXTRACT_READ_FAILED;
+  *list = {};
+  list->grids = volume->grids.data();
+  list->count = volume->grids.size();
+  list->owner = volume.release();
   return 0;
 }
 
 void free_list(isoextract_volume_list* list) { delete static_cast<TextVolume*>(list->owner); }
 
-int open(const char* path, size_t grid, const isoextract_plugin_host* /*host*/, isoextract_volume_samples* samples) {
-  auto volume = read_text(path);
-  if (!volume) return 1;
-  const TextGrid& text = volume->texts[grid];
-  *samples = {text.name == "hollow" ? nullptr : text.values.data(),
-              (text.values.size() - (text.name == "short" ? 1 : 0)) * sizeof(float), nullptr, nullptr, volume.get()};
-  static_cast<void>(volume.release());
+int open(const isoextract_volume_list* list, const isoextract_volume_selection* selection,
+         const isoextract_plugin_host* /*host*/, isoextract_volume_samples* samples) {
+  const TextGrid& text = static_cast<const TextVolume*>(list->owner)->texts[selection->grid];
+  auto* to = static_cast<float*>(selection->box);
+  for (std::uint64_t z = 0; z < selection->count[2]; ++z) {
+    for (std::uint64_t y = 0; y < selection->count[1]; ++y) {
+      for (std::uint64_t x = 0; x < selection->count[0]; ++x) {
+        const std::uint64_t row = selection->first[1] + y + text.grid.dims[1] * (selection->first[2] + z);
+        *to++ = text.values[selection->first[0] + x + text.grid.dims[0] * row];
+      }
+    }
+  }
+  const std::uint64_t count = selection->count[0] * selection->count[1] * selection->count[2];
+  *samples = {
+      (count - (text.name == "short" ? 1 : 0)) * sizeof(float), nullptr, count, text.values.size(), nullptr, nullptr};
   return 0;
 }
 
-void free_samples(isoextract_volume_samples* samples) { delete static_cast<TextVolume*>(samples->owner); }
+void free_samples(isoextract_volume_samples* /*samples*/) {}
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_volume_plugin_v3 kPlugin{TEXT_VOLUME_VERSION, TEXT_VOLUME_ID, "text",       probe,     list,
+constexpr isoextract_volume_plugin_v4 kPlugin{TEXT_VOLUME_VERSION, TEXT_VOLUME_ID, "text",       probe,     list,
                                               free_list,           open,           free_samples, error_text};
 
 }  // namespace
 
-const isoextract_volume_plugin_v3* isoextract_volume_plugin() { return &kPlugin; }
+const isoextract_volume_plugin_v4* isoextract_volume_plugin() { return &kPlugin; }

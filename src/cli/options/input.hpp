@@ -57,8 +57,9 @@ struct InputFlags : OptionSet {
                              About::anything,
                              use_.most};
   Values<std::string> grids{
-      everyday(*this), "--grid", "NAME", parse_text,
-      "Grid of a VDB file, or array of an .npz file. 'isoextract info' lists the names; NAME[k] chooses one of several "
+      everyday(*this), "--array,--grid", "NAME", parse_text,
+      "Grid of a VDB file, or array of another file with several, such as .npz, VTK and HDF5. 'isoextract info' lists "
+      "the names; NAME[k] chooses one of several "
       "grids of the same name. convert takes the option several times: each grid has its own surfaces."};
   Value<VolumeChoice> volume{*this, "--volume", use_.all_volumes ? "K|all" : "K", parse_volume,
                              std::string("Number of the volume in the file, counted from 0.") +
@@ -71,6 +72,12 @@ struct InputFlags : OptionSet {
       "One component of samples that are vectors, or length. For NIfTI, NRRD, NumPy and raw files with several numbers "
       "per sample, such as vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then read as "
       "[z, y, x, c]."};
+  Value<std::uint64_t> level{
+      *this, "--level", "K", parse_size,
+      "Resolution to read, for files that hold several, such as OME-Zarr. 0 is the finest (default)."};
+  Flag resample{*this, "--resample",
+                "Make evenly spaced samples of unevenly spaced ones. Without it such files are refused: slices at "
+                "uneven distances, depths of an ocean model, rectilinear grids. Values between samples are linear."};
   Value<std::string> format{
       *this, "--input-format", input_formats(),
       "Format of the input (default: found by content). Where the content does not tell, the extension decides."};

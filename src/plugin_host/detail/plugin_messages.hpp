@@ -11,8 +11,10 @@ namespace isoextract::plugin_host {
 
 enum class MessageKind : std::uint64_t {
   // From the program, for volumes:
-  list_volume,  // path, first bytes of the file
-  open_grid,    // grid index, bytes of the full box; with shared memory unless that is 0
+  list_volume,  // path, 1 if it is a file or 0, first bytes of the file; count of files and each; volume, level,
+                // spacing, evens_out
+  open_grid,    // members of isoextract_volume_selection but the box, bytes of the full box; with shared memory unless
+                // that is 0
   // From the program, for particles:
   open_particles,  // path, 1 if a grid is wanted or 0, its name or "", frame
   positions,
@@ -21,15 +23,17 @@ enum class MessageKind : std::uint64_t {
   granted,  // with shared memory if requested
   refused,
   // From the worker:
-  failed,            // reason
-  wrong_format,      // the file does not have the plug-in's format
-  listed,            // count; for each grid the members of isoextract_volume_grid
-  reserve,           // bytes
-  release,           // bytes
-  allocate,          // bytes
-  box_opened,        // note, whether there are samples, bytes
-  grid_opened,       // note, whether there are samples, members of isoextract_sparse_samples; blocks and tiles as
-                     // SharedPlace
+  failed,        // reason, isoextract_read_failure
+  wrong_format,  // the file does not have the plug-in's format
+  listed,        // 1 if the list names a format or 0, and the format; creator, note; count, for each grid the
+                 // members of isoextract_volume_grid; count of files and each
+  reserve,       // bytes
+  release,       // bytes
+  allocate,      // bytes
+  box_opened,    // note, parts_read, parts, filled
+  grid_opened,   // note, parts_read, parts, whether there are samples, members of isoextract_sparse_samples; blocks and
+                 // tiles as
+                 // SharedPlace
   particles_opened,  // members of isoextract_particle_file, for its list 1 (0 if null) and the count; for each quantity
                      // the members of isoextract_particle_quantity
   filled,            // bytes; then that many bytes, the numbers of all particles

@@ -16,6 +16,7 @@
 #include "base/printable.hpp"
 #include "field/samples.hpp"
 #include "plugin_host/detail/plugin_messages.hpp"
+#include "plugin_host/detail/volume_request.hpp"
 #include "plugin_host/plugin_kinds.hpp"
 #include "plugin_host/plugin_samples.hpp"
 #include "sandbox/message.hpp"
@@ -85,25 +86,43 @@ class Program {
   std::vector<Mapping> memories_;
 };
 
-MessageWriter failure(const char* text) { return std::move(say(MessageKind::failed).text(plugin_text(text))); }
+MessageWriter failure(const char* text, std::int32_t failure = ISOEXTRACT_READ_FAILED) {
+  return std::move(say(MessageKind::failed).text(plugin_text(text)).number(bits(failure)));
+}
 
 // Volumes.
 
-using VolumePlugin = isoextract_volume_plugin_v3;
+using VolumePlugin = isoextract_volume_plugin_v4;
+
+void add_grid(MessageWriter& message, const isoextract_volume_grid& grid) {
+  message.text(plugin_text(grid.name)).text(plugin_text(grid.type_name)).text(plugin_text(grid.world_space));
+  message.text(plugin_text(grid.length_unit)).text(plugin_text(grid.component_names)).text(plugin_text(grid.time_unit));
+  message.number(bits(grid.sample_type)).number(bits(grid.kind)).number(bits(grid.is_sparse));
+  message.number(bits(grid.has_placement));
+  for (const std::uint64_t dim : grid.dims) message.number(dim);
+  for (const double entry : grid.index_to_world) message.real(entry);
+  message.real(grid.slope).real(grid.intercept).number(grid.components).number(grid.volumes);
+  message.number(grid.volume_times == nullptr ? 0 : 1);
+  for (std::uint64_t i = 0; grid.volume_times != nullptr && i < grid.volumes; ++i) message.real(grid.volume_times[i]);
+  const std::size_t label_count = grid.labels == nullptr ? 0 : grid.label_count;
+  message.number(label_count);
+  for (std::size_t i = 0; i < label_count; ++i) {
+    const isoextract_volume_label& label = grid.labels[i];
+    message.number(bits(label.value)).text(plugin_text(label.name)).number(bits(label.has_color));
+    for (const double channel : label.color) message.real(channel);
+  }
+  message.number(bits(grid.has_counts)).number(grid.active_voxels);
+  for (int axis = 0; axis < 3; ++axis) message.number(bits(grid.active_min[axis])).number(bits(grid.active_max[axis]));
+}
 
 MessageWriter listed(const isoextract_volume_list& list) {
   MessageWriter message = say(MessageKind::listed);
+  message.number(list.format == nullptr ? 0 : 1).text(plugin_text(list.format));
+  message.text(plugin_text(list.creator)).text(plugin_text(list.note));
   message.number(list.grids == nullptr ? 0 : list.count);
-  for (std::size_t i = 0; list.grids != nullptr && i < list.count; ++i) {
-    const isoextract_volume_grid& grid = list.grids[i];
-    message.text(plugin_text(grid.name)).text(plugin_text(grid.type_name)).text(plugin_text(grid.world_space));
-    message.number(bits(grid.sample_type)).number(bits(grid.kind)).number(bits(grid.is_sparse));
-    for (const std::uint64_t dim : grid.dims) message.number(dim);
-    for (const double entry : grid.index_to_world) message.real(entry);
-    message.number(bits(grid.has_counts)).number(grid.active_voxels);
-    for (int axis = 0; axis < 3; ++axis)
-      message.number(bits(grid.active_min[axis])).number(bits(grid.active_max[axis]));
-  }
+  for (std::size_t i = 0; list.grids != nullptr && i < list.count; ++i) add_grid(message, list.grids[i]);
+  message.number(list.files == nullptr ? 0 : list.file_count);
+  for (std::size_t i = 0; list.files != nullptr && i < list.file_count; ++i) message.text(plugin_text(list.files[i]));
   return message;
 }
 
@@ -145,7 +164,8 @@ std::optional<SharedPlace> share_tiles(Program& program, const isoextract_sparse
 // Returns nothing if the program grants no memory.
 std::optional<MessageWriter> grid_opened(Program& program, const isoextract_volume_samples& given) {
   MessageWriter message = say(MessageKind::grid_opened);
-  message.text(plugin_text(given.note)).number(given.sparse == nullptr ? 0 : 1);
+  message.text(plugin_text(given.note)).number(given.parts_read).number(given.parts);
+  message.number(given.sparse == nullptr ? 0 : 1);
   if (given.sparse == nullptr) return message;
   const isoextract_sparse_samples& samples = *given.sparse;
   message.number(bits(samples.sample_type)).real(samples.background).number(samples.active_voxels);
@@ -183,42 +203,84 @@ class HostCalls {
   isoextract_plugin_host host_;
 };
 
+// The program's request, with the texts that it refers to.
+struct HeardRequest {
+  VolumeInput input;
+  std::vector<const char*> files;
+};
+
+// Returns nothing if the message is not one.
+std::optional<HeardRequest> heard_request(MessageReader& message) {
+  HeardRequest heard;
+  VolumeInput& input = heard.input;
+  input.path = message.text();
+  const bool is_file = message.number() != 0;
+  const std::string start = message.text();
+  if (is_file) {
+    const auto bytes = std::as_bytes(std::span(start));
+    input.start.emplace(bytes.begin(), bytes.end());
+  }
+  const std::uint64_t file_count = message.number();
+  if (file_count > message.left()) return std::nullopt;
+  for (std::uint64_t i = 0; i < file_count; ++i) input.files.push_back(message.text());
+  input.volume = message.number();
+  input.level = message.number();
+  for (double& spacing : input.spacing) spacing = message.real();
+  input.evens_out = message.number() != 0;
+  if (!message.is_whole()) return std::nullopt;
+  for (const std::string& file : input.files) heard.files.push_back(file.c_str());
+  return heard;
+}
+
+VolumeSelection heard_selection(MessageReader& message) {
+  VolumeSelection selection;
+  selection.grid = static_cast<std::size_t>(message.number());
+  selection.volume = message.number();
+  selection.component = static_cast<std::int64_t>(message.number());
+  for (std::uint64_t& first : selection.first) first = message.number();
+  for (std::uint64_t& count : selection.count) count = message.number();
+  selection.box_bytes = message.number();
+  return selection;
+}
+
 void read_volume(const VolumePlugin& plugin, int socket) {
   Program program(socket);
   auto job = program.hear();
   if (!job || job->message.number() != static_cast<std::uint64_t>(MessageKind::list_volume)) return;
-  const std::string path = job->message.text();
-  const std::string start = job->message.text();
-  if (plugin.probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), path.c_str()) == 0) {
-    static_cast<void>(program.tell(say(MessageKind::wrong_format)));
-    return;
+  const auto wanted = heard_request(job->message);
+  if (!wanted) return;
+  if (const auto& start = wanted->input.start) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(start->data());
+    if (plugin.probe(bytes, start->size(), wanted->input.path.c_str()) == 0) {
+      static_cast<void>(program.tell(say(MessageKind::wrong_format)));
+      return;
+    }
   }
+  const HostCalls host(program);
   isoextract_volume_list list{};
-  if (plugin.list(path.c_str(), &list) != 0) {
-    static_cast<void>(program.tell(failure(plugin.error_text())));
+  const VolumeRequest request(wanted->input, wanted->files);
+  if (const int failed = plugin.list(&request.get(), &host.get(), &list); failed != 0) {
+    static_cast<void>(program.tell(failure(plugin.error_text(), failed)));
     return;
   }
   if (!program.tell(listed(list))) return;
   auto choice = program.hear();
   if (!choice || choice->message.number() != static_cast<std::uint64_t>(MessageKind::open_grid)) return;
-  const std::uint64_t grid = choice->message.number();
-  const std::uint64_t box_bytes = choice->message.number();
-  const Mapping box(choice->descriptor.get(), box_bytes, Mapping::Access::write);
-  const HostCalls host(program);
+  const VolumeSelection chosen = heard_selection(choice->message);
+  const Mapping box(choice->descriptor.get(), chosen.box_bytes, Mapping::Access::write);
+  const isoextract_volume_selection selection = selection_of(chosen, box.bytes().data());
   isoextract_volume_samples samples{};
-  if (plugin.open(path.c_str(), static_cast<std::size_t>(grid), &host.get(), &samples) != 0) {
-    static_cast<void>(program.tell(failure(plugin.error_text())));
+  if (const int failed = plugin.open(&list, &selection, &host.get(), &samples); failed != 0) {
+    static_cast<void>(program.tell(failure(plugin.error_text(), failed)));
     return;
   }
-  if (box_bytes == 0) {
+  if (chosen.box_bytes == 0) {
     const auto message = grid_opened(program, samples);
     static_cast<void>(program.tell(message ? *message : failure("not enough memory for its samples")));
     return;
   }
-  const bool fits = samples.data != nullptr && samples.bytes == box.bytes().size();
-  if (fits) std::memcpy(box.bytes().data(), samples.data, box.bytes().size());
   MessageWriter message = say(MessageKind::box_opened);
-  message.text(plugin_text(samples.note)).number(samples.data == nullptr ? 0 : 1).number(samples.bytes);
+  message.text(plugin_text(samples.note)).number(samples.parts_read).number(samples.parts).number(samples.filled);
   static_cast<void>(program.tell(message));
 }
 

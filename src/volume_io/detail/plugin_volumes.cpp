@@ -1,11 +1,14 @@
 #include "volume_io/detail/plugin_volumes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include <volume_plugin.h>
+#include "base/checked.hpp"
 #include "base/printable.hpp"
 #include "files/file_start.hpp"
 #include "plugin_host/plugin_kinds.hpp"
@@ -26,58 +29,169 @@ struct PluginSamples {
 
 class PluginFormat final : public VolumeFormat {
  public:
-  PluginFormat(FormatDescription described, plugin_host::PluginFolders folders)
-      : VolumeFormat(std::move(described)), library_(plugin_host::kVolumePlugins, about().id, std::move(folders)) {}
+  PluginFormat(FormatDescription described, const plugin_host::PluginTable& table, plugin_host::PluginFolders folders)
+      : VolumeFormat(std::move(described)),
+        table_(table),
+        library_(plugin_host::kVolumePlugins, about().id, std::move(folders), table.package) {}
 
-  [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,
-                                                   const Context& context) const override {
-    const auto visit = TRY(visit_file(input, context));
-    return describe(input, visit->list());
+  [[nodiscard]] bool probe(const files::FileStart& start) const override {
+    const auto has_magic = [&](const plugin_host::PluginMagic& magic) {
+      return start.bytes.size() >= magic.offset && start.bytes.size() - magic.offset >= magic.bytes.size() &&
+             std::ranges::equal(start.bytes.subspan(magic.offset, magic.bytes.size()), magic.bytes);
+    };
+    const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
+    const auto has_text = [&](const std::string& part) { return text.find(part) != std::string_view::npos; };
+    return !start.packed &&
+           (std::ranges::any_of(table_.magic, has_magic) || std::ranges::any_of(table_.contains, has_text));
   }
 
-  [[nodiscard]] Result<std::vector<fs::path>> files(const std::string& input, const ReadOptions& /*options*/,
-                                                    const Context& /*context*/) const override {
-    return std::vector<fs::path>{input};
+  [[nodiscard]] bool probe_folder(const fs::path& folder, const Context& context) const override {
+    for (const std::string& entry : table_.folders) {
+      std::error_code none;
+      if (entry != "*" ? fs::exists(folder / entry, none) : has_file_of_format(folder, context)) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
+                                                   const Context& context) const override {
+    const auto visit = TRY(visit_input(input, options, context));
+    const auto grids = TRY(describe(input, visit->list()));
+    if (options.volume) {
+      const auto chosen = choose_grid(input, grids, options.grid);
+      if (chosen) TRY(choose_volume(input, grids[*chosen].volumes, options.volume));
+    }
+    return grids;
+  }
+
+  [[nodiscard]] Result<std::vector<fs::path>> files(const std::string& input, const ReadOptions& options,
+                                                    const Context& context) const override {
+    std::vector<fs::path> files;
+    std::error_code none;
+    if (!fs::is_directory(input, none)) files.emplace_back(input);
+    const auto visit = TRY(visit_input(input, options, context));
+    const isoextract_volume_list& list = visit->list();
+    for (std::size_t i = 0; list.files != nullptr && i < list.file_count; ++i) {
+      const fs::path file = plugin_host::plugin_text(list.files[i]);
+      if (file != input) files.push_back(file);
+    }
+    return files;
   }
 
   [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const override {
     context.progress().begin("reading", 0);
-    const auto visit = TRY(visit_file(input, context));
+    const auto visit = TRY(visit_input(input, options, context));
     const isoextract_volume_list& list = visit->list();
     const auto grids = TRY(describe(input, list));
     const auto chosen = TRY(choose_grid(input, grids, options.grid));
 
     const isoextract_volume_grid& grid = list.grids[chosen];
+    const GridInfo& info = grids[chosen];
     field::ScalarField field;
     field.source = input;
-    field.name = plugin_host::plugin_text(grid.name);
+    field.name = info.name;
     if (grids.size() > 1 || !field.name.empty()) {
       field.grids = grids.size();
-      field.grid = grids[chosen].label;
+      field.grid = info.label;
     } else {
       field.name = stem_of(input);
     }
     field.format = visit->format();
-    field.world_space = plugin_host::plugin_text(grid.world_space);
+    field.world_space = info.world_space;
+    field.length_unit = info.length_unit;
+    field.creator = info.creator;
+    field.labels = info.labels;
+    field.time_unit = info.time_unit;
     if (grid.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
-    TRY(read_samples(*visit, input, chosen, context, field));
-    TRY(set_placement(field, {plugin_host::affine_of(grid.index_to_world), {}}, options));
+    if (std::string note = printable(plugin_host::plugin_text(list.note), 300); !note.empty()) {
+      field.notes.push_back({NoteId::plugin_output, std::move(note)});
+    }
+    plugin_host::VolumeSelection selection;
+    selection.grid = chosen;
+    selection.volume = TRY(choose_volume(input, info.volumes, options.volume));
+    const auto component = TRY(choose_component(input, info.components, options.component, info.component_names));
+    selection.component = component ? static_cast<std::int64_t>(*component) : ISOEXTRACT_COMPONENT_LENGTH;
+    // Lengths are computed of values.
+    if (component) field.scale = {grid.slope, grid.intercept};
+    if (!info.volume_times.empty()) field.time = info.volume_times[static_cast<std::size_t>(selection.volume)];
+    if (grid.is_sparse != 0) {
+      TRY(read_sparse(*visit, input, selection, field));
+      TRY(set_placement(field, frame_of(grid), options));
+      return field;
+    }
+    TRY(read_box(*visit, input, grid, selection, options, context, field));
     return field;
   }
 
  private:
-  // Opens a file with the plug-in, which lists its grids.
-  Result<std::unique_ptr<plugin_host::VolumeSession>> visit_file(const std::string& input,
-                                                                 const Context& context) const {
+  [[nodiscard]] bool has_file_of_format(const fs::path& folder, const Context& context) const {
+    // Enough to tell: other files are few in a folder of slices.
+    constexpr int kMostTried = 32;
+    int tried = 0;
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end && tried < kMostTried;
+         at.increment(error)) {
+      if (!at->is_regular_file(error)) continue;
+      ++tried;
+      const auto file = files::InputFile::open(at->path(), context);
+      const auto start = file ? files::first_bytes(*file, files::kStartBytes) : tl::unexpected(Error());
+      if (start && probe({at->path(), *start, false})) return true;
+    }
+    return false;
+  }
+
+  // Returns the input as the plug-in gets it.
+  Result<plugin_host::VolumeInput> describe_input(const std::string& input, const ReadOptions& options,
+                                                  const Context& context) const {
+    plugin_host::VolumeInput wanted;
+    wanted.name = input;
+    wanted.path = input;
+    wanted.context = context;
+    wanted.volume = static_cast<std::uint64_t>(std::max<std::int64_t>(0, options.volume.value_or(0)));
+    wanted.level = options.level.value_or(0);
+    if (options.sampling) wanted.spacing = {options.sampling->x, options.sampling->y, options.sampling->z};
+    wanted.evens_out = options.evens_out;
+    std::error_code none;
+    fs::path folder = input;
+    if (!fs::is_directory(folder, none)) {
+      folder = folder.parent_path();
+      const auto file = TRY(files::InputFile::open(input, context));
+      auto& start =
+          wanted.start.emplace(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), files::kStartBytes)));
+      TRY(file.read_at(0, start));
+      wanted.bytes = file.size();
+      if (table_.folders.empty()) return wanted;
+    }
+    wanted.bytes += bytes_in(folder.empty() ? "." : folder);
+    return wanted;
+  }
+
+  // Returns the size of the files below a folder; of the first ones, if there are very many.
+  static std::uint64_t bytes_in(const fs::path& folder) {
+    constexpr std::size_t kMostFiles = 100000;
+    std::uint64_t bytes = 0;
+    std::size_t count = 0;
+    std::error_code error;
+    for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error), end;
+         !error && at != end && count < kMostFiles; at.increment(error), ++count) {
+      std::error_code none;
+      if (at->is_regular_file(none)) bytes += at->file_size(none);
+    }
+    return bytes;
+  }
+
+  // Opens an input with the plug-in, which lists its grids.
+  Result<std::unique_ptr<plugin_host::VolumeSession>> visit_input(const std::string& input, const ReadOptions& options,
+                                                                  const Context& context) const {
     if (files::is_standard_input(input)) {
       return fail(ErrorCode::input,
                   fmt::format("{}: the plug-in for {} cannot read it, because it needs the path of a file",
                               files::kStandardInputName, about().id),
                   "write the data to a file first");
     }
-    const auto file = TRY(files::InputFile::open(input, context));
-    auto visit = plugin_host::open_volume_session(library_, about().id, file);
+    const auto wanted = TRY(describe_input(input, options, context));
+    auto visit = plugin_host::open_volume_session(library_, about().id, wanted);
     if (!visit) return visit;
     if ((*visit)->list().grids == nullptr && (*visit)->list().count > 0) {
       return refused(input, "a null list of grids");
@@ -88,6 +202,29 @@ class PluginFormat final : public VolumeFormat {
   // Returns the error for invalid output of the plug-in; the file is not at fault.
   tl::unexpected<Error> refused(const std::string& input, const std::string& what) const {
     return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} returns {}", input, about().id, what));
+  }
+
+  // Returns the texts, times and labels of a grid.
+  static void describe_contents(const isoextract_volume_grid& grid, GridInfo& info) {
+    using plugin_host::plugin_text;
+    info.type = printable(plugin_text(grid.type_name), 80);
+    info.world_space = printable(plugin_text(grid.world_space), 80);
+    info.length_unit = printable(plugin_text(grid.length_unit), 80);
+    info.time_unit = printable(plugin_text(grid.time_unit), 80);
+    info.component_names = printable(plugin_text(grid.component_names), 200);
+    if (grid.volume_times != nullptr) {
+      info.volume_times.assign(grid.volume_times, grid.volume_times + grid.volumes);
+    }
+    for (std::size_t i = 0; grid.labels != nullptr && i < grid.label_count; ++i) {
+      const isoextract_volume_label& label = grid.labels[i];
+      field::LabelName& named = info.labels.emplace_back();
+      named.label = label.value;
+      named.name = plugin_text(label.name);
+      if (label.has_color != 0) {
+        named.color = glm::clamp(glm::dvec3(label.color[0], label.color[1], label.color[2]), 0.0, 1.0);
+      }
+    }
+    std::ranges::sort(info.labels, {}, &field::LabelName::label);
   }
 
   Result<std::vector<GridInfo>> describe(const std::string& input, const isoextract_volume_list& list) const {
@@ -105,97 +242,159 @@ class PluginFormat final : public VolumeFormat {
                       {grid.active_max[0], grid.active_max[1], grid.active_max[2]}};
         }
       } else if (type) {
+        if (grid.components == 0 || grid.volumes == 0) return refused(input, "a grid without components or volumes");
         const auto dims = TRY(checked_dims(input, {grid.dims[0], grid.dims[1], grid.dims[2]}, *type));
+        const auto count = checked_product(grid.components, grid.volumes);
+        if (!count) return refused(input, "more components and volumes than 64 bits can count");
+        TRY(check_volume_count(input, dims, *type, *count));
         info = dense_grid(std::move(info.name), dims, *type);
+        info.components = grid.components;
+        info.volumes = grid.volumes;
       } else if (grid.sample_type != ISOEXTRACT_NOT_SCALAR) {
         return refused(input, fmt::format("samples of an unknown type ({})", grid.sample_type));
       }
       if (type) info.kind = grid.kind == ISOEXTRACT_LEVEL_SET ? field::FieldKind::level_set : field::FieldKind::density;
-      info.type = printable(plugin_host::plugin_text(grid.type_name), 80);
+      info.creator = printable(plugin_host::plugin_text(list.creator), 200);
+      describe_contents(grid, info);
       grids.push_back(std::move(info));
     }
     label_grids(grids);
     return grids;
   }
 
-  // Reads the samples of a scalar grid; the sizes of a full box have been checked.
-  Result<void> read_samples(plugin_host::VolumeSession& visit, const std::string& input, std::size_t index,
-                            const Context& context, field::ScalarField& field) const {
-    const isoextract_volume_grid& grid = visit.list().grids[index];
-    const auto owner = std::make_shared<PluginSamples>();
-    field::DenseSamples dense;
-    if (grid.is_sparse == 0) {
-      dense.type = *plugin_host::sample_type_of(grid.sample_type);
-      dense.dims = {static_cast<int>(grid.dims[0]), static_cast<int>(grid.dims[1]), static_cast<int>(grid.dims[2])};
-      owner->box_memory = TRY(context.reserve(sample_bytes(dense.dims, dense.type),
-                                              fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type))));
-    }
-    auto visited = TRY(visit.open(index, owner->box_memory.bytes()));
-    owner->visited = std::move(visited);
-    const isoextract_volume_samples& samples = *owner->visited.samples;
+  static Frame frame_of(const isoextract_volume_grid& grid) {
+    Frame frame{plugin_host::affine_of(grid.index_to_world), {}};
+    frame.stated = grid.has_placement != 0;
+    return frame;
+  }
+
+  // Adds what the plug-in says about the samples that it has read.
+  void take_facts(const plugin_host::VolumeSession& visit, const isoextract_volume_samples& samples,
+                  field::ScalarField& field) const {
+    field.parts = {samples.parts_read, samples.parts};
     if (const std::string note = printable(plugin_host::plugin_text(samples.note), 300); !note.empty())
       field.notes.push_back({NoteId::plugin_output, note});
     if (const std::string printed = visit.printed(); !printed.empty()) {
       field.notes.push_back(
           {NoteId::plugin_output, fmt::format("the plug-in for {} printed: {}", about().id, printed)});
     }
-    return grid.is_sparse != 0 ? put_sparse(input, grid, owner, field) : put_box(input, std::move(dense), owner, field);
   }
 
-  Result<void> put_sparse(const std::string& input, const isoextract_volume_grid& grid,
-                          const std::shared_ptr<PluginSamples>& owner, field::ScalarField& field) const {
-    const isoextract_sparse_samples* given = owner->visited.samples->sparse;
+  Result<void> read_sparse(plugin_host::VolumeSession& visit, const std::string& input,
+                           const plugin_host::VolumeSelection& selection, field::ScalarField& field) const {
+    const isoextract_volume_grid& grid = visit.list().grids[selection.grid];
+    auto visited = TRY(visit.open(selection));
+    take_facts(visit, *visited.samples, field);
+    const isoextract_sparse_samples* given = visited.samples->sparse;
     if (given == nullptr) return refused(input, "no samples, expected sparse ones");
     if (given->sample_type != grid.sample_type)
       return refused(input, "samples of another type than in its list of grids");
-    auto sparse = plugin_host::sparse_samples_of(*given, owner);
+    auto sparse = plugin_host::sparse_samples_of(*given, visited.owner);
     if (!sparse) return refused(input, sparse.error());
     field.samples = std::move(*sparse);
     return {};
   }
 
-  Result<void> put_box(const std::string& input, field::DenseSamples dense, const std::shared_ptr<PluginSamples>& owner,
-                       field::ScalarField& field) const {
-    const isoextract_volume_samples& samples = *owner->visited.samples;
+  // Reads the samples of a full box, or of the part that options.region needs.
+  Result<void> read_box(plugin_host::VolumeSession& visit, const std::string& input, const isoextract_volume_grid& grid,
+                        plugin_host::VolumeSelection& selection, const ReadOptions& options, const Context& context,
+                        field::ScalarField& field) const {
+    field::DenseSamples dense;
+    dense.type = *plugin_host::sample_type_of(grid.sample_type);
+    if (selection.component == ISOEXTRACT_COMPONENT_LENGTH) dense.type = type_of_lengths(dense.type);
+    dense.dims = {static_cast<int>(grid.dims[0]), static_cast<int>(grid.dims[1]), static_cast<int>(grid.dims[2])};
+    // The placement is that of all samples, so that it is checked against all of them.
+    field.samples = dense;
+    TRY(set_placement(field, frame_of(grid), options));
+    const field::IndexBox needed = samples_of_region(field.index_to_world, dense.dims, options.region);
+    if (needed.min != glm::ivec3(0) || needed.max != dense.dims - 1) {
+      dense.dims = needed.max - needed.min + 1;
+      const glm::dvec3 shift(needed.min);
+      field.index_to_world.offset += field.index_to_world.linear * shift;
+      field.index_to_file.offset += field.index_to_file.linear * shift;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::size_t>(axis);
+      selection.first[at] = static_cast<std::uint64_t>(needed.min[axis]);
+      selection.count[at] = static_cast<std::uint64_t>(dense.dims[axis]);
+    }
     const std::uint64_t expected = sample_bytes(dense.dims, dense.type);
     const std::string what = describe_samples(dense.dims, dense.type);
-    if (samples.data == nullptr) return refused(input, fmt::format("no samples, expected {}", what));
-    if (samples.bytes != expected) {
-      return refused(input, fmt::format("{} bytes, expected {} ({})", samples.bytes, expected, what));
+    const auto owner = std::make_shared<PluginSamples>();
+    owner->box_memory = TRY(context.reserve(expected, fmt::format("{}: {}", input, what)));
+    selection.box_bytes = expected;
+    auto visited = TRY(visit.open(selection));
+    owner->visited = std::move(visited);
+    take_facts(visit, *owner->visited.samples, field);
+    if (owner->visited.samples->filled != expected) {
+      return refused(input, fmt::format("{} bytes, expected {} ({})", owner->visited.samples->filled, expected, what));
     }
-    if (reinterpret_cast<std::uintptr_t>(samples.data) % field::sample_size(dense.type) != 0) {
-      return refused(input, "samples that are not aligned for their type");
-    }
-    dense.data = samples.data;
+    dense.data = owner->visited.box;
     dense.owner = owner;
     field.samples = std::move(dense);
     return {};
   }
 
+  static field::SampleType type_of_lengths(field::SampleType type) {
+    const bool is_wide =
+        type == field::SampleType::f64 || type == field::SampleType::i32 || type == field::SampleType::u32;
+    return is_wide ? field::SampleType::f64 : field::SampleType::f32;
+  }
+
+  // Returns the samples that a region of the world needs, with two beyond each of its faces for gradients; all of them
+  // if it touches none.
+  static field::IndexBox samples_of_region(const field::Affine& index_to_world, const glm::ivec3& dims,
+                                           const std::optional<field::Box>& region) {
+    const field::IndexBox all{glm::ivec3(0), dims - 1};
+    if (!region) return all;
+    const field::Box wanted = field::image_of(index_to_world.inverse(), *region);
+    field::IndexBox box = all;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto last = static_cast<double>(dims[axis] - 1);
+      const double low = std::floor(wanted.min[axis]) - 2;
+      const double high = std::ceil(wanted.max[axis]) + 2;
+      if (!(low <= last && high >= 0)) return all;
+      box.min[axis] = static_cast<int>(std::max(low, 0.0));
+      box.max[axis] = static_cast<int>(std::min(high, last));
+    }
+    return box;
+  }
+
+  plugin_host::PluginTable table_;
   plugin_host::PluginLibrary library_;
 };
 
-FormatDescription describe_plugin(plugin_host::PluginTable table) {
+FormatDescription describe_plugin(const plugin_host::PluginTable& table, const plugin_host::PluginFolders& folders) {
+  const auto uses = [&](const char* what) { return std::ranges::count(table.uses, what) > 0; };
   FormatDescription about;
-  about.id = std::move(table.id);
-  about.title = std::move(table.title);
-  about.extensions = std::move(table.extensions);
+  about.id = table.id;
+  about.title = table.title;
+  about.extensions = table.extensions;
   about.has_grids = true;
+  about.has_volumes = true;
+  about.has_components = true;
+  about.has_levels = uses("level");
+  about.takes_sampling = uses("spacing");
+  about.takes_evening = uses("evens_out");
+  about.library = table.library;
+  about.package = table.package;
+  about.plugin = plugin_host::PluginLibrary(plugin_host::kVolumePlugins, table.id, folders).path();
+  about.is_plugin = true;
   return about;
 }
 
 }  // namespace
 
 std::unique_ptr<const VolumeFormat> make_plugin_format(FormatDescription about, plugin_host::PluginFolders folders) {
-  return std::make_unique<const PluginFormat>(std::move(about), std::move(folders));
+  return std::make_unique<const PluginFormat>(std::move(about), plugin_host::PluginTable(), std::move(folders));
 }
 
 std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(const plugin_host::PluginFolders& folders) {
   std::vector<std::unique_ptr<const VolumeFormat>> formats;
-  for (plugin_host::PluginTable& table :
+  for (const plugin_host::PluginTable& table :
        plugin_host::find_plugin_tables(folders, plugin_host::kVolumePlugins.name_start)) {
-    if (table.id != plugin_host::kOpenVdbPlugin)
-      formats.push_back(make_plugin_format(describe_plugin(std::move(table)), folders));
+    if (table.id == plugin_host::kOpenVdbPlugin) continue;
+    formats.push_back(std::make_unique<const PluginFormat>(describe_plugin(table, folders), table, folders));
   }
   return formats;
 }

@@ -82,12 +82,30 @@ Result<const VolumeFormat*> known_by_content(const files::InputFile& file, std::
   return format_by_content({file.path(), content, files::is_gzip(start)});
 }
 
+bool is_folder(const std::string& input) {
+  std::error_code none;
+  return !files::is_standard_input(input) && std::filesystem::is_directory(input, none);
+}
+
+Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOptions& options, const Context& context) {
+  if (options.format) return chosen_format(input, *options.format);
+  for (const VolumeFormat* format : volume_formats()) {
+    if (format->probe_folder(input, context)) return DetectedFormat{format, {}};
+  }
+  return fail(ErrorCode::input,
+              fmt::format("{}: expected a file, or a folder of a format that isoextract reads, found a folder without "
+                          "such files",
+                          input),
+              "name the files in the folder, with a pattern such as 'FOLDER/*'");
+}
+
 }  // namespace
 
 bool is_named_by_prefix(const std::string& input) { return format_by_prefix(input) != nullptr; }
 
 Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options, const Context& context) {
   if (const VolumeFormat* format = format_by_prefix(input)) return DetectedFormat{format, {}};
+  if (is_folder(input)) return format_of_folder(input, options, context);
   const auto file = TRY(files::InputFile::open(input, context));
   if (options.format) return chosen_format(file.name(), *options.format);
   const auto content = TRY(files::first_bytes(file, files::kStartBytes));
@@ -118,6 +136,7 @@ std::optional<Error> unsupported_format_error(const std::filesystem::path& path,
 }
 
 Result<bool> has_volume_content(const std::string& input, const Context& context) {
+  if (is_folder(input)) return is_volume_folder(input, context);
   const auto file = TRY(files::InputFile::open(input, context));
   const auto content = TRY(files::first_bytes(file, files::kStartBytes));
   const auto known = TRY(known_by_content(file, content));
