@@ -6,6 +6,7 @@
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
 #   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
+#   scripts/setup.sh archive    what the plug-in that unpacks files needs: libarchive
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
@@ -26,9 +27,10 @@ build_packages=(
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
-  python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
+  python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev libarchive-dev zstd
 )
 fuzz_packages=(clang libclang-rt-14-dev)
+archive_packages=(libarchive-dev)
 vtk_packages=(libvtk9-dev)
 openvdb_packages=(libopenvdb-dev libboost-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
@@ -56,6 +58,7 @@ for group in "$@"; do
       want_node
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
+    archive) wanted+=("${archive_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
     openvdb) wanted+=("${openvdb_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
@@ -67,7 +70,7 @@ for group in "$@"; do
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, bench, measure, blender, viewers or cluster"
+      say "unknown group '$group': expected build, test, fuzz, archive, vtk, openvdb, bench, measure, blender, viewers or cluster"
       exit 1
       ;;
   esac

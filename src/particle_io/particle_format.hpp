@@ -44,7 +44,7 @@ struct ParticleReadOptions {
 struct ParticleFormatDescription {
   std::string id = {};                       // name by which it is selected: "lammps"; lower case, never changes
   std::string title = {};                    // one line for users
-  std::vector<std::string> extensions = {};  // file name endings in lower case: ".csv"; ".gz" may follow
+  std::vector<std::string> extensions = {};  // file name endings in lower case: ".csv"; ".gz" and the like may follow
   bool has_frames = false;                   // files may have several frames, selected by ParticleReadOptions::frame
   bool has_columns = false;                  // ParticleReadOptions::columns may select the columns of x, y and z
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid

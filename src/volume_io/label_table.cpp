@@ -20,8 +20,8 @@
 namespace isoextract::volume_io {
 namespace {
 
-constexpr std::string_view kColorTable = ".ctbl";  // extension of 3D Slicer
-constexpr std::size_t kMaxShown = 60;  // most bytes of a line shown in a message
+constexpr std::string_view kTableExtension = ".ctbl";  // extension of 3D Slicer
+constexpr std::size_t kTableShown = 60;                // most bytes of a line shown in a message
 
 std::optional<std::int64_t> whole_number(std::string_view word) {
   std::int64_t number = 0;
@@ -95,7 +95,7 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
                   fmt::format("{}: line {}: expected a label as ITK-SNAP (number, red, green, blue, alpha, two flags, "
                               "\"name\") or FreeSurfer (number, name, red, green, blue, alpha) write it, with colors "
                               "from 0 to 255, found '{}'",
-                              source, number, printable(line, kMaxShown)));
+                              source, number, printable(line, kTableShown)));
     }
     table.entries_.push_back(std::move(*entry));
   }
@@ -108,7 +108,7 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
   if (twice != table.entries_.end()) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected each label once, found {} as '{}' and as '{}'", source, twice->label,
-                            printable(twice->name, kMaxShown), printable((twice + 1)->name, kMaxShown)));
+                            printable(twice->name, kTableShown), printable((twice + 1)->name, kTableShown)));
   }
   return table;
 }
@@ -123,13 +123,14 @@ std::optional<std::filesystem::path> find_label_table(const std::filesystem::pat
   std::error_code none;
   const fs::path folder = label_map.has_parent_path() ? label_map.parent_path() : fs::path(".");
   const std::string stem = stem_of(label_map);
-  for (const std::string_view ending : {kColorTable, std::string_view("_ColorTable.ctbl"), std::string_view("_LUT.txt")}) {
+  for (const std::string_view ending :
+       {kTableExtension, std::string_view("_ColorTable.ctbl"), std::string_view("_LUT.txt")}) {
     fs::path table = label_map.parent_path() / (stem + std::string(ending));
     if (fs::is_regular_file(table, none)) return table;
   }
   std::optional<fs::path> found;
   for (fs::directory_iterator entry(folder, none), end; !none && entry != end; entry.increment(none)) {
-    if (to_lower(entry->path().extension().string()) != kColorTable) continue;
+    if (to_lower(entry->path().extension().string()) != kTableExtension) continue;
     if (found) return std::nullopt;
     found = label_map.parent_path() / entry->path().filename();
   }

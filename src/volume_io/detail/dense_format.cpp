@@ -6,6 +6,7 @@
 
 #include "base/checked.hpp"
 #include "base/printable.hpp"
+#include "files/unpacked_files.hpp"
 #include "volume_io/detail/dense_reading.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 
@@ -103,9 +104,7 @@ GridInfo grid_of(const DenseFile& dense, std::string name) {
 
 std::string stem_of(const std::filesystem::path& path) {
   if (files::is_standard_input(path)) return "stdin";
-  std::filesystem::path stem = path.stem();
-  if (path.extension() == ".gz") stem = stem.stem();
-  return stem.string();
+  return std::filesystem::path(files::name_without_packing(path.filename())).stem().string();
 }
 
 }  // namespace isoextract::volume_io

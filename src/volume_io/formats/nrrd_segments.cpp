@@ -16,7 +16,7 @@
 namespace isoextract::volume_io {
 namespace {
 
-constexpr std::size_t kMaxShown = 60;  // most bytes of a value shown in a message
+constexpr std::size_t kSegmentShown = 60;  // most bytes of a value shown in a message
 
 struct Segment {
   std::string id;
@@ -66,8 +66,10 @@ std::string unescaped(std::string_view value) {
 }
 
 Error bad_value(const std::string& file, std::string_view key, std::string_view expected, std::string_view value) {
-  return {ErrorCode::input, fmt::format("{}: expected {} as {}, found '{}'", file, expected, printable(key, kMaxShown),
-                                        printable(value, kMaxShown))};
+  return {ErrorCode::input,
+          fmt::format("{}: expected {} as {}, found '{}'", file, expected, printable(key, kSegmentShown),
+                      printable(value, kSegmentShown)),
+          {}};
 }
 
 // Sets the property of a segment that one line states.
@@ -117,8 +119,8 @@ Result<std::vector<field::LabelName>> parse_segments(const std::string& file, st
     label.color = segment.color;
     const std::uint64_t layer = segment.layer.value_or(layers > 1 ? number : 0);
     if (layer >= layers) {
-      return fail(ErrorCode::input, fmt::format("{}: expected layers from 0 to {}, found layer {} of segment '{}'", file,
-                                                layers - 1, layer, printable(label.name, kMaxShown)));
+      return fail(ErrorCode::input, fmt::format("{}: expected layers from 0 to {}, found layer {} of segment '{}'",
+                                                file, layers - 1, layer, printable(label.name, kSegmentShown)));
     }
     if (layers > 1) label.layer = static_cast<std::int64_t>(layer);
     labels.push_back(std::move(label));
@@ -127,9 +129,10 @@ Result<std::vector<field::LabelName>> parse_segments(const std::string& file, st
   std::ranges::stable_sort(labels, {}, place);
   const auto twice = std::ranges::adjacent_find(labels, {}, place);
   if (twice == labels.end()) return labels;
-  return fail(ErrorCode::input,
-              fmt::format("{}: expected one segment for each label of a layer, found label {} as '{}' and as '{}'", file,
-                          twice->label, printable(twice->name, kMaxShown), printable((twice + 1)->name, kMaxShown)));
+  return fail(
+      ErrorCode::input,
+      fmt::format("{}: expected one segment for each label of a layer, found label {} as '{}' and as '{}'", file,
+                  twice->label, printable(twice->name, kSegmentShown), printable((twice + 1)->name, kSegmentShown)));
 }
 
 }  // namespace isoextract::volume_io

@@ -1,5 +1,5 @@
-// Text headers beside a raw file: the .dat files of the volvis collection (also of Voreen, ImageVis3D and Inviwo) and the
-// .ini files of UnityVolumeRendering. A line has a key, a colon and a value; case does not matter.
+// Text headers beside a raw file: the .dat files of the volvis collection (also of Voreen, ImageVis3D and Inviwo) and
+// the .ini files of UnityVolumeRendering. A line has a key, a colon and a value; case does not matter.
 //
 //   ObjectFileName: engine.raw     or Rawfile; without one: the header's name without .ini or .dat, and with .raw
 //   Resolution: 256 256 128        or dimx, dimy and dimz; x varies fastest
@@ -28,8 +28,8 @@
 namespace isoextract::volume_io {
 namespace {
 
-constexpr std::uint64_t kMaxBytes = std::uint64_t{64} << 10;  // largest header
-constexpr std::size_t kMaxShown = 60;                         // most bytes of a value shown in a message
+constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{64} << 10;  // largest header
+constexpr std::size_t kHeaderShown = 60;                            // most bytes of a value shown in a message
 
 using Keys = std::map<std::string, std::string, std::less<>>;  // values by keys in lower case
 
@@ -62,7 +62,8 @@ struct Header {
 
   [[nodiscard]] Error bad(std::string_view key, std::string_view expected, std::string_view value) const {
     return {ErrorCode::input,
-            fmt::format("{}: expected {} as '{}', found '{}'", file, expected, key, printable(value, kMaxShown))};
+            fmt::format("{}: expected {} as '{}', found '{}'", file, expected, key, printable(value, kHeaderShown)),
+            {}};
   }
 };
 
@@ -95,11 +96,13 @@ Result<glm::ivec3> dims_of(const Header& header) {
 Result<void> set_type(const Header& header, RawLayout& layout) {
   using field::SampleType;
   static const std::map<std::string, SampleType, std::less<>> types{
-      {"uchar", SampleType::u8},   {"byte", SampleType::u8},     {"uint8", SampleType::u8},   {"char", SampleType::i8},
-      {"int8", SampleType::i8},    {"ushort", SampleType::u16},  {"uint16", SampleType::u16}, {"short", SampleType::i16},
-      {"int16", SampleType::i16},  {"uint", SampleType::u32},    {"uint32", SampleType::u32}, {"int", SampleType::i32},
-      {"int32", SampleType::i32},  {"half", SampleType::f16},    {"float16", SampleType::f16}, {"float", SampleType::f32},
-      {"float32", SampleType::f32}, {"double", SampleType::f64}, {"float64", SampleType::f64}};
+      {"uchar", SampleType::u8},   {"byte", SampleType::u8},     {"uint8", SampleType::u8},
+      {"char", SampleType::i8},    {"int8", SampleType::i8},     {"ushort", SampleType::u16},
+      {"uint16", SampleType::u16}, {"short", SampleType::i16},   {"int16", SampleType::i16},
+      {"uint", SampleType::u32},   {"uint32", SampleType::u32},  {"int", SampleType::i32},
+      {"int32", SampleType::i32},  {"half", SampleType::f16},    {"float16", SampleType::f16},
+      {"float", SampleType::f32},  {"float32", SampleType::f32}, {"double", SampleType::f64},
+      {"float64", SampleType::f64}};
   const std::string* format = header.find({"format"});
   std::string word = format != nullptr ? to_lower(*format) : "";
   if (word.size() > 4 && word.starts_with("vec") && word[3] >= '1' && word[3] <= '4') {
@@ -108,7 +111,8 @@ Result<void> set_type(const Header& header, RawLayout& layout) {
   }
   const auto type = types.find(word);
   if (type == types.end()) {
-    return tl::unexpected(header.bad("Format", "a sample type such as UCHAR, USHORT or FLOAT32", format != nullptr ? *format : ""));
+    return tl::unexpected(
+        header.bad("Format", "a sample type such as UCHAR, USHORT or FLOAT32", format != nullptr ? *format : ""));
   }
   layout.type = type->second;
   const std::string* model = header.find({"objectmodel"});
@@ -173,7 +177,8 @@ Result<std::filesystem::path> data_file_of(const Header& header, const std::file
 }
 
 Result<DenseFile> open_header_file(const files::InputFile& file) {
-  const std::string text = TRY(files::read_text_file(file.path(), "the header of a raw file", kMaxBytes, file.context()));
+  const std::string text =
+      TRY(files::read_text_file(file.path(), "the header of a raw file", kMaxHeaderBytes, file.context()));
   const Header header{file.name(), keys_of(text)};
   if (const std::string* grid = header.find({"gridtype"}); grid != nullptr && to_lower(*grid) != "equidistant") {
     return tl::unexpected(header.bad("GridType", "EQUIDISTANT", *grid));
@@ -197,11 +202,12 @@ Result<DenseFile> open_header_file(const files::InputFile& file) {
 class RawHeaderFormat final : public DenseFormat {
  public:
   RawHeaderFormat()
-      : DenseFormat({.id = "dat",
-                     .title = "header of a raw file: .dat of volvis, Voreen and Inviwo, .raw.ini of UnityVolumeRendering",
-                     .extensions = {".dat", ".raw.ini"},
-                     .has_volumes = true,
-                     .has_components = true}) {}
+      : DenseFormat(
+            {.id = "dat",
+             .title = "header of a raw file: .dat of volvis, Voreen and Inviwo, .raw.ini of UnityVolumeRendering",
+             .extensions = {".dat", ".raw.ini"},
+             .has_volumes = true,
+             .has_components = true}) {}
 
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     if (start.packed) return false;
