@@ -106,6 +106,7 @@ class PluginFormat final : public VolumeFormat {
     field.creator = info.creator;
     field.labels = info.labels;
     field.time_unit = info.time_unit;
+    field.is_sampled = grid.is_sampled != 0 && options.sampling.has_value();
     if (grid.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
     if (std::string note = printable(plugin_host::plugin_text(list.note), 300); !note.empty()) {
       field.notes.push_back({NoteId::plugin_output, std::move(note)});
