@@ -4,14 +4,18 @@
 // Sizes are counted by unpacking, because archives may state other sizes than their files have, and compressed files
 // state none. Nothing is kept in memory between the list and the reading.
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <archive.h>
 #include <archive_entry.h>
+#include <zlib.h>
 
 #include "volume_reader.hpp"
 
@@ -45,23 +49,75 @@ void check(archive* opened, int status, const char* what) {
   throw ReadError(std::string("expected ") + what + ", found damaged data: " + reason_of(opened));
 }
 
+bool is_zip(const std::string& path) {
+  std::array<char, 2> start{};
+  return std::ifstream(path, std::ios::binary).read(start.data(), start.size()) && start == std::array{'P', 'K'};
+}
+
 Archive open_archive(const std::string& path) {
   Archive opened(archive_read_new());
   if (!opened) throw std::bad_alloc();
-  archive_read_support_filter_gzip(opened.get());
-  archive_read_support_filter_xz(opened.get());
-  archive_read_support_filter_zstd(opened.get());
-  archive_read_support_filter_bzip2(opened.get());
-  archive_read_support_format_tar(opened.get());
-  archive_read_support_format_zip_seekable(opened.get());
-  archive_read_support_format_raw(opened.get());
+  if (is_zip(path)) {
+    // Without raw content, which a truncated zip file would be.
+    archive_read_support_format_zip_seekable(opened.get());
+  } else {
+    archive_read_support_filter_gzip(opened.get());
+    archive_read_support_filter_xz(opened.get());
+    archive_read_support_filter_zstd(opened.get());
+    archive_read_support_filter_bzip2(opened.get());
+    archive_read_support_format_tar(opened.get());
+    archive_read_support_format_raw(opened.get());
+  }
   check(opened.get(), archive_read_open_filename(opened.get(), path.c_str(), kPart), "a compressed file or an archive");
   return opened;
+}
+
+struct GzipDeleter {
+  void operator()(gzFile opened) const { gzclose(opened); }
+};
+using Gzip = std::unique_ptr<gzFile_s, GzipDeleter>;
+
+// Returns the file if it is gzip around anything but a tar archive; null otherwise. zlib reads it, because libarchive
+// does not check its sums.
+Gzip open_gzip(const std::string& path) {
+  std::array<char, 2> magic{};
+  std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());
+  if (magic != std::array{'\x1f', '\x8b'}) return nullptr;
+  Gzip opened(gzopen(path.c_str(), "rb"));
+  if (!opened) throw std::bad_alloc();
+  constexpr int kTarHeader = 512;
+  std::array<char, kTarHeader> start{};
+  const bool is_tar = gzread(opened.get(), start.data(), kTarHeader) == kTarHeader &&
+                      std::string_view(start.data() + 257, 5) == "ustar";
+  if (is_tar) return nullptr;
+  gzrewind(opened.get());
+  return opened;
+}
+
+template <class OnBytes>
+void read_gzip(const std::string& path, gzFile opened, const isoextract_plugin_host& host, OnBytes&& bytes) {
+  std::vector<char> part(kPart);
+  for (;;) {
+    check_cancelled(host);
+    const int got = gzread(opened, part.data(), static_cast<unsigned>(part.size()));
+    if (got > 0) bytes(part.data(), static_cast<std::uint64_t>(got));
+    if (got == static_cast<int>(part.size())) continue;
+    int status = Z_OK;
+    std::string text = gzerror(opened, &status);
+    if (text.starts_with(path + ": ")) text.erase(0, path.size() + 2);
+    if (got < 0 || status != Z_OK) throw ReadError("expected whole gzip data, found damaged data: " + text);
+    return;
+  }
 }
 
 // Calls file(name) at the start of each regular file, and bytes(data, count) for its content in order.
 template <class OnFile, class OnBytes>
 void walk(const std::string& path, const isoextract_plugin_host& host, OnFile&& file, OnBytes&& bytes) {
+  if (const Gzip packed = open_gzip(path)) {
+    file(std::string());
+    read_gzip(path, packed.get(), host, bytes);
+    return;
+  }
   const Archive opened = open_archive(path);
   std::vector<char> part(kPart);
   archive_entry* entry = nullptr;
@@ -119,7 +175,7 @@ class ArchiveFile final : public VolumeFile {
 
   ReadFacts read(const isoextract_volume_selection& selection, const isoextract_plugin_host& host) override {
     const std::uint64_t all = grids.front().dims[0];
-    if (selection.grid != 0 || selection.count[0] != all) throw ReadError("only all files together can be read");
+    if (selection.grid != 0 || selection.count[0] != all) throw ReadError("expected a request for all files together");
     HostMemory memory(host);
     memory.take(kDecoderBytes);
     auto* const to = static_cast<char*>(selection.box);
@@ -127,11 +183,11 @@ class ArchiveFile final : public VolumeFile {
     walk(
         path_, host, [](const std::string&) {},
         [&](const char* data, std::uint64_t count) {
-          if (count > all - filled) throw ReadError("the file changed while it was read");
+          if (count > all - filled) throw ReadError("the file changed during the run");
           std::copy_n(data, count, to + filled);
           filled += count;
         });
-    if (filled != all) throw ReadError("the file changed while it was read");
+    if (filled != all) throw ReadError("the file changed during the run");
     return {};
   }
 

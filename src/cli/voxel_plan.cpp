@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
+#include "cli/particle_file_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
@@ -104,8 +105,8 @@ Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job)
   return {};
 }
 
-Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context,
-                              Notes& notes, convert::ConversionJob& job) {
+Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context, Notes& notes,
+                              convert::ConversionJob& job) {
   if (!flags.labels || flags.label_names || input.starts_with(field::kDemoPrefix) || files::is_standard_input(input)) {
     return {};
   }
@@ -115,7 +116,7 @@ Result<void> plan_found_table(const ConvertFlags& flags, const std::string& inpu
   const auto table = volume_io::LabelTable::read(path->string(), context.beside());
   if (!table) {
     notes.push_back({NoteId::label_table, fmt::format("{} lies beside the input and has the name of a label table, but "
-                                                      "is not used: {}",
+                                                      "isoextract does not use it: {}",
                                                       name, table.error().message)});
     return {};
   }

@@ -17,9 +17,9 @@ namespace isoextract::cli {
 // with {iso} in -o. Fails likewise for --label-names without --labels.
 [[nodiscard]] Result<void> take_labels(ConvertFlags& flags);
 
-// Chooses all labels if the file of `input` names its labels and the options choose neither labels nor iso values nor
-// another method than those of labels; returns a note about it, empty if it did not. Files that cannot be read choose
-// nothing: the reader reports them.
+// Chooses all labels if the file of `input` names its labels, and returns a note about it. Otherwise returns an empty
+// text; also if the options choose labels, iso values, or a method that is not for labels. Files that it cannot read
+// choose nothing: the reader reports them.
 [[nodiscard]] Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input,
                                                      const Context& context);
 

@@ -256,7 +256,8 @@ class Conversion {
                         {Remedy::use, Setting::cpu_backend}};
       if (!fall_back_to_cpu(error)) return tl::unexpected(error);
     }
-    auto found = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
+    auto found =
+        TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
     TRY(volume_io::check_mapping_intact(source_.field));
     labels_ = std::move(found);
     for (const Note& note : labels_->notes()) events_.note(note);

@@ -18,6 +18,7 @@
 
 #include "base/ascii.hpp"
 #include "files/detail/opened_files.hpp"
+#include "files/detail/standard_input.hpp"
 #include "files/detail/unpacked_paths.hpp"
 
 namespace isoextract::files {
@@ -65,7 +66,7 @@ Result<fs::path> make_folder(const std::string& source) {
   }
   return fail(ErrorCode::unavailable,
               fmt::format("{}: unpacking it needs a temporary folder: {}", source, error.message()),
-              "set the environment variable TMPDIR to a folder that can be written to");
+              "set the environment variable TMPDIR to a writable folder");
 }
 
 bool is_hidden(const fs::path& name) {
@@ -220,8 +221,8 @@ std::string name_without_packing(std::string name) {
 }
 
 std::string openable_path(const InputFile& file) {
-  if (!is_standard_input(file.path())) return file.path().string();
-  return fmt::format("/proc/{}/fd/{}", ::getpid(), file.descriptor());
+  const auto kept = is_standard_input(file.path()) ? detail::kept_standard_input(file.context()) : -1;
+  return kept && *kept >= 0 ? fmt::format("/proc/{}/fd/{}", ::getpid(), *kept) : file.path().string();
 }
 
 }  // namespace isoextract::files

@@ -26,11 +26,13 @@ struct UnpackedMember {
 class UnpackedFiles {
  public:
   // Stores `content`, which has the members one after another, each as an anonymous file in memory. The temporary
-  // folder has a symbolic link to each, in the folders that the names state; a folder that all have in common is left
-  // out. Empty and hidden files are left out, too. With `as_file` there has to be one member, which path() names;
-  // otherwise path() is the folder. `source` is the path that was unpacked. Fails with ErrorCode::input if no file is
-  // left, for names that lead out of the archive or occur twice, and for more files than this process may open; as
-  // Context::reserve(); and with ErrorCode::unavailable if the system has no such memory or no temporary folder.
+  // folder has a symbolic link to each, in the folders that the names state. Leaves out a folder that all have in
+  // common, and empty and hidden files. With `as_file` there has to be one member, which path() names; otherwise path()
+  // is the folder. `source` is the path of the packed file.
+  //
+  // Fails with ErrorCode::input if no file is left, or for names that lead out of the archive or occur twice. Fails
+  // with ErrorCode::unavailable if the system has no memory of this kind, no further file to open, or no temporary
+  // folder; and as Context::reserve().
   [[nodiscard]] static Result<std::shared_ptr<const UnpackedFiles>> make(const std::filesystem::path& source,
                                                                          std::span<const UnpackedMember> members,
                                                                          std::span<const std::byte> content,

@@ -49,7 +49,6 @@ struct ParticleFormatDescription {
   bool has_columns = false;                  // ParticleReadOptions::columns may select the columns of x, y and z
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
   bool needs_extension = false;              // only the extension of the file name identifies the format
-  bool from_standard_input = true;           // false: the plug-in of the format needs a path
 };
 
 // Named data that a file has for each particle.

@@ -42,8 +42,9 @@ class LabelTable {
   std::string hash_;
 };
 
-// Returns the table that belongs to a label map by its name or folder; nothing if there is none. The first of these that
-// exists, for a file NAME.EXTENSION: NAME.ctbl, NAME_ColorTable.ctbl, NAME_LUT.txt, and the only *.ctbl in its folder.
+// Returns the table that belongs to a label map by its name or folder; nothing if there is none. The first of these
+// that exists, for a file NAME.EXTENSION: NAME.ctbl, NAME_ColorTable.ctbl, NAME_LUT.txt, and the only *.ctbl in its
+// folder.
 [[nodiscard]] std::optional<std::filesystem::path> find_label_table(const std::filesystem::path& label_map);
 
 // Returns the sRGB color, each channel from 0 to 1, of a label without a table entry; consecutive labels get very

@@ -104,7 +104,7 @@ class OneFileTest(CompressedTest):
         self.mesh("a.nrrd.xz", "--report", "r.json")
         report = json.loads((self.folder / "r.json").read_text())
         self.assertEqual((report["input"]["path"], report["input"]["name"]), ("a.nrrd.xz", "a"))
-        (told,) = json.loads(self.convert("info", "a.nrrd.xz", "--json").text)["inputs"]
+        (told,) = json.loads(self.convert("info", "a.nrrd.xz", "--json").text)
         self.assertEqual((told["input"], told["field"]["format"], told["field"]["spacing"]), ("a.nrrd.xz", "NRRD", [1, 0.5, 2]))
         # Without -o, the mesh is named like the file in it.
         self.convert("a.nrrd.xz", "--iso", "0")
@@ -217,7 +217,8 @@ class ArchiveTest(CompressedTest):
         for name in ("a.zip", "a.tar", "a.tar.xz"):
             self.archive(name, {"a.npy": npy()})
             good = (self.folder / name).read_bytes()
-            for length in range(300, len(good) - 11000 if name == "a.tar" else len(good) - 1, len(good) // 6):
+            # The end of a tar archive is nothing but zeros, and readers stop where they begin.
+            for length in range(300, len(good) - 11000 if name == "a.tar" else len(good) * 8 // 10, len(good) // 6):
                 self.write(name, good[:length])
                 run = self.run_program(name, "--iso", "0", "-o", "no.ply", env=self.environment)
                 self.assertEqual(run.code, 2, (name, length, run.err))

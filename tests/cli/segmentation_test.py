@@ -130,7 +130,7 @@ class SegmentationTest(ProgramTest):
 
     def test_info_lists_the_labels(self):
         self.write("s.seg.nrrd", seg_nrrd((ORGAN, BONE, TUMOR), 2))
-        (report,) = json.loads(self.convert("info", "s.seg.nrrd", "--json").text)["inputs"]
+        (report,) = json.loads(self.convert("info", "s.seg.nrrd", "--json").text)
         self.assertEqual(report["grids"][0]["labels"],
                          [{"label": 1, "name": "Left kidney", "color": [0.5, 0.25, 1.0], "layer": 0},
                           {"label": 1, "name": "Tumor \\ margin", "color": [0.0, 1.0, 0.2], "layer": 1},
@@ -192,7 +192,7 @@ class TableBesideTest(ProgramTest):
     def test_a_file_that_is_no_table_is_told(self):
         (self.folder / "map.ctbl").write_text("what\n")
         self.assertEqual(self.names(), {"map label 1", "map label 2"})
-        self.assertIn("map.ctbl lies beside the input and has the name of a label table, but is not used", self.err)
+        self.assertIn("map.ctbl lies beside the input and has the name of a label table, but isoextract does not use it", self.err)
 
     def test_surfaces_of_iso_values_have_no_table(self):
         (self.folder / "map.ctbl").write_text("what\n")

@@ -87,7 +87,8 @@ struct ConvertFlags : OptionSet {
       "all|L,...",
       parse_labels,
       "Labels of a label map to extract, in place of --iso. all takes every label but 0 (the default for files that "
-      "name their labels); or list them. Each becomes a mesh of its own, called label L or by its name. Samples must be "
+      "name their labels); or list them. Each becomes a mesh of its own, called label L or by its name. Samples must "
+      "be "
       "integers. With --method surface-nets (the default then) or voxels.",
       About::surface};
   Value<std::string> label_names{only_convert(OptionGroup::surface),

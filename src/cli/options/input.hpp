@@ -70,7 +70,8 @@ struct InputFlags : OptionSet {
   Value<volume_io::ComponentChoice> component{
       *this, "--component", "K|length", parse_component,
       "One component of samples that are vectors, or length. For NIfTI, NRRD, NumPy and raw files with several numbers "
-      "per sample, such as vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then read as "
+      "per sample, such as vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then "
+      "read as "
       "[z, y, x, c]."};
   Value<std::uint64_t> level{
       *this, "--level", "K", parse_size,
@@ -99,10 +100,11 @@ struct InputFlags : OptionSet {
                                   "Numbers per sample of a raw file (default: 1). Sample by sample, unless --planar "
                                   "is given. --component chooses one.",
                                   About::raw_file};
-  Flag planar{*this, "--planar",
-              "Components of a raw file lie one after another. Each volume has all samples of the first component, then "
-              "those of the second. With --components.",
-              About::raw_file};
+  Flag planar{
+      *this, "--planar",
+      "Components of a raw file lie one after another. Each volume has all samples of the first component, then "
+      "those of the second. With --components.",
+      About::raw_file};
   Value<volume_io::AxisOrder> axis_order{
       *this, "--axis-order",
       "Axis order of a NumPy array or raw file (default: zyx). The last axis varies fastest, unless the file states "

@@ -37,9 +37,7 @@ Result<LabelAppearance> LabelAppearance::open(const ConversionJob& job, const fi
 }
 
 const field::LabelName* LabelAppearance::find(std::int64_t label) const {
-  const auto is_it = [&](const field::LabelName& entry) {
-    return entry.label == label && is_here(entry);
-  };
+  const auto is_it = [&](const field::LabelName& entry) { return entry.label == label && is_here(entry); };
   const auto found = std::ranges::find_if(labels_, is_it);
   return found != labels_.end() ? &*found : nullptr;
 }
@@ -65,8 +63,8 @@ std::optional<Note> LabelAppearance::note_of_missing(const std::string& source, 
   constexpr std::size_t kMostTold = 10;
   const std::size_t told = std::min(missing.size(), kMostTold);
   return Note{NoteId::labels_empty,
-              fmt::format("{}: no mesh for {} of the {} labels that the file names ({}{}): no sample{} has them", source,
-                          missing.size(), named, fmt::join(std::span(missing).first(told), ", "),
+              fmt::format("{}: no mesh for {} of the {} labels that the file names ({}{}): no sample{} has them",
+                          source, missing.size(), named, fmt::join(std::span(missing).first(told), ", "),
                           told < missing.size() ? ", ..." : "", in_region ? " in the region" : "")};
 }
 
@@ -74,8 +72,7 @@ Result<void> LabelAppearance::color(const ConversionJob& job, std::int64_t label
                                     const Context& context) const {
   if (job.color) return {};
   const field::LabelName* entry = find(label);
-  const glm::dvec3 color =
-      entry != nullptr && entry->color ? *entry->color : volume_io::default_label_color(label);
+  const glm::dvec3 color = entry != nullptr && entry->color ? *entry->color : volume_io::default_label_color(label);
   const mesh_io::MeshFormat format = job.meshes().format;
   if (mesh_io::is_gltf(format)) {
     if (!mesh.material) mesh.material.emplace();

@@ -33,9 +33,9 @@ namespace isoextract::convert {
 [[nodiscard]] std::size_t first_iso_of(const ConversionJob& job, std::size_t output,
                                        const std::optional<std::string>& grid);
 
-// Returns the volumes of a grid to extract from, in order: SourceOptions::read.volume; if it is unset and all `isos` are
-// labels, the layers of a label map whose labels overlap (field::LabelName::layer). Fails as volume_io::list_grids()
-// does. Reads no samples.
+// Returns the volumes of a grid to extract from, in order: SourceOptions::read.volume; if it is unset and all `isos`
+// are labels, the layers of a label map whose labels overlap (field::LabelName::layer). Fails as
+// volume_io::list_grids() does. Reads no samples.
 [[nodiscard]] Result<std::vector<std::optional<std::int64_t>>> volumes_of(const SourceOptions& source,
                                                                           const std::vector<IsoChoice>& isos,
                                                                           const Context& context);
@@ -43,9 +43,9 @@ namespace isoextract::convert {
 // Returns the labels to extract; nothing if there is an iso value among `isos`, or no label.
 [[nodiscard]] std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos);
 
-// Returns the surfaces to extract from a field, each once. Without `labels`: the iso values in `asked`. With `labels`, the
-// chosen labels: if `asked` is a list and the field is one of several layers, those that the file names for this layer,
-// and in the first layer also those that it names for none.
+// Returns the surfaces to extract from a field, each once: the iso values in `asked`, or the chosen `labels` if not
+// null. Of a list of labels and a field that is one of several layers, only those that the file names for this layer;
+// the first layer also has those that the file names for none.
 [[nodiscard]] std::vector<ResolvedIso> surfaces_of(const field::ScalarField& field, std::span<const ResolvedIso> asked,
                                                    const std::vector<std::int64_t>* labels,
                                                    std::optional<std::int64_t> layer);

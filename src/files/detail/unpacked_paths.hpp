@@ -1,4 +1,4 @@
-// Where paths of unpacked files come from. Private to the room.
+// The packed files that paths of unpacked files come from. Private to the room.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// Segments of a segmentation that 3D Slicer wrote (.seg.nrrd): names, colors, label values and layers, in key/value pairs
-// of the NRRD header. Private to the NRRD reader.
+// Segments of a segmentation that 3D Slicer wrote (.seg.nrrd): names, colors, label values and layers, in key/value
+// pairs of the NRRD header. Private to the NRRD reader.
 //
 //   Segment0_Name:=Left kidney      else Segment0_ID, else Segment0
 //   Segment0_Color:=0.8 0.2 0.1     sRGB, each from 0 to 1

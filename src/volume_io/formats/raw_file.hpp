@@ -8,8 +8,8 @@
 
 namespace isoextract::volume_io {
 
-// Locates the samples of a raw file. Fails with ErrorCode::usage for dims below 1, and with ErrorCode::input if the file
-// does not have the size of one or more volumes with this layout.
+// Locates the samples of a raw file. Fails with ErrorCode::usage for dims below 1, and with ErrorCode::input if the
+// file does not have the size of one or more volumes with this layout.
 [[nodiscard]] Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout, AxisOrder order);
 
 }  // namespace isoextract::volume_io

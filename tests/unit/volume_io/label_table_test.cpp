@@ -21,8 +21,9 @@ constexpr std::string_view kItkSnap =
 TEST(LabelTable, ReadsItkSnapTables) {
   const auto table = LabelTable::parse(kItkSnap, "t");
   ASSERT_TRUE(table) << table.error().message;
-  const std::vector<field::LabelName> expected{
-      {0, "Clear Label", glm::dvec3(0)}, {2, "Tumour #2", {0, 128 / 255.0, 0}}, {7, "Left kidney, upper", {1, 0, 0.2}}};
+  const std::vector<field::LabelName> expected{{0, "Clear Label", glm::dvec3(0), {}},
+                                               {2, "Tumour #2", glm::dvec3(0, 128 / 255.0, 0), {}},
+                                               {7, "Left kidney, upper", glm::dvec3(1, 0, 0.2), {}}};
   EXPECT_EQ(table->entries(), expected);
 }
 
