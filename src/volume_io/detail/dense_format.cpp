@@ -104,6 +104,10 @@ GridInfo grid_of(const DenseFile& dense, std::string name) {
 
 std::string stem_of(const std::filesystem::path& path) {
   if (files::is_standard_input(path)) return "stdin";
+  // The folder of an unpacked archive has a name of its own.
+  std::error_code none;
+  const std::filesystem::path source = files::packed_source(path);
+  if (source != path && std::filesystem::is_directory(path, none)) return stem_of(source);
   return std::filesystem::path(files::name_without_packing(path.filename())).stem().string();
 }
 

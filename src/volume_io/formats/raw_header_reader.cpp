@@ -202,12 +202,11 @@ Result<DenseFile> open_header_file(const files::InputFile& file) {
 class RawHeaderFormat final : public DenseFormat {
  public:
   RawHeaderFormat()
-      : DenseFormat(
-            {.id = "dat",
-             .title = "header of a raw file: .dat of volvis, Voreen and Inviwo, .raw.ini of UnityVolumeRendering",
-             .extensions = {".dat", ".raw.ini"},
-             .has_volumes = true,
-             .has_components = true}) {}
+      : DenseFormat({.id = "dat",
+                     .title = "header of a raw file: volvis, Voreen, Inviwo",
+                     .extensions = {".dat", ".raw.ini"},
+                     .has_volumes = true,
+                     .has_components = true}) {}
 
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     if (start.packed) return false;
