@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "base/ascii.hpp"
 #include "base/checked.hpp"
@@ -110,7 +111,9 @@ Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, con
   const auto file = files::InputFile::open(input, context);
   if (!file) return input;
   std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), files::kStartBytes)));
-  TRY(file->read_at(0, start));
+  // Not by read_at(), which counts bytes: these are no part of reading the volume.
+  const ssize_t got = ::pread(file->descriptor(), start.data(), start.size(), 0);
+  if (got != static_cast<ssize_t>(start.size())) return input;
   const std::string_view content(reinterpret_cast<const char*>(start.data()), start.size());
   const Packing packing = packing_of(content, file->path().filename(), gzip);
   if (packing == Packing::none) return input;
