@@ -10,6 +10,7 @@
 #   scripts/setup.sh hdf5       what the plug-in around HDF5 needs: HDF5; likewise
 #   scripts/setup.sh netcdf     what the plug-in around netCDF needs: netCDF; likewise
 #   scripts/setup.sh segy       what the plug-in around segyio needs: segyio; likewise
+#   scripts/setup.sh archive    what the plug-in that unpacks files needs: libarchive
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
@@ -30,10 +31,12 @@ build_packages=(
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
-  python3-pandas python3-pil python3-tifffile libtiff-dev jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
-  libhdf5-dev libnetcdf-dev libsegyio-dev python3-h5py python3-netcdf4 python3-segyio ferret-datasets
+  python3-pandas python3-pil python3-tifffile jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
+  libarchive-dev zstd libtiff-dev libhdf5-dev libnetcdf-dev libsegyio-dev libgdcm-dev libgdcm-tools
+  python3-h5py python3-netcdf4 python3-segyio python3-pydicom python3-zarr python3-mrcfile ferret-datasets
 )
 fuzz_packages=(clang libclang-rt-14-dev)
+archive_packages=(libarchive-dev)
 vtk_packages=(libvtk9-dev)
 images_packages=(libtiff-dev libopenexr-dev libpng-dev)
 openvdb_packages=(libopenvdb-dev libboost-dev)
@@ -65,6 +68,7 @@ for group in "$@"; do
       want_node
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
+    archive) wanted+=("${archive_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
     images) wanted+=("${images_packages[@]}") ;;
     openvdb) wanted+=("${openvdb_packages[@]}") ;;

@@ -1,15 +1,25 @@
 #include "base/parallel.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <memory>
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
 
-namespace isoextract::detail {
+namespace isoextract {
+
+int usable_threads() {
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(static_cast<int>(std::min<std::size_t>(allowed, 1 << 16)), tbb::this_task_arena::max_concurrency());
+}
+
+namespace detail {
 namespace {
 
 using Range = tbb::blocked_range<std::size_t>;
@@ -84,4 +94,5 @@ void reduce_ranges(std::size_t count, std::size_t grain, Reduction& all) {
   kept.rethrow();
 }
 
-}  // namespace isoextract::detail
+}  // namespace detail
+}  // namespace isoextract

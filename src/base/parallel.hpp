@@ -9,6 +9,9 @@
 
 namespace isoextract {
 
+// Returns how many threads the calling thread's loops may use.
+[[nodiscard]] int usable_threads();
+
 namespace detail {
 
 // A type-erased reference to a loop body. The caller keeps the body alive.

@@ -20,6 +20,7 @@
 #include "files/location_keys.hpp"
 #include "files/name_parts.hpp"
 #include "files/output_file.hpp"
+#include "files/unpacked_files.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -314,9 +315,7 @@ std::string stem_of(const std::string& input) {
     const std::string name = input.substr(input.find(':') + 1);
     return name.substr(0, name.find('?'));
   }
-  fs::path path = fs::path(input).filename();
-  if (path.extension() == ".gz") path = path.stem();
-  return path.stem().string();
+  return fs::path(files::name_without_packing(fs::path(input).filename())).stem().string();
 }
 
 }  // namespace isoextract::batch

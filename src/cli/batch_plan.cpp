@@ -281,7 +281,6 @@ bool is_frame_pattern(const std::string& input) {
 
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
   ConvertFlags flags = given;
-  TRY(take_labels(flags));
   TRY(take_heights(flags));
   if (flags.output == "-") return refuse_usage("a batch writes frames to files, not to stdout", "give a name with -o");
   if (flags.explain)
@@ -301,6 +300,10 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto found =
       TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
                                    : batch::find_frames(flags.input.inputs, flags.batch.frames, flags.heightfield));
+  const std::string usual_labels = TRY(set_default_labels(one, found.frames.front().input, context));
+  TRY(take_labels(one));
+  if (one.labels) flags.labels = *one.labels;
+  if (!usual_labels.empty()) found.notes.push_back({NoteId::iso_chosen, usual_labels});
   std::string usual_iso;
   if (!flags.batch.iso_table && makes_surfaces(flags)) {
     usual_iso = TRY(set_default_iso(one, found.frames.front().input, context));
@@ -310,6 +313,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto sources = TRY(sources_of(flags, found));
   auto common = TRY(plan_conversion(one, sources.front().isos, context));
   plan.common = std::move(common);
+  TRY(plan_found_table(one, found.frames.front().input, context, found.notes, plan.common.job));
   plan.frame_notes = plan.common.notes;
   if (!usual_iso.empty()) plan.frame_notes.push_back({NoteId::iso_chosen, std::move(usual_iso)});
   if (std::string note = changing_isos(flags, sources.size()); !note.empty())

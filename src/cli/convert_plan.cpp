@@ -213,14 +213,17 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   const std::vector<std::string>& inputs = given.input.inputs;
   if (inputs.empty()) return refuse_usage("INPUT is missing", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
-  TRY(take_labels(flags));
   TRY(take_heights(flags));
   const Context context(plan_memory(flags.input.memory_limit));
+  const std::string labels_note = TRY(set_default_labels(flags, inputs.front(), context));
+  TRY(take_labels(flags));
   auto note = TRY(makes_surfaces(flags) ? set_default_iso(flags, inputs.front(), context) : std::string());
   auto plan = plan_conversion(flags, flags.isos, context);
   if (!plan) return plan;
   if (!note.empty()) plan->notes.push_back({NoteId::iso_chosen, std::move(note)});
+  if (!labels_note.empty()) plan->notes.push_back({NoteId::iso_chosen, labels_note});
   plan->job.source.input = inputs.front();
+  TRY(plan_found_table(flags, inputs.front(), context, plan->notes, plan->job));
   const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.meshes().format);
   TRY(check_output_name(flags, format));
   const auto found = TRY(batch::find_frames(inputs, std::nullopt, flags.heightfield));

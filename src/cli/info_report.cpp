@@ -105,6 +105,28 @@ void add_volumes(NamedLines& lines, const InputReport& report) {
   }
 }
 
+std::string hex_of(const glm::dvec3& color) {
+  const auto channel = [](double value) { return static_cast<int>(std::lround(255 * std::clamp(value, 0.0, 1.0))); };
+  return fmt::format("#{:02x}{:02x}{:02x}", channel(color.x), channel(color.y), channel(color.z));
+}
+
+// Lists the labels that the file names.
+void add_labels(NamedLines& lines, const InputReport& report) {
+  constexpr std::size_t kMostShown = 64;
+  for (const volume_io::GridInfo& grid : report.grids) {
+    if (grid.labels.empty()) continue;
+    const std::string of_grid = report.grids.size() > 1 ? " of " + grid.label : "";
+    const bool shows = grid.labels.size() <= kMostShown;
+    lines.add("labels", fmt::format("{} names{}{}", grid.labels.size(), of_grid, shows ? "" : "; --json lists them"));
+    for (std::size_t i = 0; shows && i < grid.labels.size(); ++i) {
+      const field::LabelName& label = grid.labels[i];
+      lines.plain(fmt::format("    {:>12}: {}{}{}", label.label, printable(label.name, kMaxName),
+                              label.color ? ", " + hex_of(*label.color) : "",
+                              label.layer ? fmt::format(", layer {}", *label.layer) : ""));
+    }
+  }
+}
+
 void add_shape(NamedLines& lines, const FieldReport& report) {
   const field::ScalarField& field = report.field;
   lines.add("format", field.format);
@@ -230,13 +252,14 @@ convert::Json json_of(const volume_io::GridInfo& grid) {
   json["component_names"] = grid.component_names;
   json["times"] = grid.volume_times;
   json["time_unit"] = grid.time_unit;
+  json["creator"] = grid.creator;
   json["labels"] = convert::Json::array();
   for (const field::LabelName& label : grid.labels) {
-    json["labels"].push_back({{"label", label.label},
-                              {"name", printable(label.name, kMaxName)},
-                              {"color", label.color ? convert::json_of(*label.color) : convert::Json(nullptr)}});
+    convert::Json entry{{"label", label.label}, {"name", printable(label.name, kMaxName)}};
+    entry["color"] = label.color ? convert::json_of(*label.color) : convert::Json(nullptr);
+    entry["layer"] = label.layer ? convert::Json(*label.layer) : convert::Json(nullptr);
+    json["labels"].push_back(std::move(entry));
   }
-  json["creator"] = grid.creator;
   const bool has_problem = !grid.placement_problem.empty() && !grid.is_readable();
   json["problem"] = has_problem ? convert::Json(grid.placement_problem) : convert::Json(nullptr);
   json["plugin"] = nullptr;
@@ -324,6 +347,7 @@ std::string text_of(const InputReport& report) {
   lines.plain(printable(files::input_label(report.input)));
   add_grids(lines, report);
   add_volumes(lines, report);
+  add_labels(lines, report);
   if (report.particles) {
     add_particles(lines, *report.particles);
     if (report.field) {

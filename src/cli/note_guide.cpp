@@ -86,7 +86,10 @@ constexpr std::array kGuide{
     NoteGuide{color_range,
               "A first pass over all frames found the range of the colors, so that equal colors mean equal values.",
               "Give --color-by NAME:MAP:MIN,MAX to choose the range, and to save the pass."},
+    NoteGuide{label_table, "A table of label names and colors lies beside the input.",
+              "To use another table or none, give --label-names FILE or --label-names none."},
     NoteGuide{labels_assumed, "All samples are whole numbers, so the program takes them as labels.", ""},
+    NoteGuide{labels_empty, "The file names labels that no sample has.", "None: they have no mesh."},
     NoteGuide{labels_lost, "The coarser grid has no sample of some labels.", "Choose a finer grid."},
     NoteGuide{level_set_interpolated,
               "A written level set has interpolated values and the narrow band of the input, which is too narrow for "

@@ -184,6 +184,11 @@ Result<volume_io::ReadOptions> plan_read(const InputFlags& flags) {
     raw.type = flags.dtype.value_or(raw.type);
     raw.endian = flags.endian.value_or(raw.endian);
     raw.skip = flags.skip.value_or(raw.skip);
+    raw.components = flags.components.value_or(raw.components);
+    raw.planar = flags.planar;
+    if (raw.planar && raw.components == 1) {
+      return refuse_usage("--planar describes samples of several numbers", "give --components N as well");
+    }
     read.raw = raw;
   } else {
     TRY(flags.refuse(About::raw_file, "{} describes a raw file and needs --dims as well", "give --dims NX,NY,NZ"));

@@ -171,6 +171,15 @@ Result<std::uint64_t> parse_count(std::string_view text) {
   return *number;
 }
 
+Result<std::uint64_t> parse_components(std::string_view text) {
+  constexpr std::uint64_t kMost = 64;
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number || *number == 0 || *number > kMost) {
+    return expected_found(fmt::format("a whole number from 1 to {}", kMost), text);
+  }
+  return *number;
+}
+
 Result<std::uint64_t> parse_relaxations(std::string_view text) {
   constexpr std::uint64_t kMost = 10'000;
   const auto number = whole_text_as<std::uint64_t>(text);

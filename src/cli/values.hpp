@@ -49,6 +49,7 @@ struct HeightBase {
 [[nodiscard]] Result<double> parse_part(std::string_view text);                            // 0 to 1
 [[nodiscard]] Result<double> parse_one_or_more(std::string_view text);                     // finite, 1 or above
 [[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);                    // a whole number, 0 or above
+[[nodiscard]] Result<std::uint64_t> parse_components(std::string_view text);               // 1..64
 [[nodiscard]] Result<std::uint64_t> parse_relaxations(std::string_view text);              // 0..10000
 [[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);           // a whole number, 1 or above
 [[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);    // NXxNY or NX,NY, each 2 to 32768

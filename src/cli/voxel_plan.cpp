@@ -1,16 +1,65 @@
 #include "cli/voxel_plan.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "base/printable.hpp"
+#include "cli/particle_file_plan.hpp"
+#include "cli/particle_plan.hpp"
+#include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "convert/particle_source.hpp"
 #include "extract/method.hpp"
+#include "field/demo_field.hpp"
+#include "files/file_bytes.hpp"
 #include "volume_io/label_table.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
 
+namespace {
+
+constexpr std::string_view kNoTable = "none";  // of --label-names
+
+// Returns whether the grid that the options choose names its labels.
+bool names_labels(const std::string& input, const volume_io::ReadOptions& read, const Context& context) {
+  const auto grids = volume_io::list_grids(input, read, context.beside());
+  if (!grids) return false;
+  return std::ranges::any_of(*grids, [&](const volume_io::GridInfo& grid) {
+    return !grid.labels.empty() && (!read.grid || grid.matches_name(*read.grid));
+  });
+}
+
+bool is_table_named(const ConvertFlags& flags) { return flags.label_names && *flags.label_names != kNoTable; }
+
+}  // namespace
+
+Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input, const Context& context) {
+  const bool chooses = flags.labels || !flags.isos.empty() || flags.batch.iso_table || !makes_surfaces(flags);
+  if (chooses || flags.input.grids.size() > 1) return std::string();
+  if (flags.surface.method) {
+    const extract::Method method = *flags.surface.method;
+    if (method != extract::Method::voxels && method != extract::Method::surface_nets) return std::string();
+  }
+  volume_io::ReadOptions read = TRY(plan_read(flags.input));
+  auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
+  if (particles.expected || (files::is_standard_input(input) && !read.format)) return std::string();
+  convert::SourceOptions source;
+  source.input = input;
+  source.read = read;
+  source.particles = std::move(particles);
+  if (convert::is_particles(source, context.beside()).value_or(true) || !names_labels(input, read, context)) {
+    return std::string();
+  }
+  flags.labels = std::vector{convert::IsoChoice::all_labels()};
+  return std::string("all labels, because the file names its labels; choose some with --labels L,..., or give --iso V");
+}
+
 Result<void> take_labels(ConvertFlags& flags) {
   if (!flags.labels) {
-    if (!flags.label_names) return {};
+    if (!is_table_named(flags)) return {};
     return refuse_usage("--label-names needs --labels", "give --labels all");
   }
   if (!flags.surface.method) flags.surface.method = extract::Method::surface_nets;
@@ -50,9 +99,33 @@ Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job)
                         "leave --kernel out: resampling then takes the nearest sample of the label map");
   }
   if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
-  if (!flags.label_names) return {};
+  if (!is_table_named(flags)) return {};
   const auto table = TRY(volume_io::LabelTable::read(*flags.label_names, Context()));
   job.label_names = convert::LabelTableFile{*flags.label_names, table.hash()};
+  return {};
+}
+
+Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context, Notes& notes,
+                              convert::ConversionJob& job) {
+  if (!flags.labels || flags.label_names || input.starts_with(field::kDemoPrefix) || files::is_standard_input(input)) {
+    return {};
+  }
+  const auto path = volume_io::find_label_table(input);
+  if (!path || names_labels(input, job.source.read, context)) return {};
+  const std::string name = printable(path->string());
+  const auto table = volume_io::LabelTable::read(path->string(), context.beside());
+  if (!table) {
+    notes.push_back({NoteId::label_table, fmt::format("{} lies beside the input and has the name of a label table, but "
+                                                      "isoextract does not use it: {}",
+                                                      name, table.error().message)});
+    return {};
+  }
+  job.label_names = convert::LabelTableFile{path->string(), table->hash()};
+  notes.push_back(
+      {NoteId::label_table,
+       fmt::format("names and colors of labels come from {}, which lies beside the input (--label-names none: from no "
+                   "table)",
+                   name)});
   return {};
 }
 

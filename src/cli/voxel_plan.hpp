@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/note.hpp"
 #include "cli/options.hpp"
@@ -15,6 +16,18 @@ namespace isoextract::cli {
 // --labels with other methods than voxels and surface nets, with iso values or a table of them, and for --labels all
 // with {iso} in -o. Fails likewise for --label-names without --labels.
 [[nodiscard]] Result<void> take_labels(ConvertFlags& flags);
+
+// Chooses all labels if the file of `input` names its labels, and returns a note about it. Otherwise returns an empty
+// text; also if the options choose labels, iso values, or a method that is not for labels. Files that it cannot read
+// choose nothing: the reader reports them.
+[[nodiscard]] Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input,
+                                                     const Context& context);
+
+// Sets the label table of `job` to the one beside `input` (volume_io::find_label_table()) and adds a note about it.
+// Does nothing without labels, if --label-names is given, or if the file names its labels. A file beside the input that
+// is no label table only adds a note.
+[[nodiscard]] Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context,
+                                            Notes& notes, convert::ConversionJob& job);
 
 // Sets the label table of `job`, whose resolution is already planned, and resampling to the nearest sample, because
 // labels are never averaged. Fails with ErrorCode::usage for options without a meaning for labels, and as

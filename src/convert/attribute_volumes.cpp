@@ -189,6 +189,43 @@ Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Co
   return VectorGrids{std::move(*of_axes), std::nullopt, false};
 }
 
+// Returns the grid that `read` chooses; nothing if there is none, several, or an error, which reading reports.
+std::optional<volume_io::GridInfo> listed_grid(const std::string& input, const volume_io::ReadOptions& read,
+                                               const Context& context) {
+  const auto listed = volume_io::list_grids(input, read, context);
+  if (!listed) return std::nullopt;
+  const auto is_meant = [&](const volume_io::GridInfo& grid) {
+    return grid.scalar && (!read.grid || grid.matches_name(*read.grid));
+  };
+  if (std::ranges::count_if(*listed, is_meant) != 1) return std::nullopt;
+  return *std::ranges::find_if(*listed, is_meant);
+}
+
+// Returns the number of components if the attribute is the whole vectors of a grid: its samples have from two to four
+// components, and the choice names none of them. An array of four axes, which may also hold several volumes, holds
+// vectors if it then has the input's shape, and no volume is chosen. Sets the options that read vectors.
+std::optional<std::uint64_t> vector_size(const AttributeChoice& choice, const field::ScalarField& input,
+                                         const Context& context, Reading& reading) {
+  constexpr std::uint64_t kMost = 4;
+  if (choice.component) return std::nullopt;
+  const auto fits = [](std::uint64_t components) { return components > 1 && components <= kMost; };
+  const auto plain = listed_grid(reading.input, reading.read, context);
+  if (!plain || plain->components > 1) {
+    return plain && fits(plain->components) ? std::optional(plain->components) : std::nullopt;
+  }
+  const auto* dense = std::get_if<field::DenseSamples>(&input.samples);
+  if (plain->volumes == 1 || choice.volume || dense == nullptr) return std::nullopt;
+  volume_io::ReadOptions read = reading.read;
+  read.volume.reset();
+  read.component = volume_io::ComponentChoice{0};
+  const auto vectors = listed_grid(reading.input, read, context);
+  const bool is_vector = vectors && fits(vectors->components) && vectors->volumes == 1 &&
+                         vectors->box == field::IndexBox{glm::ivec3(0), dense->dims - 1};
+  if (!is_vector) return std::nullopt;
+  reading.read = std::move(read);
+  return vectors->components;
+}
+
 Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, const AttributeChoice& choice,
                                               const field::ScalarField& input, const Context& context) {
   const AttributeLocation place = attribute_location(choice);
@@ -203,13 +240,15 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   VolumeAttribute attribute;
   attribute.choice = choice;
   const std::optional<VectorGrids>& whole = vectors;
-  const std::size_t count = whole ? kAxes.size() : 1;
+  const auto size = whole ? std::nullopt : vector_size(choice, input, context, reading);
+  const std::size_t count = whole ? kAxes.size() : static_cast<std::size_t>(size.value_or(1));
   if (whole) {
     attribute.stated_kind = whole->stated_kind;
     attribute.in_voxels = whole->in_voxels;
   }
   for (std::size_t c = 0; c < count; ++c) {
     if (whole) reading.read.grid = whole->components[c];
+    if (size) reading.read.component = volume_io::ComponentChoice{static_cast<std::int64_t>(c)};
     auto field = TRY(volume_io::read_volume(reading.input, reading.read, context));
     field.name = reading.shown;
     attribute.components.push_back(std::move(field));

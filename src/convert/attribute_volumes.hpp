@@ -44,7 +44,8 @@ struct AttributeLocation {
 };
 [[nodiscard]] AttributeLocation attribute_location(const AttributeChoice& choice);
 
-// One attribute read from volumes: one field for each component.
+// One attribute read from volumes: one field for each component. Samples of two to four components, of which the choice
+// names none, are vectors; so is an array of four axes whose first three have the input's shape.
 struct VolumeAttribute {
   AttributeChoice choice;
   std::vector<field::ScalarField> components;  // ScalarField::name is the source's name for messages

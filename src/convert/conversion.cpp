@@ -10,11 +10,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include "base/allocation_error.hpp"
 #include "base/machine.hpp"
+#include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/field_file.hpp"
@@ -41,11 +40,6 @@
 
 namespace isoextract::convert {
 namespace {
-
-int thread_count() {
-  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  return std::min(static_cast<int>(std::min<std::size_t>(allowed, 1 << 16)), tbb::this_task_arena::max_concurrency());
-}
 
 class Conversion {
  public:
@@ -126,10 +120,10 @@ class Conversion {
     if (!backend.reason.empty()) events_.note({NoteId::backend, "backend: " + backend.reason});
   }
 
-  // Reads a grid of the input, unless it is already loaded. A grid that several files need is read again for each file,
-  // because only one grid is in memory at a time.
-  Result<void> open_grid(const std::optional<std::string>& grid) {
-    if (opened_ && grid == *opened_) return {};
+  // Reads a grid of the input, or one of its volumes, unless it is already loaded. A grid that several files need is
+  // read again for each file, because only one grid is in memory at a time.
+  Result<void> open_grid(const std::optional<std::string>& grid, std::optional<std::int64_t> volume) {
+    if (opened_ == OpenedVolume(grid, volume)) return {};
     opened_.reset();
     labels_.reset();
     lost_.clear();
@@ -139,8 +133,11 @@ class Conversion {
     if (wants_source()) use.only_iso.reset();
     use.outside_region = wants_source();
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
-    source_ = TRY(open_source(with_grid(job_.source, grid), use, context_, events_));
-    opened_ = grid;
+    SourceOptions options = with_grid(job_.source, grid);
+    options.read.volume = volume;
+    layer_ = volume == job_.source.read.volume ? std::nullopt : volume;
+    source_ = TRY(open_source(options, use, context_, events_));
+    opened_.emplace(grid, volume);
     const field::ScalarField& field = source_.field;
     if (!job_.source.more_grids.empty()) events_.name_grid(field.grid.empty() ? field.name : field.grid);
     if (const auto text = extras_.field_note ? extras_.field_note(field) : std::nullopt) events_.note(*text);
@@ -163,21 +160,22 @@ class Conversion {
     std::vector<SkippedSurfaces> skipped;
     bool in_pieces = false;
     for (const std::optional<std::string>& grid : grids_of(job_.source, output)) {
-      TRY(open_grid(grid));
-      if (job_.writes<FieldFileOptions>() != nullptr) return write_samples(output);
-      if (!file) file.emplace(open(output));
-      const std::size_t before = file->written.surfaces.size();
-      const auto asked =
-          std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
-      const std::vector<ResolvedIso> isos = labels_ ? expand_labels(asked, labels_->labels()) : without_repeats(asked);
-      if (isos.size() < asked.size()) {
-        const std::string path = files::output_label(output.path);
-        for (const Note& text : repeated_notes(source_.label, asked, path)) events_.note(text);
+      const auto volumes = TRY(volumes_of(with_grid(job_.source, grid), isos_of(job_, grid), context_));
+      for (const std::optional<std::int64_t> volume : volumes) {
+        TRY(open_grid(grid, volume));
+        if (job_.writes<FieldFileOptions>() != nullptr) return write_samples(output);
+        if (!file) file.emplace(open(output));
+        const std::size_t before = file->written.surfaces.size();
+        const auto asked =
+            std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
+        const auto isos = surfaces_of(source_.field, asked, labels_ ? &labels_->labels() : nullptr, layer_);
+        const Notes repeated = repeated_notes(source_.label, asked, files::output_label(output.path));
+        for (const Note& text : repeated) events_.note(text);
+        for (const ResolvedIso& iso : isos) {
+          TRY(add_surface(iso, *file, in_pieces));
+        }
+        skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
       }
-      for (const ResolvedIso& iso : isos) {
-        TRY(add_surface(iso, *file, in_pieces));
-      }
-      skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
     // A surface split into bodies has one file for each body, so `output` itself names no file.
@@ -248,24 +246,22 @@ class Conversion {
 
   // Finds all labels that the job asks for in one pass over the samples.
   Result<void> find_labels() {
-    extract::LabelChoice choice;
-    for (const ResolvedIso& iso : source_.isos) {
-      if (!iso.asked.is_label()) return {};
-      choice.all = choice.all || !iso.id.is_label();
-      if (iso.id.is_label()) choice.values.push_back(iso.id.label());
-    }
-    if (source_.isos.empty()) return {};
-    looks_ = TRY(LabelAppearance::open(job_, context_));
+    const std::optional<extract::LabelChoice> choice = chosen_labels(source_.isos);
+    if (!choice) return {};
+    looks_ = TRY(LabelAppearance::open(job_, source_.field, opened_->second, context_));
     if (!extractor_->has(job_.surface.method)) {
       const Error error{ErrorCode::unavailable,
                         fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
                         {Remedy::use, Setting::cpu_backend}};
       if (!fall_back_to_cpu(error)) return tl::unexpected(error);
     }
-    auto found = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_));
+    auto found =
+        TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
     TRY(volume_io::check_mapping_intact(source_.field));
     labels_ = std::move(found);
     for (const Note& note : labels_->notes()) events_.note(note);
+    const auto missing = looks_.note_of_missing(source_.label, labels_->labels(), job_.source.roi.has_value());
+    if (choice->all && missing) events_.note(*missing);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
     if (source_.empty) return tl::unexpected(empty_source(source_));
     return fail(ErrorCode::no_surface, source_.label + ": no sample has a label other than 0",
@@ -457,8 +453,10 @@ class Conversion {
   MeshCollector* collector_;      // null if files are written
   files::InputFileSet own_read_;  // used if files are written and the caller gave no list of read files
   Source source_;
-  // The grid that source_ was read from; the inner optional is empty if the job chose none.
-  std::optional<std::optional<std::string>> opened_;
+  // The grid and the volume that source_ was read from; each empty if none was chosen.
+  using OpenedVolume = std::pair<std::optional<std::string>, std::optional<std::int64_t>>;
+  std::optional<OpenedVolume> opened_;
+  std::optional<std::int64_t> layer_;           // the volume, if the job takes each layer of a label map
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
   std::vector<SurfaceId> all_ids_;              // surfaces of the current grid
   LabelAppearance looks_;                       // of the same labels
@@ -478,7 +476,7 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
             BackendCache* kept, MeshCollector* collector) {
   const Stopwatch watch;
   Outcome outcome;
-  outcome.threads = thread_count();
+  outcome.threads = usable_threads();
   Result<void> done;
   try {
     done = Conversion(job, context, outcome, events, extras, kept, collector).run();

@@ -17,7 +17,7 @@
 namespace isoextract::convert {
 namespace {
 
-constexpr std::array kRawNames{"dims", "dtype", "endian", "skip"};
+constexpr std::array kRawNames{"dims", "dtype", "endian", "skip", "components", "planar"};
 
 template <class T>
 concept Structure = std::same_as<T, volume_io::RawLayout> || requires {
@@ -49,6 +49,9 @@ auto members_of(const T& value) {
   } else if constexpr (kCount == 4) {
     const auto& [a, b, c, d] = value;
     return std::tie(a, b, c, d);
+  } else if constexpr (kCount == 6) {
+    const auto& [a, b, c, d, e, f] = value;
+    return std::tie(a, b, c, d, e, f);
   } else if constexpr (kCount == 9) {
     const auto& [a, b, c, d, e, f, g, h, i] = value;
     return std::tie(a, b, c, d, e, f, g, h, i);

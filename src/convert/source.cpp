@@ -22,6 +22,7 @@
 #include "field/distinct_values.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
+#include "files/unpacked_files.hpp"
 #include "points/neighbor_counts.hpp"
 #include "points/region.hpp"
 #include "points/simulation_box.hpp"
@@ -227,9 +228,8 @@ void tell_missing(const std::vector<MissingAttribute>& missing, const std::strin
 
 // Returns the file name without .gz and without its extension.
 std::string stem_of_file(const std::string& input) {
-  std::filesystem::path path(input);
-  if (path.extension() == ".gz") path = path.stem();
-  return path.stem().string();
+  const std::filesystem::path name = files::name_without_packing(std::filesystem::path(input).filename());
+  return name.stem().string();
 }
 
 // Runs two stages: reads particles, and makes a field from them.

@@ -39,6 +39,9 @@ struct LabelName {
   std::int64_t label = 0;
   std::string name;
   std::optional<glm::dvec3> color;  // sRGB, each channel from 0 to 1; if the file recommends one
+  // The only volume with this label, if the volumes are layers of one label map: labels of different layers may
+  // overlap, and have the same number. Without layers: nullopt.
+  std::optional<std::int64_t> layer;
 
   friend bool operator==(const LabelName&, const LabelName&) = default;
 };
@@ -66,7 +69,7 @@ struct ScalarField {
   Affine index_to_file;   // maps index (i, j, k) to the sample indices of the file (voxel coordinates); the identity
                           // unless the field was resampled or coarsened
   Samples samples;
-  std::vector<LabelName> labels;  // of a label map whose file names them, in ascending order of label
+  std::vector<LabelName> labels;  // of a label map whose file names them, of all layers, in ascending order of label
   std::optional<double> time;     // of the volume, in units of time_unit; if the file states it
   std::string time_unit;          // "s", "days since 1950-01-01"; may be empty
   PartsRead parts;

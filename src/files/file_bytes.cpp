@@ -14,6 +14,7 @@
 
 #include "files/detail/opened_files.hpp"
 #include "files/detail/standard_input.hpp"
+#include "files/detail/unpacked_paths.hpp"
 
 namespace isoextract::files {
 namespace {
@@ -25,7 +26,11 @@ std::string system_message(int error) { return std::generic_category().message(e
 bool is_standard_input(const std::filesystem::path& path) { return path == "-"; }
 
 std::string input_label(const std::filesystem::path& path) {
-  return is_standard_input(path) ? std::string(kStandardInputName) : path.string();
+  if (is_standard_input(path)) return std::string(kStandardInputName);
+  const auto place = packed_place(path);
+  if (!place) return path.string();
+  const std::string source = input_label(place->source);
+  return place->is_only_file || place->member.empty() ? source : source + "/" + place->member;
 }
 
 Result<InputFile> InputFile::open(const std::filesystem::path& path, const Context& context) {
@@ -60,6 +65,8 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
 
 InputFile::InputFile(std::filesystem::path path, std::shared_ptr<const OpenFile> file, Context context)
     : context_(std::move(context)), path_(std::move(path)), file_(std::move(file)), size_(file_->version.bytes) {}
+
+const FileVersion& InputFile::version() const { return file_->version; }
 
 int InputFile::descriptor() const { return file_->descriptor; }
 
@@ -129,12 +136,16 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
     return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
   };
 
+  const auto place = packed_place(header);
+  if (place && place->is_only_file) return resolve_beside(place->source, data_file);
   std::error_code error;
   const fs::path folder = fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
   if (error) return fail(ErrorCode::input, fmt::format("{}: {}", header.string(), error.message()));
   // Rejects relative names that lead outside before the file system is accessed.
   const fs::path named = folder / data_file;
   if (fs::path(data_file).is_relative() && !is_within(folder, named.lexically_normal())) return outside();
+  // Members are links to memory, which has no path.
+  if (place && fs::exists(named.lexically_normal())) return named.lexically_normal();
   const fs::path resolved = fs::canonical(named, error);
   if (error) return fail(ErrorCode::input, fmt::format("{}, but finding it failed: {}", names, error.message()));
   if (!is_within(folder, resolved)) return outside();

@@ -13,13 +13,14 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/printable.hpp"
+#include "files/file_version.hpp"
 
 namespace isoextract::files {
 
 // Returns whether the input path is "-", which means standard input. To read a file named "-", give "./-".
 [[nodiscard]] bool is_standard_input(const std::filesystem::path& path);
 inline constexpr std::string_view kStandardInputName = "standard input";
-// Returns the name of an input for messages.
+// Returns the name of an input for messages; of an unpacked file (unpacked_files.hpp) the name of the packed one.
 [[nodiscard]] std::string input_label(const std::filesystem::path& path);
 
 struct OpenFile;  // detail/opened_files.hpp
@@ -38,6 +39,7 @@ class InputFile {
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::string name() const { return input_label(path_); }
   [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] const FileVersion& version() const;  // at the time of opening
   // Returns the descriptor. Others may share it: do not seek or close it.
   [[nodiscard]] int descriptor() const;
   [[nodiscard]] const Context& context() const { return context_; }
@@ -65,7 +67,8 @@ class InputFile {
 
 // Returns the path of a data file that a header names. Fails with ErrorCode::input if the file does not exist, or if it
 // lies neither in the header's folder nor below it after resolving links and "..": a header must not open arbitrary
-// files. A header from standard input has no folder, so it always fails.
+// files. A header from standard input has no folder, so it always fails. The folder of a header that was unpacked is
+// that of the compressed file, or its folder in the archive.
 [[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,
                                                            const std::string& data_file);
 

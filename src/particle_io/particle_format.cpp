@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/ascii.hpp"
+#include "files/unpacked_files.hpp"
 #include "particle_io/detail/particle_source.hpp"
 #include "particle_io/detail/plugin_particles.hpp"
 
@@ -39,8 +40,7 @@ std::vector<ParticleFormatDescription> particle_format_descriptions() {
 }
 
 bool has_particle_extension(const std::filesystem::path& path) {
-  std::string name = to_lower(path.filename().string());
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::string name = to_lower(files::name_without_packing(path.filename().string()));
   const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
   return std::ranges::any_of(particle_formats(), [&](const ParticleFormat* format) {
     return std::ranges::any_of(format->about().extensions, claims);

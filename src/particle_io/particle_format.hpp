@@ -44,13 +44,12 @@ struct ParticleReadOptions {
 struct ParticleFormatDescription {
   std::string id = {};                       // name by which it is selected: "lammps"; lower case, never changes
   std::string title = {};                    // one line for users
-  std::vector<std::string> extensions = {};  // file name endings in lower case: ".csv"; ".gz" may follow
+  std::vector<std::string> extensions = {};  // file name endings in lower case: ".csv"; ".gz" and the like may follow
   bool has_frames = false;                   // files may have several frames, selected by ParticleReadOptions::frame
   bool has_columns = false;                  // ParticleReadOptions::columns may select the columns of x, y and z
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
   bool needs_extension = false;              // only the extension of the file name identifies the format
-  bool from_standard_input = true;           // false: the plug-in of the format needs a path
-  bool is_plugin = false;                    // a plug-in reads it, with `library`; the rest as in FormatDescription
+  bool is_plugin = false;  // a plug-in reads it, with `library`; the rest as in FormatDescription
   std::string library = {};
   std::string package = {};
   std::string plugin = {};

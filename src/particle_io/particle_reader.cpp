@@ -16,8 +16,10 @@
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
+#include "files/unpacked_files.hpp"
 #include "particle_io/detail/particle_columns.hpp"
 #include "particle_io/detail/particle_source.hpp"
+#include "plugin_host/unpacked_input.hpp"
 
 namespace isoextract::particle_io {
 namespace {
@@ -31,8 +33,7 @@ const ParticleFormat* particles_by_id(std::string_view id) {
 
 // If `only_tellable` is set, skips formats that their content would have identified.
 const ParticleFormat* particles_by_extension(const std::filesystem::path& path, bool only_tellable) {
-  std::string name = to_lower(path.filename().string());
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::string name = to_lower(files::name_without_packing(path.filename().string()));
   for (const ParticleFormat* format : particle_formats()) {
     if (only_tellable && !format->about().needs_extension) continue;
     const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
@@ -100,7 +101,8 @@ auto with_input(const std::string& input, const ParticleReadOptions& options, co
     -> Result<decltype(work(std::declval<const files::InputFile&>()))> {
   const std::string name = files::input_label(input);
   try {
-    const auto file = must(files::InputFile::open(input, context));
+    const std::string path = must(plugin_host::unpacked_input(input, plugin_host::GzipFiles::keep, context));
+    const auto file = must(files::InputFile::open(path, context));
     return work(file);
   } catch (const Refused& refused) {
     return tl::unexpected(refused.error);

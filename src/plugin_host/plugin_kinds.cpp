@@ -10,4 +10,6 @@ const PluginKind kVolumePlugins{"isoextract-volume-", "isoextract_volume_plugin"
 const PluginKind kParticlePlugins{"isoextract-particles-", "isoextract_particle_plugin",
                                   ISOEXTRACT_PARTICLE_PLUGIN_VERSION};
 
+const PluginKind kUnpackPlugins{"isoextract-unpack-", "isoextract_volume_plugin", ISOEXTRACT_VOLUME_PLUGIN_VERSION};
+
 }  // namespace isoextract::plugin_host

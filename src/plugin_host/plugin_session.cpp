@@ -8,6 +8,7 @@
 
 #include "base/buffer.hpp"
 #include "base/printable.hpp"
+#include "files/unpacked_files.hpp"
 #include "plugin_host/detail/volume_request.hpp"
 #include "plugin_host/plugin_samples.hpp"
 #include "sandbox/program.hpp"
@@ -96,7 +97,7 @@ class ParticlesHere final : public ParticleSession {
 
   Result<void> open(const files::InputFile& file, const ParticleSelection& wanted) {
     const char* grid = wanted.grid == nullptr ? nullptr : wanted.grid->c_str();
-    const auto opened = done(plugin_.open(file.path().c_str(), grid, wanted.frame, &file_));
+    const auto opened = done(plugin_.open(files::openable_path(file).c_str(), grid, wanted.frame, &file_));
     is_open_ = opened.has_value();
     return opened;
   }

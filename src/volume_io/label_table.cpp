@@ -15,11 +15,13 @@
 #include "files/content_hash.hpp"
 #include "files/file_bytes.hpp"
 #include "files/text_file.hpp"
+#include "volume_io/detail/dense_format.hpp"
 
 namespace isoextract::volume_io {
 namespace {
 
-constexpr std::size_t kMaxShown = 60;  // most bytes of a line shown in a message
+constexpr std::string_view kTableExtension = ".ctbl";  // extension of 3D Slicer
+constexpr std::size_t kTableShown = 60;                // most bytes of a line shown in a message
 
 std::optional<std::int64_t> whole_number(std::string_view word) {
   std::int64_t number = 0;
@@ -49,11 +51,11 @@ std::optional<glm::dvec3> color_from_text(std::span<const std::string_view> word
 }
 
 // Returns nothing if the line is not a label.
-std::optional<LabelEntry> entry_of(std::string_view line) {
+std::optional<field::LabelName> entry_of(std::string_view line) {
   const bool is_text = std::ranges::none_of(
       line, [](char c) { return (static_cast<unsigned char>(c) < ' ' && c != '\t') || c == '\x7f'; });
   if (!is_text) return std::nullopt;
-  LabelEntry entry;
+  field::LabelName entry;
   std::optional<glm::dvec3> color;
   const std::size_t quote = line.find('"');
   const std::vector<std::string_view> words = words_of_line(line.substr(0, quote));
@@ -69,7 +71,7 @@ std::optional<LabelEntry> entry_of(std::string_view line) {
   const auto label = whole_number(words[0]);
   if (!label || !color || entry.name.empty()) return std::nullopt;
   entry.label = *label;
-  entry.color = *color;
+  entry.color = color;
   return entry;
 }
 
@@ -93,7 +95,7 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
                   fmt::format("{}: line {}: expected a label as ITK-SNAP (number, red, green, blue, alpha, two flags, "
                               "\"name\") or FreeSurfer (number, name, red, green, blue, alpha) write it, with colors "
                               "from 0 to 255, found '{}'",
-                              source, number, printable(line, kMaxShown)));
+                              source, number, printable(line, kTableShown)));
     }
     table.entries_.push_back(std::move(*entry));
   }
@@ -101,12 +103,12 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
     return fail(ErrorCode::input,
                 fmt::format("{}: expected at least one label, found only empty lines and comments", source));
   }
-  std::ranges::stable_sort(table.entries_, {}, &LabelEntry::label);
-  const auto twice = std::ranges::adjacent_find(table.entries_, {}, &LabelEntry::label);
+  std::ranges::stable_sort(table.entries_, {}, &field::LabelName::label);
+  const auto twice = std::ranges::adjacent_find(table.entries_, {}, &field::LabelName::label);
   if (twice != table.entries_.end()) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected each label once, found {} as '{}' and as '{}'", source, twice->label,
-                            printable(twice->name, kMaxShown), printable((twice + 1)->name, kMaxShown)));
+                            printable(twice->name, kTableShown), printable((twice + 1)->name, kTableShown)));
   }
   return table;
 }
@@ -116,13 +118,23 @@ Result<LabelTable> LabelTable::read(const std::string& path, const Context& cont
   return parse(text, files::input_label(path));
 }
 
-const LabelEntry* LabelTable::find(std::int64_t label) const {
-  const auto at = std::ranges::lower_bound(entries_, label, {}, &LabelEntry::label);
-  return at != entries_.end() && at->label == label ? &*at : nullptr;
-}
-
-bool LabelTable::shares_name(const LabelEntry& entry) const {
-  return std::ranges::count(entries_, entry.name, &LabelEntry::name) > 1;
+std::optional<std::filesystem::path> find_label_table(const std::filesystem::path& label_map) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  const fs::path folder = label_map.has_parent_path() ? label_map.parent_path() : fs::path(".");
+  const std::string stem = stem_of(label_map);
+  for (const std::string_view ending :
+       {kTableExtension, std::string_view("_ColorTable.ctbl"), std::string_view("_LUT.txt")}) {
+    fs::path table = label_map.parent_path() / (stem + std::string(ending));
+    if (fs::is_regular_file(table, none)) return table;
+  }
+  std::optional<fs::path> found;
+  for (fs::directory_iterator entry(folder, none), end; !none && entry != end; entry.increment(none)) {
+    if (to_lower(entry->path().extension().string()) != kTableExtension) continue;
+    if (found) return std::nullopt;
+    found = label_map.parent_path() / entry->path().filename();
+  }
+  return found;
 }
 
 glm::dvec3 default_label_color(std::int64_t label) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,16 +12,9 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "field/scalar_field.hpp"
 
 namespace isoextract::volume_io {
-
-struct LabelEntry {
-  std::int64_t label = 0;
-  std::string name;
-  glm::dvec3 color{0.0};  // sRGB, each channel from 0 to 1
-
-  friend bool operator==(const LabelEntry&, const LabelEntry&) = default;
-};
 
 class LabelTable {
  public:
@@ -38,17 +33,19 @@ class LabelTable {
   // Reads a file; also fails if it cannot be read or is larger than kMaxBytes.
   [[nodiscard]] static Result<LabelTable> read(const std::string& path, const Context& context);
 
-  [[nodiscard]] const std::vector<LabelEntry>& entries() const { return entries_; }  // in ascending order of label
-  // Returns null if the label is not in the table.
-  [[nodiscard]] const LabelEntry* find(std::int64_t label) const;
-  // Returns whether another label has the same name.
-  [[nodiscard]] bool shares_name(const LabelEntry& entry) const;
+  // Returns all labels, with their colors, in ascending order of label.
+  [[nodiscard]] const std::vector<field::LabelName>& entries() const { return entries_; }
   [[nodiscard]] const std::string& hash() const { return hash_; }  // of the table's text
 
  private:
-  std::vector<LabelEntry> entries_;
+  std::vector<field::LabelName> entries_;
   std::string hash_;
 };
+
+// Returns the table that belongs to a label map by its name or folder; nothing if there is none. The first of these
+// that exists, for a file NAME.EXTENSION: NAME.ctbl, NAME_ColorTable.ctbl, NAME_LUT.txt, and the only *.ctbl in its
+// folder.
+[[nodiscard]] std::optional<std::filesystem::path> find_label_table(const std::filesystem::path& label_map);
 
 // Returns the sRGB color, each channel from 0 to 1, of a label without a table entry; consecutive labels get very
 // different hues.

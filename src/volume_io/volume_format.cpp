@@ -28,7 +28,7 @@ std::span<const VolumeFormat* const> volume_formats() {
         &npy_format(),    //
         &npz_format(),    //
         &raw_format(),    //
-        &demo_format(),
+        &raw_header_format(), &demo_format(),
     };
     for (const auto& plugin : plugins) {
       const auto same = [&](const VolumeFormat* format) { return format->about().id == plugin->about().id; };

@@ -30,7 +30,9 @@ struct RawLayout {
   glm::ivec3 dims{0};  // x, y, z; x varies fastest unless ReadOptions::axis_order is xyz
   field::SampleType type = field::SampleType::u8;
   std::endian endian = std::endian::little;
-  std::uint64_t skip = 0;  // bytes before the first sample
+  std::uint64_t skip = 0;        // bytes before the first sample
+  std::uint64_t components = 1;  // numbers per sample
+  bool planar = false;           // each volume has one component after another, else sample by sample
 
   friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };

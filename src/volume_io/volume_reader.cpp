@@ -12,6 +12,7 @@
 #include "base/printable.hpp"
 #include "field/no_data.hpp"
 #include "files/file_bytes.hpp"
+#include "files/unpacked_files.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 #include "volume_io/detail/slice_stack.hpp"
 #include "volume_io/detail/volume_detect.hpp"
@@ -83,11 +84,13 @@ struct Located {
   ReadOptions options;
 };
 
-Result<Located> locate(const std::string& input, const ReadOptions& options) {
+// Returns the input's file, unpacked if it is compressed or an archive.
+Result<Located> locate(const std::string& input, const ReadOptions& options, const Context& context) {
   Located located{input, options};
   const auto inner = find_inner_path(input);
+  if (inner) located.input = input.substr(0, *inner);
+  if (!is_named_by_prefix(input)) located.input = TRY(unpack_for_volumes(located.input, options, context));
   if (!inner) return located;
-  located.input = input.substr(0, *inner);
   std::string grid = input.substr(*inner + 1);
   if (options.grid && *options.grid != grid) {
     return fail(ErrorCode::usage,
@@ -104,7 +107,7 @@ template <class F>
 auto with_format(const std::string& input, const ReadOptions& options, const Context& context, F&& work)
     -> decltype(work(DetectedFormat(), Located())) {
   try {
-    const auto located = TRY(locate(input, options));
+    const auto located = TRY(locate(input, options, context));
     const auto detected = TRY(detect_format(located.input, located.options, context));
     TRY(check_options(files::input_label(located.input), detected.format->about(), located.options));
     return work(detected, located);
@@ -146,7 +149,7 @@ Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& op
       return detected.format == format;
     }
     if (options.format) return false;
-    const auto located = TRY(locate(input, options));
+    const auto located = TRY(locate(input, options, context));
     return has_volume_content(located.input, context);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(allocation_error(files::input_label(input) + ": not enough memory to read it"));
@@ -163,7 +166,7 @@ Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOpt
 
 Result<std::string> grid_label(const std::string& input, const ReadOptions& options, const Context& context) {
   const auto grids = TRY(list_grids(input, options, context));
-  const auto located = TRY(locate(input, options));
+  const auto located = TRY(locate(input, options, context));
   const std::optional<std::string>& wanted = located.options.grid;
   const auto chosen = choose_grid(files::input_label(input), grids, wanted);
   if (chosen) return (grids)[*chosen].label;
@@ -211,16 +214,24 @@ Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions&
 
 Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input, const ReadOptions& options,
                                                             const Context& context) {
-  return with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
+  auto paths = with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
     return detected.format->files(at.input, at.options, context);
   });
+  if (paths) std::ranges::transform(*paths, paths->begin(), files::packed_source);
+  return paths;
 }
 
 Result<std::vector<files::FilePart>> list_input_parts(const std::string& input, const ReadOptions& options,
                                                       const Context& context) {
-  return with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
+  auto parts = with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
     return detected.format->parts(at.input, at.options, context);
   });
+  for (std::size_t i = 0; parts && i < parts->size(); ++i) {
+    files::FilePart& part = (*parts)[i];
+    std::filesystem::path source = files::packed_source(part.path);
+    if (source != part.path) part = {std::move(source), {}};
+  }
+  return parts;
 }
 
 Result<field::ScalarField> read_volume(const std::string& input, const ReadOptions& options, const Context& context) {

@@ -271,12 +271,30 @@ class PartTest(FilesTest):
         self.assertEqual((choice["volume"], choice["component"]), (2, None))
         self.convert("ct.nrrd", "--iso", "0.5", "--color-by", "a=pet.nrrd:volume=1:viridis:0,9", "-o", "c.glb")
 
+    def test_vectors(self):
+        """All components of a NRRD and of arrays of four axes, which have the input's shape."""
+        several = [npy(lambda *at, n=n: (1 + n) * linear(*at)) for n in range(3)]
+        size = 4 * math.prod(DIMS)
+        head = several[0][:-size].replace(b"(7, 8, 9)", b"(7, 8, 9, 3)").replace(b"   \n", b"\n")
+        body = b"".join(n for voxel in zip(*(struct.iter_unpack("4s", one[-size:]) for one in several)) for (n,) in voxel)
+        self.write("disp.npy", head + body)
+        with zipfile.ZipFile(self.folder / "all.npz", "w") as archive:
+            archive.writestr("disp.npy", head + body)
+            archive.writestr("other.npy", several[0])
+        for source in ("disp.nrrd", "disp.npy", "all.npz[disp]"):
+            found = self.ply("ct.nrrd", "--attribute", f"a={source}")
+            for n in range(3):
+                self.assert_linear({**found, "a": [value / (1 + n) for value in found[f"a_{n}"]]}, lambda place: place)
+        # Another shape: the array has several volumes.
+        self.write("wrong.npy", head.replace(b"(7, 8, 9, 3)", b"(9, 8, 7, 3)") + body)
+        run = self.run_program("ct.nrrd", "--iso", "0.5", "--attribute", "a=wrong.npy", "-o", "no.ply")
+        self.assert_fails(2, run, "9 volumes")
+
     def test_hints_name_what_works(self):
         for setting, message, hint in (
                 ("pet.nrrd", "because the file has 3 volumes", "choose one of them with :volume=K behind NAME=FILE, K from 0 to 2"),
                 ("pet.nrrd:volume=3", "there is no volume 3", ":volume=K behind NAME=FILE, K from 0 to 2"),
                 ("ct.nrrd:volume=1", "there is no volume 1", "leave :volume= out"),
-                ("disp.nrrd", "found 3 components", ":component=K behind NAME=FILE, K from 0 to 2; use :component=length to take the length of the vector"),
                 ("disp.nrrd:component=3", "there is no component 3", ":component=K"),
                 ("ct.nrrd:component=1", "expected several components per sample", "leave :component= out")):
             run = self.run_program("ct.nrrd", "--iso", "0.5", "--attribute", f"a={setting}", "-o", "no.ply")

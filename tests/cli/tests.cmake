@@ -12,7 +12,7 @@ foreach(name IN LISTS names)
     TIMEOUT ${hanging_seconds})
 endforeach()
 # Its plug-ins are those of tests/plugins.
-set_property(TEST cli.plugin cli.child APPEND PROPERTY ENVIRONMENT "ISOEXTRACT_TEST_PLUGINS=${test_plugins}")
+set_property(TEST cli.plugin cli.child cli.compressed APPEND PROPERTY ENVIRONMENT "ISOEXTRACT_TEST_PLUGINS=${test_plugins}")
 
 # Sanitizers want to be the first library of a process, which is not what the portable folder is about; nor is what is
 # installed.

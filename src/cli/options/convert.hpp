@@ -86,16 +86,19 @@ struct ConvertFlags : OptionSet {
       "--labels",
       "all|L,...",
       parse_labels,
-      "Labels of a label map to extract, in place of --iso. all takes every label but 0; or list them. Each becomes a "
-      "mesh of its own, "
-      "called label L. Samples must be integers. With --method surface-nets (the default then) or voxels.",
+      "Labels of a label map to extract, in place of --iso. all takes every label but 0 (the default for files that "
+      "name their labels); or list them. Each becomes a mesh of its own, called label L or by its name. Samples must "
+      "be "
+      "integers. With --method surface-nets (the default then) or voxels.",
       About::surface};
   Value<std::string> label_names{only_convert(OptionGroup::surface),
                                  "--label-names",
                                  "FILE",
                                  parse_text,
                                  "Table with names and colors of labels. As ITK-SNAP, FreeSurfer or 3D Slicer write "
-                                 "it. Meshes get the names, and in glb, gltf and ply the colors.",
+                                 "it. Meshes get the names, and in glb, gltf and ply the colors. Default: the names in "
+                                 "the file of the labels, else a table beside it (NAME.ctbl, NAME_ColorTable.ctbl, "
+                                 "NAME_LUT.txt or the only *.ctbl); none: no table.",
                                  About::surface};
   Flag heightfield{
       only_convert(OptionGroup::surface), "--heightfield",

@@ -69,8 +69,9 @@ struct InputFlags : OptionSet {
                                  "of particles. 'isoextract info' shows how many there are."};
   Value<volume_io::ComponentChoice> component{
       *this, "--component", "K|length", parse_component,
-      "One component of samples that are vectors, or length. For NIfTI, NRRD and NumPy files with several numbers per "
-      "sample, such as vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then read as "
+      "One component of samples that are vectors, or length. For NIfTI, NRRD, NumPy and raw files with several numbers "
+      "per sample, such as vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then "
+      "read as "
       "[z, y, x, c]."};
   Value<std::uint64_t> level{
       *this, "--level", "K", parse_size,
@@ -92,6 +93,18 @@ struct InputFlags : OptionSet {
                             About::raw_file};
   Value<std::uint64_t> skip{
       *this, "--skip", "BYTES", parse_size, "Bytes before a raw file's first sample (default: 0).", About::raw_file};
+  Value<std::uint64_t> components{*this,
+                                  "--components",
+                                  "N",
+                                  parse_components,
+                                  "Numbers per sample of a raw file (default: 1). Sample by sample, unless --planar "
+                                  "is given. --component chooses one.",
+                                  About::raw_file};
+  Flag planar{
+      *this, "--planar",
+      "Components of a raw file lie one after another. Each volume has all samples of the first component, then "
+      "those of the second. With --components.",
+      About::raw_file};
   Value<volume_io::AxisOrder> axis_order{
       *this, "--axis-order",
       "Axis order of a NumPy array or raw file (default: zyx). The last axis varies fastest, unless the file states "

@@ -4,33 +4,45 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/note.hpp"
 #include "convert/conversion_job.hpp"
+#include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
-#include "volume_io/label_table.hpp"
 
 namespace isoextract::convert {
 
 class LabelAppearance {
  public:
-  // Reads the job's table of labels, if it has one. Fails as LabelTable::read() does, and with ErrorCode::input if the
-  // file has changed since the job was made.
-  [[nodiscard]] static Result<LabelAppearance> open(const ConversionJob& job, const Context& context);
+  // Takes the names of the job's table of labels if it has one, else those that the field's file states for `layer`.
+  // Fails as LabelTable::read() does, and with ErrorCode::input if the table has changed since the job was made.
+  [[nodiscard]] static Result<LabelAppearance> open(const ConversionJob& job, const field::ScalarField& field,
+                                                    std::optional<std::int64_t> layer, const Context& context);
 
-  // Returns the label's name in the table, with the number if several labels share it; else the field's name and the
-  // number.
+  // Returns the label's name, with the number if several labels share it; else the field's name and the number.
   [[nodiscard]] std::string name(const std::string& field, std::int64_t label) const;
 
-  // Sets the label's color, from the table or a default: in glTF as a material, in PLY as vertex colors if there is a
-  // table. Does nothing for other formats, or if the job colors by something else. Fails with
+  // Returns a note about the labels with names, of this layer, that are not among those `found` in the samples: of the
+  // region if `in_region`. Returns nothing if there are none. The label 0 does not count. `source` starts the text.
+  [[nodiscard]] std::optional<Note> note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
+                                                    bool in_region) const;
+
+  // Sets the label's color, from its names or a default: in glTF as a material, in PLY as vertex colors if the
+  // labels have names. Does nothing for other formats, or if the job colors by something else. Fails with
   // ErrorCode::out_of_memory.
   [[nodiscard]] Result<void> color(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
                                    const Context& context) const;
 
  private:
-  std::optional<volume_io::LabelTable> table_;
+  [[nodiscard]] const field::LabelName* find(std::int64_t label) const;
+  [[nodiscard]] bool is_here(const field::LabelName& entry) const { return !entry.layer || entry.layer == layer_; }
+
+  std::vector<field::LabelName> labels_;  // with names, of all layers
+  std::optional<std::int64_t> layer_;
+  bool has_table_ = false;  // a table may name any number of labels besides those of the map
 };
 
 }  // namespace isoextract::convert

@@ -1,6 +1,7 @@
 #include "convert/detail/several_grids.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -49,6 +50,57 @@ std::size_t first_iso_of(const ConversionJob& job, std::size_t output, const std
     if (has_surfaces_of(job.outputs[o], grid)) first += job.outputs[o].isos.size();
   }
   return first;
+}
+
+Result<std::vector<std::optional<std::int64_t>>> volumes_of(const SourceOptions& source,
+                                                            const std::vector<IsoChoice>& isos,
+                                                            const Context& context) {
+  std::vector<std::optional<std::int64_t>> volumes{source.read.volume};
+  if (isos.empty() || !std::ranges::all_of(isos, &IsoChoice::is_label) || source.read.volume) return volumes;
+  const auto particles = TRY(is_particles(source, context));
+  if (particles) return volumes;
+  const auto grids = TRY(volume_io::list_grids(source.input, source.read, context));
+  std::set<std::uint64_t> layers;
+  for (const volume_io::GridInfo& grid : grids) {
+    if (source.read.grid && !grid.matches_name(*source.read.grid)) continue;
+    for (const field::LabelName& label : grid.labels) {
+      if (label.layer) layers.insert(*label.layer);
+    }
+  }
+  if (layers.empty()) return volumes;
+  return std::vector<std::optional<std::int64_t>>(layers.begin(), layers.end());
+}
+
+std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos) {
+  extract::LabelChoice choice;
+  for (const ResolvedIso& iso : isos) {
+    if (!iso.asked.is_label()) return std::nullopt;
+    choice.all = choice.all || !iso.id.is_label();
+    if (iso.id.is_label()) choice.values.push_back(iso.id.label());
+  }
+  return isos.empty() ? std::nullopt : std::optional(choice);
+}
+
+std::vector<ResolvedIso> surfaces_of(const field::ScalarField& field, std::span<const ResolvedIso> asked,
+                                     const std::vector<std::int64_t>* labels, std::optional<std::int64_t> layer) {
+  if (labels == nullptr) return without_repeats(asked);
+  std::vector<ResolvedIso> surfaces = expand_labels(asked, *labels);
+  const bool is_list = std::ranges::all_of(asked, [](const ResolvedIso& iso) { return iso.id.is_label(); });
+  if (!layer || !is_list) return surfaces;
+  std::optional<std::int64_t> first;
+  for (const field::LabelName& label : field.labels) {
+    if (label.layer) first = std::min(first.value_or(*label.layer), *label.layer);
+  }
+  std::erase_if(surfaces, [&](const ResolvedIso& iso) {
+    bool is_named = false;
+    for (const field::LabelName& label : field.labels) {
+      if (label.label != iso.id.label()) continue;
+      if (label.layer == layer) return false;
+      is_named = true;
+    }
+    return is_named || first != layer;
+  });
+  return surfaces;
 }
 
 Result<void> check_grids(const SourceOptions& source, const Context& context) {

@@ -1,14 +1,20 @@
-// Jobs with several grids of one input: the grids of each output, and a check that all grids exist.
+// Jobs with several grids of one input, or several layers of a label map: the grids of each output, the layers of each
+// grid, and a check that all grids exist.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
+#include "convert/iso_values.hpp"
+#include "extract/voxels.hpp"
+#include "field/scalar_field.hpp"
 
 namespace isoextract::convert {
 
@@ -26,6 +32,23 @@ namespace isoextract::convert {
 // Returns the index in isos_of() of the first iso value of one output, which contains surfaces of the grid.
 [[nodiscard]] std::size_t first_iso_of(const ConversionJob& job, std::size_t output,
                                        const std::optional<std::string>& grid);
+
+// Returns the volumes of a grid to extract from, in order: SourceOptions::read.volume; if it is unset and all `isos`
+// are labels, the layers of a label map whose labels overlap (field::LabelName::layer). Fails as
+// volume_io::list_grids() does. Reads no samples.
+[[nodiscard]] Result<std::vector<std::optional<std::int64_t>>> volumes_of(const SourceOptions& source,
+                                                                          const std::vector<IsoChoice>& isos,
+                                                                          const Context& context);
+
+// Returns the labels to extract; nothing if there is an iso value among `isos`, or no label.
+[[nodiscard]] std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos);
+
+// Returns the surfaces to extract from a field, each once: the iso values in `asked`, or the chosen `labels` if not
+// null. Of a list of labels and a field that is one of several layers, only those that the file names for this layer;
+// the first layer also has those that the file names for none.
+[[nodiscard]] std::vector<ResolvedIso> surfaces_of(const field::ScalarField& field, std::span<const ResolvedIso> asked,
+                                                   const std::vector<std::int64_t>* labels,
+                                                   std::optional<std::int64_t> layer);
 
 // Checks jobs with several grids. Fails with ErrorCode::input if a grid is not in the input, and with ErrorCode::usage
 // if a grid holds particles or two names mean the same grid. Reads no samples.

@@ -44,6 +44,21 @@ std::shared_ptr<ParkedStreams> OpenedFiles::streams() const {
   return before_ ? before_->streams() : nullptr;
 }
 
+std::shared_ptr<const UnpackedFiles> OpenedFiles::find_unpacked(const FileVersion& version) const {
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [of, unpacked] : unpacked_) {
+      if (of == version) return unpacked;
+    }
+  }
+  return before_ ? before_->find_unpacked(version) : nullptr;
+}
+
+void OpenedFiles::keep_unpacked(const FileVersion& version, std::shared_ptr<const UnpackedFiles> unpacked) {
+  const std::scoped_lock lock(mutex_);
+  unpacked_.emplace_back(version, std::move(unpacked));
+}
+
 std::shared_ptr<OpenedFiles> opened_files_of(const Context& context) {
   return context.opened_files(
       [](std::shared_ptr<OpenedFiles> before) { return std::make_shared<OpenedFiles>(std::move(before)); });

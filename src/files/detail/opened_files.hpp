@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "base/context.hpp"
@@ -14,6 +15,7 @@
 namespace isoextract::files {
 
 class ParkedStreams;  // parked_streams.hpp
+class UnpackedFiles;  // unpacked_files.hpp
 
 // Owns its descriptor and closes it.
 struct OpenFile {
@@ -38,6 +40,10 @@ class OpenedFiles {
   [[nodiscard]] std::shared_ptr<const OpenFile> find(const std::filesystem::path& path) const;
   void add(std::shared_ptr<const OpenFile> file);
 
+  // Returns what was unpacked from this version of a file, also from `before`; null if nothing was.
+  [[nodiscard]] std::shared_ptr<const UnpackedFiles> find_unpacked(const FileVersion& version) const;
+  void keep_unpacked(const FileVersion& version, std::shared_ptr<const UnpackedFiles> unpacked);
+
   // Sets the streams that readers of this table may keep; null: none.
   void keep_streams(std::shared_ptr<ParkedStreams> streams);
   // Returns the streams of this table, else those of `before`; null if there are none.
@@ -50,6 +56,7 @@ class OpenedFiles {
   mutable std::mutex mutex_;
   std::vector<std::shared_ptr<const OpenFile>> files_;  // most recent last
   std::shared_ptr<ParkedStreams> streams_;
+  std::vector<std::pair<FileVersion, std::shared_ptr<const UnpackedFiles>>> unpacked_;
 };
 
 // Returns the table of the context; makes it if there is none.

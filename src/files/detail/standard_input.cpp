@@ -118,14 +118,19 @@ BufferedInput::~BufferedInput() {
 
 int BufferedInput::open() const { return open_again(descriptor_); }
 
-Result<int> open_standard_input(const Context& context) {
+Result<int> kept_standard_input(const Context& context) {
   // Also keeps a failure, as bytes already read cannot be read again.
   static std::mutex mutex;
   static std::optional<Result<BufferedInput>> kept;
   const std::scoped_lock lock(mutex);
   if (!kept) kept.emplace(BufferedInput::take(STDIN_FILENO, context));
   if (!*kept) return tl::unexpected(kept->error());
-  const int descriptor = (*kept)->open();
+  return (*kept)->descriptor();
+}
+
+Result<int> open_standard_input(const Context& context) {
+  const int kept = TRY(kept_standard_input(context));
+  const int descriptor = open_again(kept);
   if (descriptor < 0) return cannot_read(errno);
   return descriptor;
 }

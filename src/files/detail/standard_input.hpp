@@ -22,6 +22,7 @@ class BufferedInput {
 
   // Returns a new descriptor at byte 0 with its own file offset, which the caller closes; -1 with errno set on failure.
   [[nodiscard]] int open() const;
+  [[nodiscard]] int descriptor() const { return descriptor_; }  // owned by this object
 
  private:
   BufferedInput(int descriptor, std::vector<Reservation> memory);
@@ -29,6 +30,10 @@ class BufferedInput {
   int descriptor_ = -1;
   std::vector<Reservation> memory_;
 };
+
+// Returns the descriptor of the kept standard input, for a path that other processes can open; do not seek or close it.
+// Fails as open_standard_input() does.
+[[nodiscard]] Result<int> kept_standard_input(const Context& context);
 
 // Returns a descriptor as BufferedInput::open() does, of this process's standard input. The first call reads it, in its
 // context, and keeps it, or its failure, until the process ends. Safe to call from several threads.

@@ -73,11 +73,6 @@ class PluginParticles : public ParticleFormat {
    public:
     OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
         : id_(format.about().id), name_(file.name()), context_(file.context()) {
-      if (files::is_standard_input(file.path())) {
-        throw InvalidParticleFile(
-            fmt::format("the plug-in for {} cannot read standard input, because it needs the path of a file", id_),
-            "write the data to a file first");
-      }
       const std::string what = file.name() + ": the memory of the plug-in that reads it";
       // The size is known only later; until then reserves twice the size of the file.
       memory_ = must(
@@ -191,8 +186,7 @@ class VtkParticles final : public PluginParticles {
   explicit VtkParticles(plugin_host::PluginFolders folders)
       : PluginParticles({.id = "vtk",
                          .title = "VTK, legacy and XML: unstructured grids and poly data of points",
-                         .extensions = {".vtk", ".vtu", ".vtp"},
-                         .from_standard_input = false},
+                         .extensions = {".vtk", ".vtu", ".vtp"}},
                         std::move(folders)) {}
 
   // Other kinds of VTK data are volumes or tables.
@@ -219,8 +213,7 @@ class OpenVdbParticles final : public PluginParticles {
       : PluginParticles({.id = plugin_host::kOpenVdbPlugin,
                          .title = "OpenVDB's point grids",
                          .extensions = {".vdb"},
-                         .has_grids = true,
-                         .from_standard_input = false},
+                         .has_grids = true},
                         std::move(folders)) {}
 
   // Claims files that only have points, or whose selected grid is a point grid.
@@ -257,8 +250,7 @@ std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const p
                                                                           .title = std::move(table.title),
                                                                           .extensions = std::move(table.extensions),
                                                                           .has_frames = true,
-                                                                          .needs_extension = true,
-                                                                          .from_standard_input = false},
+                                                                          .needs_extension = true},
                                                 folders));
   }
   return formats;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "files/unpacked_files.hpp"
 #include "plugin_host/detail/worker_conversation.hpp"
 #include "plugin_host/plugin_session.hpp"
 
@@ -19,7 +20,7 @@ class WorkerParticleSession final : public ParticleSession {
 
   Result<void> open(const files::InputFile& file, const ParticleSelection& wanted) {
     talk_->tell(say(MessageKind::open_particles)
-                    .text(file.path().string())
+                    .text(files::openable_path(file))
                     .number(wanted.grid == nullptr ? 0 : 1)
                     .text(wanted.grid == nullptr ? std::string_view() : *wanted.grid)
                     .number(wanted.frame));

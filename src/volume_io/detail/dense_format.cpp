@@ -6,6 +6,7 @@
 
 #include "base/checked.hpp"
 #include "base/printable.hpp"
+#include "files/unpacked_files.hpp"
 #include "volume_io/detail/dense_reading.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 
@@ -94,14 +95,20 @@ GridInfo grid_of(const DenseFile& dense, std::string name) {
   if (dense.wide != Integer64::none) grid.type = dense.wide == Integer64::i64 ? "i64" : "u64";
   grid.volumes = dense.volumes;
   grid.components = dense.components;
+  grid.labels = dense.labels;
+  grid.length_unit = dense.length_unit;
+  grid.world_space = dense.world_space;
+  grid.component_names = dense.component_names;
   return grid;
 }
 
 std::string stem_of(const std::filesystem::path& path) {
   if (files::is_standard_input(path)) return "stdin";
-  std::filesystem::path stem = path.stem();
-  if (path.extension() == ".gz") stem = stem.stem();
-  return stem.string();
+  // The folder of an unpacked archive has a name of its own.
+  std::error_code none;
+  const std::filesystem::path source = files::packed_source(path);
+  if (source != path && std::filesystem::is_directory(path, none)) return stem_of(source);
+  return std::filesystem::path(files::name_without_packing(path.filename())).stem().string();
 }
 
 }  // namespace isoextract::volume_io

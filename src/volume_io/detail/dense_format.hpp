@@ -38,13 +38,14 @@ struct DenseFile {
   bool interleaved = false;      // stored sample by sample: the first samples of all volumes, then the second ones;
                                  // else volume by volume
   std::uint64_t components = 1;  // components per sample, at least
-  bool components_interleaved = false;  // whether components are stored sample by sample, else component by component
-  bool component_before_volume = true;  // if both axes are on the same side of the spatial ones, components are the
-                                        // faster
-  std::string component_names;          // names of the components in order; may be empty
-  Hint other_interpretation;            // other interpretation of a file with several volumes; see choose_volume()
-  std::vector<SamplePiece> pieces;      // of all volumes and components
-  bool size_is_exact = false;           // bytes after the samples are an error instead of a note
+  bool components_interleaved = false;   // whether components are stored sample by sample, else component by component
+  bool component_before_volume = true;   // if both axes are on the same side of the spatial ones, components are the
+                                         // faster
+  std::vector<field::LabelName> labels;  // as in ScalarField
+  std::string component_names;           // names of the components in order; may be empty
+  Hint other_interpretation;             // other interpretation of a file with several volumes; see choose_volume()
+  std::vector<SamplePiece> pieces;       // of all volumes and components
+  bool size_is_exact = false;            // bytes after the samples are an error instead of a note
   Notes notes;
 };
 

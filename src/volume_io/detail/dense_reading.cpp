@@ -225,6 +225,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   if (chosen) field.scale = dense.scale;
   field.notes = std::move(dense.notes);
   field.samples = std::move(samples);
+  field.labels = std::move(dense.labels);
   TRY(set_placement(field, dense.frame, options));
   return field;
 }

@@ -16,6 +16,7 @@ namespace isoextract::volume_io {
 [[nodiscard]] const VolumeFormat& npy_format();
 [[nodiscard]] const VolumeFormat& npz_format();
 [[nodiscard]] const VolumeFormat& raw_format();
+[[nodiscard]] const VolumeFormat& raw_header_format();
 [[nodiscard]] const VolumeFormat& demo_format();
 
 }  // namespace isoextract::volume_io

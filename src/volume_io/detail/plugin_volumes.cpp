@@ -11,6 +11,7 @@
 #include "base/checked.hpp"
 #include "base/printable.hpp"
 #include "files/file_start.hpp"
+#include "files/unpacked_files.hpp"
 #include "plugin_host/plugin_kinds.hpp"
 #include "plugin_host/plugin_samples.hpp"
 #include "plugin_host/plugin_session.hpp"
@@ -57,10 +58,11 @@ class PluginFormat final : public VolumeFormat {
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
                                                    const Context& context) const override {
     const auto visit = TRY(visit_input(input, options, context));
-    const auto grids = TRY(describe(input, visit->list()));
+    const std::string label = files::input_label(input);
+    const auto grids = TRY(describe(label, visit->list()));
     if (options.volume) {
-      const auto chosen = choose_grid(input, grids, options.grid);
-      if (chosen) TRY(choose_volume(input, grids[*chosen].volumes, options.volume));
+      const auto chosen = choose_grid(label, grids, options.grid);
+      if (chosen) TRY(choose_volume(label, grids[*chosen].volumes, options.volume));
     }
     return grids;
   }
@@ -86,13 +88,14 @@ class PluginFormat final : public VolumeFormat {
     context.progress().begin("reading", 0);
     const auto visit = TRY(visit_input(input, options, context));
     const isoextract_volume_list& list = visit->list();
-    const auto grids = TRY(describe(input, list));
-    const auto chosen = TRY(choose_grid(input, grids, options.grid));
+    const std::string label = files::input_label(input);
+    const auto grids = TRY(describe(label, list));
+    const auto chosen = TRY(choose_grid(label, grids, options.grid));
 
     const isoextract_volume_grid& grid = list.grids[chosen];
     const GridInfo& info = grids[chosen];
     field::ScalarField field;
-    field.source = input;
+    field.source = label;
     field.name = info.name;
     if (grids.size() > 1 || !field.name.empty()) {
       field.grids = grids.size();
@@ -113,18 +116,18 @@ class PluginFormat final : public VolumeFormat {
     }
     plugin_host::VolumeSelection selection;
     selection.grid = chosen;
-    selection.volume = TRY(choose_volume(input, info.volumes, options.volume));
-    const auto component = TRY(choose_component(input, info.components, options.component, info.component_names));
+    selection.volume = TRY(choose_volume(label, info.volumes, options.volume));
+    const auto component = TRY(choose_component(label, info.components, options.component, info.component_names));
     selection.component = component ? static_cast<std::int64_t>(*component) : ISOEXTRACT_COMPONENT_LENGTH;
     // Lengths are computed of values.
     if (component) field.scale = {grid.slope, grid.intercept};
     if (!info.volume_times.empty()) field.time = info.volume_times[static_cast<std::size_t>(selection.volume)];
     if (grid.is_sparse != 0) {
-      TRY(read_sparse(*visit, input, selection, field));
+      TRY(read_sparse(*visit, label, selection, field));
       TRY(set_placement(field, frame_of(grid), options));
       return field;
     }
-    TRY(read_box(*visit, input, grid, selection, options, context, field));
+    TRY(read_box(*visit, label, grid, selection, options, context, field));
     return field;
   }
 
@@ -152,7 +155,7 @@ class PluginFormat final : public VolumeFormat {
   Result<plugin_host::VolumeInput> describe_input(const std::string& input, const ReadOptions& options,
                                                   const Context& context) const {
     plugin_host::VolumeInput wanted;
-    wanted.name = input;
+    wanted.name = files::input_label(input);
     wanted.path = input;
     wanted.context = context;
     wanted.volume = static_cast<std::uint64_t>(std::max<std::int64_t>(0, options.volume.value_or(0)));
@@ -166,6 +169,7 @@ class PluginFormat final : public VolumeFormat {
     if (!fs::is_directory(folder, none)) {
       folder = folder.parent_path();
       const auto file = TRY(files::InputFile::open(wanted.path, context));
+      if (wanted.files.empty()) wanted.path = files::openable_path(file);
       auto& start =
           wanted.start.emplace(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), files::kStartBytes)));
       TRY(file.read_at(0, start));
@@ -201,17 +205,11 @@ class PluginFormat final : public VolumeFormat {
   // Opens an input with the plug-in, which lists its grids.
   Result<std::unique_ptr<plugin_host::VolumeSession>> visit_input(const std::string& input, const ReadOptions& options,
                                                                   const Context& context) const {
-    if (files::is_standard_input(input)) {
-      return fail(ErrorCode::input,
-                  fmt::format("{}: the plug-in for {} cannot read it, because it needs the path of a file",
-                              files::kStandardInputName, about().id),
-                  "write the data to a file first");
-    }
     const auto wanted = TRY(describe_input(input, options, context));
     auto visit = plugin_host::open_volume_session(library_, about().id, wanted);
     if (!visit) return visit;
     if ((*visit)->list().grids == nullptr && (*visit)->list().count > 0) {
-      return refused(input, "a null list of grids");
+      return refused(files::input_label(input), "a null list of grids");
     }
     return visit;
   }

@@ -8,6 +8,8 @@
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
+#include "files/unpacked_files.hpp"
+#include "plugin_host/unpacked_input.hpp"
 #include "volume_io/detail/formats.hpp"
 #include "volume_io/detail/slice_stack.hpp"
 #include "volume_io/detail/unsupported_format.hpp"
@@ -33,7 +35,7 @@ const VolumeFormat* format_by_content(const files::FileStart& start) {
 
 // Returns the first format that has the name's ending, ignoring case.
 const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
-  const std::string name = to_lower(path.filename().string());
+  const std::string name = to_lower(files::name_without_packing(path.filename().string()));
   for (const VolumeFormat* format : volume_formats()) {
     const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
     if (std::ranges::any_of(format->about().extensions, claims)) return format;
@@ -92,6 +94,22 @@ bool is_folder(const std::string& input) {
   return !files::is_standard_input(input) && std::filesystem::is_directory(input, none);
 }
 
+// Returns the only file in an unpacked archive whose name is that of a volume, such as a header beside its data; the
+// folder itself if there is none or several.
+std::string only_volume_in(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::string found;
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code none;
+    const VolumeFormat* format = at->is_regular_file(none) ? format_by_extension(at->path()) : nullptr;
+    if (format == nullptr || format->about().needs_layout) continue;
+    if (!found.empty()) return folder;
+    found = at->path();
+  }
+  return found.empty() ? folder : found;
+}
+
 Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOptions& options, const Context& context) {
   if (options.format) return chosen_format(input, *options.format);
   for (const VolumeFormat* format : volume_formats()) {
@@ -100,7 +118,7 @@ Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOpti
   return fail(ErrorCode::input,
               fmt::format("{}: expected a file, or a folder of a format that isoextract reads, found a folder without "
                           "such files",
-                          input),
+                          files::input_label(input)),
               "name the files in the folder, with a pattern such as 'FOLDER/*'");
 }
 
@@ -155,6 +173,26 @@ std::optional<Error> unsupported_format_error(const std::filesystem::path& path,
   if (!file) return std::nullopt;
   const auto content = files::first_bytes(*file, files::kStartBytes);
   return content ? error_of_unread(*file, *content) : std::nullopt;
+}
+
+Result<std::string> unpack_for_volumes(const std::string& input, const ReadOptions& options, const Context& context) {
+  using plugin_host::GzipFiles;
+  std::error_code none;
+  const bool may_be_file = files::is_standard_input(input) || std::filesystem::is_regular_file(input, none);
+  const auto file = may_be_file ? files::InputFile::open(input, context) : tl::unexpected(Error());
+  std::byte start[2] = {};
+  GzipFiles gzip = GzipFiles::keep;
+  if (file && file->size() >= sizeof start && file->read_at(0, start) && files::is_gzip(start)) {
+    const auto content = TRY(files::first_bytes(*file, files::kStartBytes));
+    const std::filesystem::path inner = file->path().stem();  // without .gz
+    const bool is_streamed = format_by_content({file->path(), content, true}) != nullptr;
+    const VolumeFormat* chosen = options.format ? find_volume_format(*options.format) : nullptr;
+    const bool is_claimed = format_by_content({inner, content, false}) != nullptr || options.raw || chosen != nullptr;
+    if (!is_streamed && is_claimed) gzip = GzipFiles::unpack;
+  }
+  const auto path = plugin_host::unpacked_input(input, gzip, context);
+  if (!path || *path == input || !is_folder(*path) || is_volume_folder(*path, context)) return path;
+  return only_volume_in(*path);
 }
 
 Result<bool> has_volume_content(const std::string& input, const Context& context) {

@@ -25,4 +25,10 @@ struct DetectedFormat {
 // Returns whether a format recognizes the file by its content.
 [[nodiscard]] Result<bool> has_volume_content(const std::string& input, const Context& context);
 
+// Returns the path under which formats find the input: another one if it is compressed as a whole or an archive
+// (plugin_host/unpacked_input.hpp). Keeps gzip files that a format decompresses itself, and those whose content no
+// format claims, unless the options choose a format that does not.
+[[nodiscard]] Result<std::string> unpack_for_volumes(const std::string& input, const ReadOptions& options,
+                                                     const Context& context);
+
 }  // namespace isoextract::volume_io

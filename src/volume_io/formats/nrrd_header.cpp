@@ -8,6 +8,7 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
+#include "volume_io/formats/nrrd_segments.hpp"
 
 namespace isoextract::volume_io {
 namespace {
@@ -218,7 +219,10 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
     }
     std::string_view value;
     if (!is_data_file_field(line, value)) {
-      if (is_free_text(line)) continue;  // unused, and slow: teem compares each key with all others
+      if (is_free_text(line)) {  // not for teem, which is slow: it compares each key with all others
+        if (line.starts_with(kSegmentKey)) header.segments.push_back(line);
+        continue;
+      }
       TRY(check_line(file, lines.number(), line));
       header.fields += line + '\n';
       continue;

@@ -41,6 +41,7 @@ struct NrrdHeaderText {
   // Input for teem: all lines except "data file", and without overlong texts that do not describe the samples
   // (comments, key/value pairs, content).
   std::string fields;
+  std::vector<std::string> segments;      // the key/value pairs "SegmentN_KEY:=VALUE" of 3D Slicer
   std::optional<NrrdDataFiles> detached;  // empty: the samples follow the header
   std::uint64_t data_offset = 0;          // of an attached file: after the empty line
 };

@@ -17,6 +17,7 @@
 #include "volume_io/detail/dense_format.hpp"
 #include "volume_io/detail/formats.hpp"
 #include "volume_io/formats/nrrd_header.hpp"
+#include "volume_io/formats/nrrd_segments.hpp"
 
 namespace isoextract::volume_io {
 namespace {
@@ -378,6 +379,7 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
   }
   const std::uint64_t parts = checked_product(dense.volumes, dense.components).value_or(~std::uint64_t{0});
   TRY(check_volume_count(file.name(), dims, type, parts));
+  dense.labels = TRY(parse_segments(file.name(), text.segments, dense.volumes));
   dense.endian = parsed.state->endian == airEndianBig ? std::endian::big : std::endian::little;
   if (nrrd.space != nrrdSpaceUnknown) dense.world_space = ::airEnumStr(nrrdSpace, nrrd.space);
   dense.length_unit = length_unit_of(nrrd, axes);

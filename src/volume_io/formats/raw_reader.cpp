@@ -4,6 +4,7 @@
 #include "files/file_start.hpp"
 #include "volume_io/detail/dense_format.hpp"
 #include "volume_io/detail/formats.hpp"
+#include "volume_io/formats/raw_file.hpp"
 
 namespace isoextract::volume_io {
 namespace {
@@ -33,6 +34,8 @@ Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::
   return {{Remedy::check, Setting::raw_layout}, {Remedy::lower, Setting::skipped_bytes}};
 }
 
+}  // namespace
+
 Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout, AxisOrder order) {
   std::array<std::uint64_t, 3> sizes{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -44,7 +47,8 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
     sizes[static_cast<std::size_t>(axis)] = static_cast<std::uint64_t>(layout.dims[axis]);
   }
   const auto dims = TRY(checked_dims(file.name(), sizes, layout.type));
-  const std::uint64_t expected = sample_bytes(dims, layout.type);
+  TRY(check_volume_count(file.name(), dims, layout.type, layout.components));
+  const std::uint64_t expected = sample_bytes(dims, layout.type) * layout.components;
   const auto total = checked_sum(expected, layout.skip);
   const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
   if (!total || *total > file.size() || found % expected != 0) {
@@ -53,12 +57,16 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
         fmt::format("{}: expected {} bytes ({} bytes to skip, then {}), or more volumes of {} bytes each after these, "
                     "found {}",
                     file.name(), total ? std::to_string(*total) : "more than 2^64", layout.skip,
-                    describe_samples(dims, layout.type), expected, file.size()),
+                    describe_samples(dims, layout.type) +
+                        (layout.components > 1 ? fmt::format(" of {} components", layout.components) : ""),
+                    expected, file.size()),
         fitting_layout(file, layout, expected));
   }
   DenseFile dense;
   dense.volumes = found / expected;
-  TRY(check_volume_count(file.name(), dims, layout.type, dense.volumes));
+  dense.components = layout.components;
+  dense.components_interleaved = !layout.planar;
+  TRY(check_volume_count(file.name(), dims, layout.type, found / sample_bytes(dims, layout.type)));
   if (dense.volumes > 1) {
     const std::string types = fitting_types(expected / field::sample_size(layout.type), found);
     if (!types.empty())
@@ -75,6 +83,8 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   return dense;
 }
 
+namespace {
+
 class RawFormat final : public DenseFormat {
  public:
   RawFormat()
@@ -82,6 +92,7 @@ class RawFormat final : public DenseFormat {
                      .title = "samples without a header",
                      .extensions = {".raw"},
                      .has_volumes = true,
+                     .has_components = true,
                      .has_axis_order = true,
                      .needs_layout = true}) {}
 

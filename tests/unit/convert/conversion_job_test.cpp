@@ -18,7 +18,7 @@ ConversionJob full_job() {
   job.source.read.grid = "density[1]";
   job.source.more_grids = {"flame", "heat"};
   job.source.read.volume = 7;
-  job.source.read.raw = volume_io::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512};
+  job.source.read.raw = volume_io::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512, 3, true};
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
   job.source.read.origin = glm::dvec3(-1, 2, 0.30000000000000004);
   job.source.read.kind = field::FieldKind::level_set;
@@ -113,7 +113,8 @@ TEST(ConversionJob, ListsEveryMemberInJson) {
   EXPECT_EQ(full["smooth"].dump(), R"({"passes":7,"method":"sinc","pass_band":0.25})");
   EXPECT_EQ(full["simplify"].dump(),
             R"({"within":{"distance":0.1,"in_world_units":true},"triangles":{"amount":2.5,"in_percent":true}})");
-  EXPECT_EQ(full["raw"].dump(), R"({"dims":[3,4,5],"dtype":"i16","endian":"big","skip":512})");
+  EXPECT_EQ(full["raw"].dump(),
+            R"({"dims":[3,4,5],"dtype":"i16","endian":"big","skip":512,"components":3,"planar":true})");
   EXPECT_EQ(full["clip"][0].dump(), R"({"normal":[1.0,-2.0,0.5],"offset":0.001})");
   EXPECT_EQ(full["blurs"][1].dump(), R"({"kind":"gaussian","width":0.5,"in_world_units":true})");
   EXPECT_TRUE(plain["smooth"].is_null());

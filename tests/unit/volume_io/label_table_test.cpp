@@ -21,17 +21,16 @@ constexpr std::string_view kItkSnap =
 TEST(LabelTable, ReadsItkSnapTables) {
   const auto table = LabelTable::parse(kItkSnap, "t");
   ASSERT_TRUE(table) << table.error().message;
-  const std::vector<LabelEntry> expected{
-      {0, "Clear Label", glm::dvec3(0)}, {2, "Tumour #2", {0, 128 / 255.0, 0}}, {7, "Left kidney, upper", {1, 0, 0.2}}};
+  const std::vector<field::LabelName> expected{{0, "Clear Label", glm::dvec3(0), {}},
+                                               {2, "Tumour #2", glm::dvec3(0, 128 / 255.0, 0), {}},
+                                               {7, "Left kidney, upper", glm::dvec3(1, 0, 0.2), {}}};
   EXPECT_EQ(table->entries(), expected);
-  EXPECT_EQ(table->find(7)->name, "Left kidney, upper");
-  EXPECT_EQ(table->find(3), nullptr);
 }
 
 TEST(LabelTable, SkipsByteOrderMark) {
   const auto table = LabelTable::parse("\xEF\xBB\xBF#No. Label Name: R G B A\n17 Left 220 216 20 0\n", "t");
   ASSERT_TRUE(table) << table.error().message;
-  EXPECT_EQ(table->find(17)->name, "Left");
+  EXPECT_EQ(table->entries().at(0).name, "Left");
 }
 
 TEST(LabelTable, ReadsFreeSurferAndSlicerTables) {
@@ -40,8 +39,8 @@ TEST(LabelTable, ReadsFreeSurferAndSlicerTables) {
       "\t-3\tnobody\t1\t2\t3\t255\n",
       "t");
   ASSERT_TRUE(table) << table.error().message;
-  EXPECT_EQ(table->find(17)->name, "Left-Hippocampus");
-  EXPECT_EQ(table->find(-3)->color, glm::dvec3(1, 2, 3) / 255.0);
+  EXPECT_EQ(table->entries().at(1).name, "Left-Hippocampus");
+  EXPECT_EQ(table->entries().at(0).color, glm::dvec3(1, 2, 3) / 255.0);
   EXPECT_EQ(table->hash().size(), 32U);
   EXPECT_NE(table->hash(), LabelTable::parse(kItkSnap, "t")->hash());
 }

@@ -25,7 +25,7 @@ TEST(VolumeReader, ListsEveryFormatOnce) {
     formats.push_back(format->about().id);
     EXPECT_EQ(volume_io::find_volume_format(format->about().id), format);
   }
-  EXPECT_EQ(formats, (std::vector<std::string>{"vdb", "nrrd", "nifti", "npy", "npz", "raw", "demo"}));
+  EXPECT_EQ(formats, (std::vector<std::string>{"vdb", "nrrd", "nifti", "npy", "npz", "raw", "dat", "demo"}));
   EXPECT_EQ(volume_io::find_volume_format("obj"), nullptr);
 }
 

@@ -1,0 +1,209 @@
+// Unpacks a compressed file or an archive with libarchive. Its list has a grid of bytes (u8) for the content of all
+// files together, in their order, and then one for each file with its name and size; only the first can be read.
+//
+// Sizes are counted by unpacking, because archives may state other sizes than their files have, and compressed files
+// state none. Nothing is kept in memory between the list and the reading.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <archive.h>
+#include <archive_entry.h>
+#include <zlib.h>
+
+#include "volume_reader.hpp"
+
+namespace {
+
+using isoextract_plugin::check_cancelled;
+using isoextract_plugin::Grid;
+using isoextract_plugin::HostMemory;
+using isoextract_plugin::ReadError;
+using isoextract_plugin::ReadFacts;
+using isoextract_plugin::Request;
+using isoextract_plugin::VolumeFile;
+
+constexpr std::size_t kPart = std::size_t{1} << 20;
+// For the decoders: xz's window is at most 64 MiB at the levels that its program has, and zstd's 128 MiB.
+constexpr std::uint64_t kDecoderBytes = std::uint64_t{16} << 20;
+constexpr std::size_t kMaxFiles = 100000;
+
+struct ArchiveDeleter {
+  void operator()(archive* opened) const { archive_read_free(opened); }
+};
+using Archive = std::unique_ptr<archive, ArchiveDeleter>;
+
+std::string reason_of(archive* opened) {
+  const char* text = archive_error_string(opened);
+  return text != nullptr ? text : "the library gave no reason";
+}
+
+void check(archive* opened, int status, const char* what) {
+  if (status == ARCHIVE_OK || status == ARCHIVE_WARN) return;
+  throw ReadError(std::string("expected ") + what + ", found damaged data: " + reason_of(opened));
+}
+
+bool is_zip(const std::string& path) {
+  std::array<char, 2> start{};
+  return std::ifstream(path, std::ios::binary).read(start.data(), start.size()) && start == std::array{'P', 'K'};
+}
+
+Archive open_archive(const std::string& path) {
+  Archive opened(archive_read_new());
+  if (!opened) throw std::bad_alloc();
+  if (is_zip(path)) {
+    // Without raw content, which a truncated zip file would be.
+    archive_read_support_format_zip_seekable(opened.get());
+  } else {
+    archive_read_support_filter_gzip(opened.get());
+    archive_read_support_filter_xz(opened.get());
+    archive_read_support_filter_zstd(opened.get());
+    archive_read_support_filter_bzip2(opened.get());
+    archive_read_support_format_tar(opened.get());
+    archive_read_support_format_raw(opened.get());
+  }
+  check(opened.get(), archive_read_open_filename(opened.get(), path.c_str(), kPart), "a compressed file or an archive");
+  return opened;
+}
+
+struct GzipDeleter {
+  void operator()(gzFile opened) const { gzclose(opened); }
+};
+using Gzip = std::unique_ptr<gzFile_s, GzipDeleter>;
+
+// Returns the file if it is gzip around anything but a tar archive; null otherwise. zlib reads it, because libarchive
+// does not check its sums.
+Gzip open_gzip(const std::string& path) {
+  std::array<char, 2> magic{};
+  std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());
+  if (magic != std::array{'\x1f', '\x8b'}) return nullptr;
+  Gzip opened(gzopen(path.c_str(), "rb"));
+  if (!opened) throw std::bad_alloc();
+  constexpr int kTarHeader = 512;
+  std::array<char, kTarHeader> start{};
+  const bool is_tar = gzread(opened.get(), start.data(), kTarHeader) == kTarHeader &&
+                      std::string_view(start.data() + 257, 5) == "ustar";
+  if (is_tar) return nullptr;
+  gzrewind(opened.get());
+  return opened;
+}
+
+template <class OnBytes>
+void read_gzip(const std::string& path, gzFile opened, const isoextract_plugin_host& host, OnBytes&& bytes) {
+  std::vector<char> part(kPart);
+  for (;;) {
+    check_cancelled(host);
+    const int got = gzread(opened, part.data(), static_cast<unsigned>(part.size()));
+    if (got > 0) bytes(part.data(), static_cast<std::uint64_t>(got));
+    if (got == static_cast<int>(part.size())) continue;
+    int status = Z_OK;
+    std::string text = gzerror(opened, &status);
+    if (text.starts_with(path + ": ")) text.erase(0, path.size() + 2);
+    if (got < 0 || status != Z_OK) throw ReadError("expected whole gzip data, found damaged data: " + text);
+    return;
+  }
+}
+
+// Calls file(name) at the start of each regular file, and bytes(data, count) for its content in order.
+template <class OnFile, class OnBytes>
+void walk(const std::string& path, const isoextract_plugin_host& host, OnFile&& file, OnBytes&& bytes) {
+  if (const Gzip packed = open_gzip(path)) {
+    file(std::string());
+    read_gzip(path, packed.get(), host, bytes);
+    return;
+  }
+  const Archive opened = open_archive(path);
+  std::vector<char> part(kPart);
+  archive_entry* entry = nullptr;
+  for (;;) {
+    check_cancelled(host);
+    const int status = archive_read_next_header(opened.get(), &entry);
+    if (status == ARCHIVE_EOF) return;
+    check(opened.get(), status, "the start of a file");
+    if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_hardlink(entry) != nullptr) continue;
+    if (archive_entry_is_encrypted(entry) != 0)
+      throw ReadError("expected files without a password, found an encrypted one");
+    const char* name = archive_entry_pathname_utf8(entry);
+    if (name == nullptr) name = archive_entry_pathname(entry);
+    const bool is_raw = archive_format(opened.get()) == ARCHIVE_FORMAT_RAW;
+    file(std::string(name == nullptr || is_raw ? "" : name));
+    for (;;) {
+      const la_ssize_t got = archive_read_data(opened.get(), part.data(), part.size());
+      if (got == 0) break;
+      if (got < 0) check(opened.get(), static_cast<int>(got), "whole content");
+      bytes(part.data(), static_cast<std::uint64_t>(got));
+      check_cancelled(host);
+    }
+  }
+}
+
+Grid grid_of_bytes(std::string name) {
+  Grid grid;
+  grid.name = std::move(name);
+  grid.type_name = "bytes";
+  grid.sample_type = ISOEXTRACT_U8;
+  grid.dims = {0, 1, 1};
+  return grid;
+}
+
+class ArchiveFile final : public VolumeFile {
+ public:
+  ArchiveFile(std::string path, const isoextract_plugin_host& host) : path_(std::move(path)) {
+    HostMemory memory(host);
+    memory.take(kDecoderBytes);
+    grids.push_back(grid_of_bytes(""));
+    walk(
+        path_, host,
+        [&](std::string name) {
+          if (grids.size() > kMaxFiles) {
+            throw ReadError("expected at most " + std::to_string(kMaxFiles) + " files, found more");
+          }
+          grids.push_back(grid_of_bytes(std::move(name)));
+        },
+        [&](const char*, std::uint64_t count) {
+          grids.back().dims[0] += count;
+          grids.front().dims[0] += count;
+        });
+    if (grids.size() == 1) throw ReadError("expected at least one file, found none");
+  }
+
+  ReadFacts read(const isoextract_volume_selection& selection, const isoextract_plugin_host& host) override {
+    const std::uint64_t all = grids.front().dims[0];
+    if (selection.grid != 0 || selection.count[0] != all) throw ReadError("expected a request for all files together");
+    HostMemory memory(host);
+    memory.take(kDecoderBytes);
+    auto* const to = static_cast<char*>(selection.box);
+    std::uint64_t filled = 0;
+    walk(
+        path_, host, [](const std::string&) {},
+        [&](const char* data, std::uint64_t count) {
+          if (count > all - filled) throw ReadError("the file changed during the run");
+          std::copy_n(data, count, to + filled);
+          filled += count;
+        });
+    if (filled != all) throw ReadError("the file changed during the run");
+    return {};
+  }
+
+ private:
+  std::string path_;
+};
+
+std::unique_ptr<VolumeFile> open(const Request& request, const isoextract_plugin_host& host) {
+  return std::make_unique<ArchiveFile>(request.path, host);
+}
+
+// The host chooses the files.
+bool probe(const unsigned char* /*start*/, std::size_t /*bytes*/, const std::string& /*path*/) { return true; }
+
+const isoextract_volume_plugin_v4 kPlugin = isoextract_plugin::volume_plugin<open, probe>("archive", "archive");
+
+}  // namespace
+
+const isoextract_volume_plugin_v4* isoextract_volume_plugin(void) { return &kPlugin; }

@@ -1,0 +1,128 @@
+#include "plugin_host/unpacked_input.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/ascii.hpp"
+#include "base/checked.hpp"
+#include "files/file_bytes.hpp"
+#include "files/file_start.hpp"
+#include "files/unpacked_files.hpp"
+#include "plugin_host/plugin_kinds.hpp"
+#include "plugin_host/plugin_samples.hpp"
+#include "plugin_host/plugin_session.hpp"
+
+namespace isoextract::plugin_host {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr const char* kArchivePlugin = "archive";
+
+enum class Packing { none, compressed, archive };
+
+bool has_text_at(std::string_view content, std::size_t offset, std::string_view text) {
+  return content.size() >= offset && content.substr(offset).starts_with(text);
+}
+
+// Judges by the content, and for zip files by the name as well.
+Packing packing_of(std::string_view content, const std::string& name, GzipFiles gzip) {
+  const std::string lower = to_lower(name);
+  const bool is_tar_name = lower.ends_with(".tgz") || lower.find(".tar.") != std::string::npos;
+  const bool is_bzip2 = content.starts_with("BZh") && has_text_at(content, 4, "1AY&SY");
+  const bool is_packed = content.starts_with(
+                             "\xFD"
+                             "7zXZ\0"sv) ||
+                         content.starts_with("\x28\xB5\x2F\xFD") || is_bzip2;
+  const bool is_gzip = content.starts_with("\x1F\x8B");
+  if (is_packed || (is_gzip && (gzip == GzipFiles::unpack || is_tar_name))) {
+    return is_tar_name ? Packing::archive : Packing::compressed;
+  }
+  if (has_text_at(content, 257, "ustar")) return Packing::archive;
+  if (!lower.ends_with(".zip") || !content.starts_with("PK\3\4"sv)) return Packing::none;
+  const auto has = [&](std::string_view text) { return content.find(text) != std::string_view::npos; };
+  const bool is_zarr = has("zarr.json") || has(".zgroup") || has(".zarray") || has(".zattrs");
+  return is_zarr ? Packing::none : Packing::archive;
+}
+
+const PluginLibrary& archive_library() {
+  static const PluginLibrary library(kUnpackPlugins, kArchivePlugin, plugin_folders(), "libarchive-dev");
+  return library;
+}
+
+// Returns the file's name without the ending of its compression; of standard input "stdin".
+std::string name_of_content(const files::InputFile& file) {
+  if (files::is_standard_input(file.path())) return "stdin";
+  return files::name_without_packing(file.path().filename());
+}
+
+Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFile& file, std::vector<std::byte> start,
+                                                           Packing packing) {
+  const Context& context = file.context();
+  context.progress().begin("unpacking", 0);
+  VolumeInput wanted;
+  wanted.name = file.name();
+  wanted.path = files::openable_path(file);
+  wanted.start = std::move(start);
+  wanted.bytes = file.size();
+  wanted.context = context;
+  const auto session = TRY(open_volume_session(archive_library(), kArchivePlugin, wanted));
+  const isoextract_volume_list& list = session->list();
+  const auto invalid = [&] {
+    return fail(ErrorCode::input, fmt::format("{}: the plug-in for archives returns an invalid list", file.name()));
+  };
+  if (list.count < 2 || list.grids == nullptr) return invalid();
+  std::vector<files::UnpackedMember> members;
+  std::optional<std::uint64_t> total = 0;
+  for (std::size_t i = 1; i < list.count; ++i) {
+    const isoextract_volume_grid& grid = list.grids[i];
+    members.push_back({plugin_text(grid.name), grid.dims[0]});
+    total = checked_sum(*total, grid.dims[0]);
+    if (!total) return invalid();
+  }
+  if (*total != list.grids[0].dims[0]) return invalid();
+  if (*total == 0) return fail(ErrorCode::input, file.name() + ": expected content, found an empty file inside");
+  const bool as_file = packing == Packing::compressed || members.size() == 1;
+  if (as_file && members.size() != 1) return invalid();
+  if (packing == Packing::compressed) members.front().name = name_of_content(file);
+
+  const auto memory = TRY(context.reserve(*total, fmt::format("{}: {} unpacked bytes", file.name(), *total)));
+  VolumeSelection selection;
+  selection.count = {*total, 1, 1};
+  selection.box_bytes = *total;
+  const SessionSamples samples = TRY(session->open(selection));
+  if (samples.samples->filled != *total) return invalid();
+  const std::span content(static_cast<const std::byte*>(samples.box), static_cast<std::size_t>(*total));
+  return files::UnpackedFiles::make(file.path(), members, content, as_file, context);
+}
+
+}  // namespace
+
+Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, const Context& context) {
+  std::error_code none;
+  if (!files::is_standard_input(input) && !std::filesystem::is_regular_file(input, none)) return input;
+  const auto file = files::InputFile::open(input, context);
+  if (!file) return input;
+  std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), files::kStartBytes)));
+  // Not by read_at(), which counts bytes: these are no part of reading the volume.
+  const ssize_t got = ::pread(file->descriptor(), start.data(), start.size(), 0);
+  if (got != static_cast<ssize_t>(start.size())) return input;
+  const std::string_view content(reinterpret_cast<const char*>(start.data()), start.size());
+  const Packing packing = packing_of(content, file->path().filename(), gzip);
+  if (packing == Packing::none) return input;
+  auto unpacked = files::find_unpacked(*file);
+  if (!unpacked) {
+    unpacked = TRY(unpack(*file, std::move(start), packing));
+    files::keep_unpacked(*file, unpacked);
+  }
+  return unpacked->path().string();
+}
+
+}  // namespace isoextract::plugin_host
