@@ -113,7 +113,11 @@ struct GridInfo {
   bool plugin_is_missing = false;  // in no folder of plugin_host::plugin_folders()
   std::vector<std::string> parts;  // of a vector grid: labels of the scalar grids it provides
 
-  [[nodiscard]] bool matches_name(std::string_view wanted) const { return label == wanted || name == wanted; }
+  // A name may be written as a path: "/density".
+  [[nodiscard]] bool matches_name(std::string_view wanted) const {
+    if (label == wanted || name == wanted) return true;
+    return wanted.starts_with('/') && name == wanted.substr(1);
+  }
 
   // Returns whether read_volume() can read the grid or one of its parts, judging by its header.
   [[nodiscard]] bool is_readable() const {

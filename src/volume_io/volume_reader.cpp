@@ -160,7 +160,12 @@ Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& op
 
 Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options, const Context& context) {
   return with_format(input, options, context, [&](const DetectedFormat& detected, const Located& at) {
-    return detected.format->list(at.input, at.options, context);
+    auto grids = detected.format->list(at.input, at.options, context);
+    if (!grids || !find_inner_path(input)) return grids;
+    // The path names the only grid of interest.
+    const auto is_other = [&](const GridInfo& grid) { return !grid.matches_name(*at.options.grid); };
+    if (!std::ranges::all_of(*grids, is_other)) std::erase_if(*grids, is_other);
+    return grids;
   });
 }
 

@@ -40,8 +40,9 @@ std::vector<std::size_t> indices_where(std::span<const GridInfo> grids, const F&
 std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std::string& wanted) {
   auto found = indices_where(grids, [&](const GridInfo& grid) { return grid.label == wanted; });
   if (!found.empty()) return found;
-  return indices_where(
-      grids, [&](const GridInfo& grid) { return grid.name == wanted || printable(grid.name, kMaxLabel) == wanted; });
+  return indices_where(grids, [&](const GridInfo& grid) {
+    return grid.matches_name(wanted) || printable(grid.name, kMaxLabel) == wanted;
+  });
 }
 
 }  // namespace

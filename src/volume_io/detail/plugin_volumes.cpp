@@ -175,9 +175,13 @@ class PluginFormat final : public VolumeFormat {
       TRY(file.read_at(0, start));
       wanted.bytes = file.size();
       for (std::size_t i = 1; i < wanted.files.size(); ++i) wanted.bytes += fs::file_size(wanted.files[i], none);
-      if (table_.folders.empty()) return wanted;
+      // A file may be one of a series, as one of its folder.
+      if (std::ranges::count(table_.folders, "*") > 0) {
+        wanted.bytes += bytes_in<fs::directory_iterator>(folder.empty() ? "." : folder);
+      }
+      return wanted;
     }
-    wanted.bytes += bytes_in(folder.empty() ? "." : folder);
+    wanted.bytes += bytes_in<fs::recursive_directory_iterator>(folder);
     return wanted;
   }
 
@@ -188,13 +192,14 @@ class PluginFormat final : public VolumeFormat {
     return std::move(slices).value_or(std::vector<std::string>());
   }
 
-  // Returns the size of the files below a folder; of the first ones, if there are very many.
+  // Returns the size of the files that the iterator finds; of the first ones, if there are very many.
+  template <class Iterator>
   static std::uint64_t bytes_in(const fs::path& folder) {
-    constexpr std::size_t kMostFiles = 100000;
+    constexpr std::size_t kMostFiles = 10000;
     std::uint64_t bytes = 0;
     std::size_t count = 0;
     std::error_code error;
-    for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error), end;
+    for (Iterator at(folder, fs::directory_options::skip_permission_denied, error), end;
          !error && at != end && count < kMostFiles; at.increment(error), ++count) {
       std::error_code none;
       if (at->is_regular_file(none)) bytes += at->file_size(none);
