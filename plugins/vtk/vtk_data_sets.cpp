@@ -57,7 +57,7 @@ std::vector<ArrayFacts> arrays_of(const std::vector<vtkSmartPointer<vtkDataSet>>
       for (int i = 0; i < attributes->GetNumberOfArrays(); ++i) {
         vtkAbstractArray* array = attributes->GetAbstractArray(i);
         const std::string name = name_of(array);
-        if (name == "vtkGhostType" || name == "vtkGhostLevels" || !seen.insert({of_cells, name}).second) continue;
+        if (is_ghost_array(name) || !seen.insert({of_cells, name}).second) continue;
         ArrayFacts facts;
         facts.name = name;
         facts.of_cells = of_cells;
@@ -218,6 +218,11 @@ class MemoryLattice final : public Lattice {
         frame.extent[2 * axis + 1] = std::max(frame.extent[2 * axis + 1], piece[2 * axis + 1]);
       }
     }
+    const auto has_ghosts = [](const vtkSmartPointer<vtkDataSet>& leaf) {
+      return leaf->HasAnyGhostCells() || leaf->HasAnyGhostPoints() || leaf->HasAnyBlankCells() ||
+             leaf->HasAnyBlankPoints();
+    };
+    if (std::ranges::any_of(leaves_, has_ghosts)) add_note(note, kGhostNote);
     set_grids(frame, arrays_of(leaves_));
   }
 

@@ -5,6 +5,8 @@
 
 namespace isoextract_vtk {
 
+bool is_ghost_array(const std::string& name) { return name == "vtkGhostType" || name == "vtkGhostLevels"; }
+
 void add_note(std::string& note, const std::string& text) { note += (note.empty() || text.empty() ? "" : "; ") + text; }
 
 std::vector<Grid> grids_of_arrays(const std::vector<ArrayFacts>& arrays) {

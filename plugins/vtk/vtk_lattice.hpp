@@ -33,6 +33,10 @@ struct LatticeFrame {
 // name, the latter's grid is "cell:NAME".
 std::vector<Grid> grids_of_arrays(const std::vector<ArrayFacts>& arrays);
 
+// Marks of hidden samples and of those that pieces share. They are not listed.
+bool is_ghost_array(const std::string& name);
+constexpr const char* kGhostNote = "marks of hidden samples (vtkGhostType) are ignored";
+
 // Joins notes by "; ".
 void add_note(std::string& note, const std::string& text);
 

@@ -46,12 +46,30 @@ std::string InputFile::text_at(std::uint64_t offset, std::uint64_t most) const {
   return text;
 }
 
+namespace {
+
+template <class Word, class Swap>
+void swap_words(char* at, std::uint64_t count, Swap&& swap) {
+  for (std::uint64_t i = 0; i < count; ++i, at += sizeof(Word)) {
+    Word word = 0;
+    std::memcpy(&word, at, sizeof word);
+    word = swap(word);
+    std::memcpy(at, &word, sizeof word);
+  }
+}
+
+void swap_bytes(char* at, std::uint64_t bytes, std::uint64_t count) {
+  if (bytes == 2) swap_words<std::uint16_t>(at, count, [](std::uint16_t word) { return __builtin_bswap16(word); });
+  if (bytes == 4) swap_words<std::uint32_t>(at, count, [](std::uint32_t word) { return __builtin_bswap32(word); });
+  if (bytes == 8) swap_words<std::uint64_t>(at, count, [](std::uint64_t word) { return __builtin_bswap64(word); });
+}
+
+}  // namespace
+
 void to_native(StoredType type, bool swap, void* samples, std::uint64_t count) {
   const std::uint64_t bytes = type.bytes();
   auto* at = static_cast<char*>(samples);
-  if (swap && bytes > 1) {
-    for (std::uint64_t i = 0; i < count; ++i) std::reverse(at + i * bytes, at + (i + 1) * bytes);
-  }
+  if (swap) swap_bytes(at, bytes, count);
   if (type.wide == StoredType::Wide::none) return;
   for (std::uint64_t i = 0; i < count; ++i) {
     std::uint64_t bits = 0;

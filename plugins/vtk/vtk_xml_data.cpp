@@ -158,7 +158,7 @@ void XmlDocument::read_decoded(std::uint64_t at, bool base64, std::uint64_t firs
   }
 }
 
-const XmlDocument::Stored& XmlDocument::find(vtkXMLDataElement* array) {
+const XmlDocument::Stored& XmlDocument::find(vtkXMLDataElement* array, const isoextract_plugin_host& host) {
   if (stored_.array == array) return stored_;
   stored_ = {};
   const std::string encoding = attribute_of(array, "format");
@@ -194,7 +194,7 @@ const XmlDocument::Stored& XmlDocument::find(vtkXMLDataElement* array) {
   if (encoding == "ascii") {
     stored_.at = at;
   } else if (compressor_ != nullptr) {
-    find_blocks(at);
+    find_blocks(at, host);
   } else {
     std::array<char, 8> word{};
     read_decoded(at, stored_.base64, 0, word_bytes_, word.data());
@@ -205,7 +205,7 @@ const XmlDocument::Stored& XmlDocument::find(vtkXMLDataElement* array) {
   return stored_;
 }
 
-void XmlDocument::find_blocks(std::uint64_t at) {
+void XmlDocument::find_blocks(std::uint64_t at, const isoextract_plugin_host& host) {
   std::vector<char> words(3 * word_bytes_);
   read_decoded(at, stored_.base64, 0, words.size(), words.data());
   const std::uint64_t count = header_word(words.data());
@@ -227,6 +227,9 @@ void XmlDocument::find_blocks(std::uint64_t at) {
     }
     stored_.block_at.push_back(stored_.block_at.back() + size);
   }
+  HostMemory memory(host);
+  memory.take(bytes);
+  memory.keep();
   stored_.block_bytes = bytes;
   stored_.bytes = count * bytes - (last != 0 && count > 0 ? bytes - last : 0);
   stored_.at = at + (stored_.base64 ? (words.size() + 2) / 3 * 4 : words.size());
@@ -261,8 +264,10 @@ void XmlDocument::read_blocks(std::uint64_t first, std::uint64_t bytes, char* to
 
 void XmlDocument::parse_text(std::uint64_t at, StoredType type, const isoextract_plugin_host& host) {
   std::string text;
+  HostMemory memory(host);
   while (at < file_.size()) {
     isoextract_plugin::check_cancelled(host);
+    const std::size_t before = stored_.parsed.size();
     std::string part = file_.text_at(at, 1 << 20);
     at += part.size();
     const std::size_t end = part.find('<');
@@ -295,15 +300,17 @@ void XmlDocument::parse_text(std::uint64_t at, StoredType type, const isoextract
         }
       });
     }
+    memory.take(stored_.parsed.size() - before);
     text.erase(0, complete);
     if (ended) break;
   }
+  memory.keep();
   stored_.bytes = stored_.parsed.size();
 }
 
 void XmlDocument::read_numbers(vtkXMLDataElement* array, StoredType type, std::uint64_t first, std::uint64_t count,
                                void* to, const isoextract_plugin_host& host) {
-  find(array);
+  find(array, host);
   if (attribute_of(array, "format") == "ascii" && stored_.parsed.empty()) parse_text(stored_.at, type, host);
   const std::uint64_t size = type.bytes();
   if (first + count > stored_.bytes / size) {

@@ -55,8 +55,8 @@ class XmlDocument {
     std::size_t block_number = static_cast<std::size_t>(-1);
     std::vector<char> parsed;  // of text
   };
-  const Stored& find(vtkXMLDataElement* array);
-  void find_blocks(std::uint64_t at);
+  const Stored& find(vtkXMLDataElement* array, const isoextract_plugin_host& host);
+  void find_blocks(std::uint64_t at, const isoextract_plugin_host& host);
   void parse_text(std::uint64_t at, StoredType type, const isoextract_plugin_host& host);
   void read_decoded(std::uint64_t at, bool base64, std::uint64_t first, std::uint64_t bytes, char* to) const;
   [[nodiscard]] std::uint64_t header_word(const char* bytes) const;

@@ -56,15 +56,18 @@ std::string component_names_of(vtkXMLDataElement* array, std::uint64_t component
   return names;
 }
 
-std::vector<ArrayFacts> arrays_of(vtkXMLDataElement* parent, const char* points, const char* cells,
-                                  const char* element) {
+std::vector<ArrayFacts> arrays_of(vtkXMLDataElement* parent, const char* points, const char* cells, const char* element,
+                                  std::string& note) {
   std::vector<ArrayFacts> arrays;
   for (const bool of_cells : {false, true}) {
     for (vtkXMLDataElement* data : children_of(parent, of_cells ? cells : points)) {
       for (vtkXMLDataElement* array : children_of(data, element)) {
         ArrayFacts facts;
         facts.name = attribute_of(array, "Name");
-        if (facts.name == "vtkGhostType") continue;
+        if (is_ghost_array(facts.name)) {
+          if (note.empty()) note = kGhostNote;
+          continue;
+        }
         facts.of_cells = of_cells;
         facts.type_name = attribute_of(array, "type");
         facts.type = xml_type(facts.type_name);
@@ -108,8 +111,8 @@ class XmlImage final : public Lattice {
         elements_.push_back(piece);
       }
     }
-    auto arrays = parallel_ ? arrays_of(body, "PPointData", "PCellData", "PDataArray")
-                            : arrays_of(elements[0], "PointData", "CellData", "DataArray");
+    auto arrays = parallel_ ? arrays_of(body, "PPointData", "PCellData", "PDataArray", note)
+                            : arrays_of(elements[0], "PointData", "CellData", "DataArray", note);
     if (arrays.empty()) throw ReadError("expected point or cell data, found none");
     set_grids(frame, std::move(arrays));
     for (Grid& grid : grids) grid.has_placement = placed;

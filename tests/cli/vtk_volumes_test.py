@@ -324,6 +324,14 @@ class VtkVolumesTest(ProgramTest):
         run = self.convert("cells.vtu", "--array", "cell:p", "--iso", "1", "-o", "cells.ply")
         self.assertIn("384 cells that do not lie on a lattice are resampled", run.err)
         self.assertIn("the value of a point is the mean of its cells' values", run.err)
+        # Legacy files of cells are volumes; the type of the first cell tells them from particles.
+        listed = np.insert(cells, 0, 4, axis=1).astype(">i4")
+        grid = (f"POINTS {len(points)} float", points.astype(">f4"), f"CELLS {len(cells)} {listed.size}", listed,
+                f"CELL_TYPES {len(cells)}", np.full(len(cells), 10, ">i4"))
+        for binary in (False, True):
+            self.write("cells.vtk", legacy("UNSTRUCTURED_GRID", grid, values, binary))
+            found, _ = self.field("cells.vtk", "--voxel-size", "0.5")
+            np.testing.assert_allclose(found, linear(x / 2, y / 2, z / 2), atol=1e-4)
         # Without the cells of the lower half, its samples are NaN.
         upper = cells[centers[:, 2] > 2]
         self.write("half.vtu", unstructured(points, upper, values, np.zeros(len(upper))))
