@@ -25,8 +25,19 @@ std::int32_t integer_type(hid_t type) {
     case 1: return is_signed ? ISOEXTRACT_I8 : ISOEXTRACT_U8;
     case 2: return is_signed ? ISOEXTRACT_I16 : ISOEXTRACT_U16;
     case 4: return is_signed ? ISOEXTRACT_I32 : ISOEXTRACT_U32;
-    default: return ISOEXTRACT_F64;
+    case 3:
+    case 5:
+    case 6:
+    case 7:
+    case 8: return ISOEXTRACT_F64;
+    default: return ISOEXTRACT_NOT_SCALAR;  // the library overruns its buffers with damaged types that are larger
   }
+}
+
+std::int32_t float_type(hid_t type) {
+  if (is_half(type)) return ISOEXTRACT_F16;
+  const std::size_t size = H5Tget_size(type);
+  return size <= 4 ? ISOEXTRACT_F32 : size <= 16 ? ISOEXTRACT_F64 : ISOEXTRACT_NOT_SCALAR;
 }
 
 void describe_type(hid_t type, Grid& grid) {
@@ -43,7 +54,7 @@ void describe_type(hid_t type, Grid& grid) {
       return;
     }
     case H5T_FLOAT:
-      grid.sample_type = is_half(type) ? ISOEXTRACT_F16 : bits <= 32 ? ISOEXTRACT_F32 : ISOEXTRACT_F64;
+      grid.sample_type = float_type(type);
       grid.type_name = "float" + std::to_string(bits);
       return;
     case H5T_COMPOUND: grid.type_name = "compound"; return;
