@@ -6,6 +6,7 @@
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
 #   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
+#   scripts/setup.sh zarr       what the plug-in for Zarr needs: minizip and the libraries of its codecs
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
@@ -26,11 +27,13 @@ build_packages=(
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
-  python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
+  python3-pandas python3-zarr python3-numcodecs jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish
+  gnuplot-nox dpkg-dev
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 vtk_packages=(libvtk9-dev)
 openvdb_packages=(libopenvdb-dev libboost-dev)
+zarr_packages=(libminizip-dev libblosc-dev libzstd-dev liblz4-dev libbz2-dev liblzma-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
 measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage)
@@ -58,6 +61,7 @@ for group in "$@"; do
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
     openvdb) wanted+=("${openvdb_packages[@]}") ;;
+    zarr) wanted+=("${zarr_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     measure)
       wanted+=("${bench_packages[@]}" "${measure_packages[@]}")
@@ -67,7 +71,7 @@ for group in "$@"; do
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, bench, measure, blender, viewers or cluster"
+      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, zarr, bench, measure, blender, viewers or cluster"
       exit 1
       ;;
   esac
