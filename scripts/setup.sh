@@ -4,13 +4,8 @@
 #   scripts/setup.sh            what building the program needs
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
-#   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
-#   scripts/setup.sh images     what the plug-in for images needs: libtiff, OpenEXR, libpng; likewise
-#   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
-#   scripts/setup.sh hdf5       what the plug-in around HDF5 needs: HDF5; likewise
-#   scripts/setup.sh netcdf     what the plug-in around netCDF needs: netCDF; likewise
-#   scripts/setup.sh segy       what the plug-in around segyio needs: segyio; likewise
-#   scripts/setup.sh archive    what the plug-in that unpacks files needs: libarchive
+#   scripts/setup.sh plugins    what all plug-ins need; the ID of one, such as dicom or vtk ('isoextract formats' lists them):
+#                               what that one needs; scripts/run asks for it where it is needed
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
@@ -31,18 +26,23 @@ build_packages=(
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
-  python3-pandas python3-pil python3-tifffile jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
-  libarchive-dev zstd libtiff-dev libhdf5-dev libnetcdf-dev libsegyio-dev libgdcm-dev libgdcm-tools
-  python3-h5py python3-netcdf4 python3-segyio python3-pydicom python3-zarr python3-mrcfile ferret-datasets
+  python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev zstd
+  libgdcm-tools python3-pil python3-tifffile python3-h5py python3-netcdf4 python3-segyio python3-pydicom
+  python3-zarr python3-numcodecs python3-mrcfile ferret-datasets
 )
 fuzz_packages=(clang libclang-rt-14-dev)
-archive_packages=(libarchive-dev)
-vtk_packages=(libvtk9-dev)
-images_packages=(libtiff-dev libopenexr-dev libpng-dev)
-openvdb_packages=(libopenvdb-dev libboost-dev)
-hdf5_packages=(libhdf5-dev)
-netcdf_packages=(libnetcdf-dev)
-segy_packages=(libsegyio-dev)
+# By the IDs of plug-ins, as the folders of plugins have them.
+declare -A plugin_packages=(
+  [archive]="libarchive-dev"
+  [dicom]="libgdcm-dev"
+  [hdf5]="libhdf5-dev"
+  [images]="libtiff-dev libopenexr-dev libpng-dev"
+  [netcdf]="libnetcdf-dev"
+  [openvdb]="libopenvdb-dev libboost-dev"
+  [segy]="libsegyio-dev"
+  [vtk]="libvtk9-dev"
+  [zarr]="libminizip-dev libblosc-dev libzstd-dev liblz4-dev libbz2-dev liblzma-dev"
+)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
 measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage)
@@ -68,13 +68,6 @@ for group in "$@"; do
       want_node
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
-    archive) wanted+=("${archive_packages[@]}") ;;
-    vtk) wanted+=("${vtk_packages[@]}") ;;
-    images) wanted+=("${images_packages[@]}") ;;
-    openvdb) wanted+=("${openvdb_packages[@]}") ;;
-    hdf5) wanted+=("${hdf5_packages[@]}") ;;
-    netcdf) wanted+=("${netcdf_packages[@]}") ;;
-    segy) wanted+=("${segy_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     measure)
       wanted+=("${bench_packages[@]}" "${measure_packages[@]}")
@@ -83,9 +76,20 @@ for group in "$@"; do
     blender) wanted+=("${blender_packages[@]}") ;;
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;
+    plugins)
+      for packages in "${plugin_packages[@]}"; do
+        read -r -a named <<<"$packages"
+        wanted+=("${named[@]}")
+      done
+      ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, hdf5, netcdf, segy, bench, measure, blender, viewers or cluster"
-      exit 1
+      if [ -z "${plugin_packages[$group]-}" ]; then
+        say "unknown group '$group': expected build, test, fuzz, plugins, bench, measure, blender, viewers, cluster, or a"
+        say "plug-in: $(printf '%s\n' "${!plugin_packages[@]}" | sort | paste -sd ' ')"
+        exit 1
+      fi
+      read -r -a named <<<"${plugin_packages[$group]}"
+      wanted+=("${named[@]}")
       ;;
   esac
 done

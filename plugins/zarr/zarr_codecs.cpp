@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <ranges>
 #include <string_view>
 #include <utility>
 
@@ -116,7 +115,7 @@ std::span<std::byte> decode(const Pipeline& pipeline, std::span<std::byte> encod
     if (is_compressor(codec.kind)) {
       // The codecs before a compressor keep the size or add a checksum.
       size = bytes;
-      for (const Codec& earlier : pipeline.codecs | std::views::take(i)) {
+      for (const Codec& earlier : std::span(pipeline.codecs).first(i)) {
         if (earlier.kind == Codec::Kind::crc32c) size += kChecksumBytes;
       }
       check_plausible(codec.kind, content, size);

@@ -15,7 +15,7 @@ using CopyRow = std::function<std::size_t(const std::byte* from, std::ptrdiff_t 
 
 [[nodiscard]] CopyRow copy_row_of(const DataType& type, const Conversion& conversion);
 
-// Bytes of a sample that the conversion makes.
+// Returns the size of a sample that the conversion makes.
 [[nodiscard]] std::uint64_t sample_bytes_of(const DataType& type, const Conversion& conversion);
 
 }  // namespace isoextract_zarr

@@ -140,7 +140,7 @@ std::vector<std::string> Hierarchy::children(const std::string& group) const {
     names.emplace_back(group.empty() ? path : path.substr(group.size() + 1));
   }
   std::ranges::sort(names);
-  names.erase(std::ranges::unique(names).begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 

@@ -36,7 +36,7 @@ class Hierarchy {
 
   [[nodiscard]] const Store& store() const { return store_; }
   [[nodiscard]] const isoextract_plugin_host& host() const { return host_; }
-  // Files with metadata that were read.
+  // Returns the files with metadata that this object has read.
   [[nodiscard]] const std::set<std::string>& files() const { return files_; }
 
  private:

@@ -32,9 +32,10 @@ class Finder {
       throw ReadError(fmt::format("expected level 0, as there is no OME-Zarr pyramid, found level {}", level_));
     }
     for (const auto& [text, count] : left_out_) {
-      found_.notes.push_back(count.first == 1 ? fmt::format("'{}' is left out: {}", count.second, text)
-                                              : fmt::format("{} arrays and images such as '{}' are left out: {}",
-                                                            count.first, count.second, text));
+      found_.notes.push_back(count.first == 1
+                                 ? fmt::format("the reader leaves out '{}': {}", count.second, text)
+                                 : fmt::format("the reader leaves out {} arrays and images such as '{}': {}",
+                                               count.first, count.second, text));
     }
     return std::move(found_);
   }
@@ -61,7 +62,7 @@ class Finder {
     if (++nodes_ > kMostNodes || depth == kDeepest) {
       if (!std::exchange(is_cut_, true)) {
         found_.notes.push_back(
-            fmt::format("groups below '{}' are left out: the hierarchy has more than {} groups and "
+            fmt::format("the reader leaves out groups below '{}': the hierarchy has more than {} groups and "
                         "arrays, or groups nested more than {} deep",
                         shown(group), kMostNodes, kDeepest));
       }

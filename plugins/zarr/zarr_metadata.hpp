@@ -20,7 +20,7 @@ struct DataType {
   std::uint64_t size = 0;  // bytes of an element
   std::string name;        // "uint16"
 
-  // Bytes of one number; a complex element has two.
+  // Returns the size of one number; a complex element has two.
   [[nodiscard]] std::uint64_t number() const { return kind == Kind::complex ? size / 2 : size; }
 };
 
@@ -50,11 +50,12 @@ struct ArrayMetadata {
   [[nodiscard]] const std::vector<std::uint64_t>& inner_chunk() const { return sharding ? sharding->chunk : chunk; }
 };
 
-// Both throw if the metadata are not those of an array; codecs and types that are not supported only set `problem`.
+// Parses the metadata of a node. Throws if these are not those of an array; codecs and types that are not supported
+// only set `problem`.
 [[nodiscard]] ArrayMetadata parse_v2_array(const Json& metadata, const Json& attributes);
 [[nodiscard]] ArrayMetadata parse_v3_array(const Json& metadata);
 
-// Private to zarr_metadata.cpp and zarr_codec_chain.cpp: set the codecs of an array whose shape and type are known.
+// Sets the codecs of an array whose shape and type are known. Private to zarr_metadata.cpp and zarr_codec_chain.cpp.
 void set_v2_codecs(const Json& metadata, ArrayMetadata& array);
 void set_v3_codecs(const Json& codecs, ArrayMetadata& array);
 

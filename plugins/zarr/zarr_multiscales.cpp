@@ -146,7 +146,8 @@ Image read_multiscales(Hierarchy& hierarchy, const std::string& group, const Nod
   if (pyramids.empty()) throw ReadError("expected an image in multiscales, found none");
   const Json& pyramid = pyramids.front();
   if (pyramids.size() > 1) {
-    found.notes.push_back(fmt::format("only the first of {} images in '{}' is listed", pyramids.size(), shown(group)));
+    found.notes.push_back(
+        fmt::format("the reader lists only the first of {} images in '{}'", pyramids.size(), shown(group)));
   }
   const Json& datasets = member(pyramid, "datasets");
   if (!datasets.is_array() || datasets.empty()) throw ReadError("expected the levels of a pyramid, found none");

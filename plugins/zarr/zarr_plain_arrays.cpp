@@ -89,8 +89,8 @@ void place_axis(Hierarchy& hierarchy, std::size_t index, Image& image, Images& f
   } else if (axis.kind == Axis::Kind::time) {
     image.times = *values;
   } else if (is_space) {
-    found.notes.push_back(
-        fmt::format("the coordinates of axis '{}' are not evenly spaced, so that they are not used", shown(axis.name)));
+    found.notes.push_back(fmt::format(
+        "the coordinates of axis '{}' are not evenly spaced, so that they do not place it", shown(axis.name)));
   }
 }
 
@@ -117,7 +117,7 @@ Image describe_plain_array(Hierarchy& hierarchy, Array array, const Json& attrib
       place_axis(hierarchy, i, image, found);
     } catch (const ReadError& error) {
       found.notes.push_back(
-          fmt::format("the coordinates of axis '{}' are not used: {}", shown(image.axes[i].name), error.what()));
+          fmt::format("the coordinates of axis '{}' do not place it: {}", shown(image.axes[i].name), error.what()));
     }
   }
   // CF conventions, as xarray decodes them.

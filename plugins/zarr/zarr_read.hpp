@@ -33,7 +33,7 @@ struct ChunkCount {
   std::uint64_t touched = 0;  // by the box
 };
 
-// Type of the samples that elements of a type are read as; ISOEXTRACT_NOT_SCALAR if there is none.
+// Returns the type of the samples for elements of a type; ISOEXTRACT_NOT_SCALAR if there is none.
 [[nodiscard]] std::int32_t sample_type_of(const DataType& type);
 
 // How elements become samples.

@@ -96,7 +96,7 @@ void File::read(std::uint64_t offset, std::span<std::byte> to, const std::string
     const ssize_t got = ::pread(number_, to.data(), to.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw ReadError(fmt::format("cannot read '{}': {}", shown(key), std::strerror(errno)));
-    if (got == 0) throw ReadError(fmt::format("'{}' became shorter while it was read", shown(key)));
+    if (got == 0) throw ReadError(fmt::format("'{}' became shorter during the read", shown(key)));
     offset += static_cast<std::uint64_t>(got);
     to = to.subspan(static_cast<std::size_t>(got));
   }

@@ -52,7 +52,7 @@ class Store {
   [[nodiscard]] virtual std::string identity(const std::string& group) const { return group; }
 };
 
-// Names of the files by which a folder or ZIP file is known to be Zarr.
+// Returns whether a file with this name makes a folder or ZIP file known as Zarr.
 [[nodiscard]] bool is_metadata_name(std::string_view name);
 
 // Opens a folder, or the folder of a metadata file, or a ZIP file, whose directory stays in `memory`.

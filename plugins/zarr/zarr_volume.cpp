@@ -88,10 +88,11 @@ void place(const Image& image, Grid& grid, std::vector<std::string>& notes) {
     if (own != unit && !own.empty()) {
       if (picometers_of(own) > 0 && picometers_of(unit) > 0) {
         factor = picometers_of(own) / picometers_of(unit);
-        notes.push_back(fmt::format("axis '{}' is converted from {} to {}", shown(image.axes[at].name), own, unit));
+        notes.push_back(
+            fmt::format("the reader converts axis '{}' from {} to {}", shown(image.axes[at].name), own, unit));
       } else {
-        notes.push_back(fmt::format("axis '{}' is in '{}', which is not converted to '{}'", shown(image.axes[at].name),
-                                    shown(own), shown(unit)));
+        notes.push_back(fmt::format("the reader does not convert axis '{}' from '{}' to '{}'",
+                                    shown(image.axes[at].name), shown(own), shown(unit)));
       }
     }
     grid.index_to_world[4 * row + row] = image.scale[at] * factor;
@@ -185,7 +186,7 @@ class ZarrFile final : public isoextract_plugin::VolumeFile {
     grid.labels = image.labels;
     const std::uint64_t channels = image.length_of(Axis::Kind::channel);
     if (channels > kMostChannels) {
-      notes.push_back(fmt::format("only the first {} of {} channels of '{}' are listed", kMostChannels, channels,
+      notes.push_back(fmt::format("the reader lists only the first {} of {} channels of '{}'", kMostChannels, channels,
                                   shown(image.name)));
     }
     const std::vector<std::string> names = channels > kMostChannels ? std::vector<std::string>() : channel_names(image);

@@ -16,6 +16,7 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
+#include "fuzz/zarr_seeds.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
@@ -426,7 +427,7 @@ void write_gltfs(const fs::path& folder) {
 }
 
 void write_seeds(const fs::path& folder) {
-  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 14> formats{{{"vdb", write_vdbs},
+  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 15> formats{{{"vdb", write_vdbs},
                                                                                    {"nrrd", write_nrrd},
                                                                                    {"nifti", write_nifti},
                                                                                    {"npy", write_npy},
@@ -439,7 +440,8 @@ void write_seeds(const fs::path& folder) {
                                                                                    {"stl", write_stls},
                                                                                    {"glb", write_glbs},
                                                                                    {"gltf", write_gltfs},
-                                                                                   {"drc", write_drcs}}};
+                                                                                   {"drc", write_drcs},
+                                                                                   {"zarr", write_zarr_seeds}}};
   for (const auto& [name, write] : formats) {
     fs::create_directories(folder / name);
     write(folder / name);
