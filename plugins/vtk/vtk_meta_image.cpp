@@ -178,7 +178,7 @@ class MetaImage final : public VolumeFile {
     Grid grid;
     set_size(values, grid);
     place(values, grid);
-    set_files(header, header_file.size(), grid);
+    set_files(header, grid);
     grids.push_back(std::move(grid));
   }
 
@@ -283,7 +283,7 @@ class MetaImage final : public VolumeFile {
     }
   }
 
-  void set_files(const ReadHeader& header, std::uint64_t header_file_bytes, const Grid& grid) {
+  void set_files(const ReadHeader& header, const Grid& grid) {
     const Header& values = header.values;
     const std::string name = value_of(values, {"ElementDataFile"});
     compressed_ = is_true(value_of(values, {"CompressedData"}));
@@ -308,7 +308,7 @@ class MetaImage final : public VolumeFile {
     }
     if (compressed_) {
       // zlib's largest ratio is 1032.
-      if (data_.size() == 1) check_ratio(name == "LOCAL" ? header_file_bytes : InputFile(data_[0]).size(), grid);
+      if (data_.size() == 1) check_ratio(InputFile(data_[0]).size(), grid);
       return;
     }
     const std::uint64_t slices = grid.dims[2] * grid.volumes / data_.size();
