@@ -5,7 +5,6 @@ import json
 import math
 import os
 import pathlib
-import re
 import struct
 import subprocess
 import unittest
@@ -17,7 +16,7 @@ from mutations import mutate
 from support import DATA, PROGRAM, ProgramTest, main, needs_data, read_ply
 
 PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-vtk.so"
-SEEDS = int(os.environ.get("ISOEXTRACT_MUTATIONS", "40"))  # of each kind of file
+SEEDS = int(os.environ.get("ISOEXTRACT_MUTATIONS", "24"))  # of each kind of file
 
 
 def values_and_text(values):
@@ -443,7 +442,7 @@ class VtkVolumesTest(ProgramTest):
 
     def test_open_foam_case(self):
         open_foam_case(self.folder / "case", 4, ("0", "0.5"))
-        self.write("case/case.foam", b"")
+        self.write("case/case.foam", b"for ParaView\n")
         for name in ("case", "case/case.foam"):
             for volume, time in enumerate((0, 0.5)):
                 found, placement = self.field(name, "--volume", volume, "--voxel-size", "0.5")
@@ -476,7 +475,7 @@ class VtkVolumesTest(ProgramTest):
         heights[149, 1] = -32767
         self.write("heights.dem", elevation_model(heights, (1000, 2000), (30, 10), 0.5))
         found, placement = self.field("heights.dem")
-        np.testing.assert_allclose(found[0], np.where(heights > 0, heights * 0.5, np.nan))
+        np.testing.assert_allclose(found.reshape(heights.shape), np.where(heights > 0, heights * 0.5, np.nan))
         np.testing.assert_allclose(placement, [[30, 0, 0, 1000], [0, 10, 0, 2000], [0, 0, 1, 0]])
         self.assertEqual(self.input["length_unit"], "m")
 
@@ -560,9 +559,9 @@ class VtkVolumesTest(ProgramTest):
                                    "--nan", "outside", "--memory-limit", "256M", "-o", f"{stem}_####.ply",
                                    env=dict(os.environ, ISOEXTRACT_PLUGIN_SECONDS="5"))
             self.assertIn(run.code, (2, 5), run.err)
-            failed = {int(number) for number in re.findall(rf"{stem}_(\d+)\.{extension}: ", run.err)}
+            written = {int(path.stem[-4:]) for path in self.folder.glob(f"{stem}_????.ply")}
             with self.subTest(name=name):
-                self.assertLessEqual(set(range(count)), failed, run.err)
+                self.assertEqual(written & set(range(count)), set(), run.err)
                 for line in run.err.splitlines():
                     self.assertRegex(line, r"^(isoextract: |  |\d+ of \d+ frames)", "a library has spoken")
 
