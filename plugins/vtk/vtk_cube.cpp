@@ -138,7 +138,7 @@ class Cube final : public VolumeFile {
         }
         values.push_back(static_cast<float>(*number));
       }
-      if (words.ended_in_word()) read_note_ = "the file ends without a line end: its last number may be cut off";
+      if (words.ended_in_word()) read_note_ = "the file ends without a line end: its last number may lack digits";
       values_ = std::move(values);
       memory.keep();
     }

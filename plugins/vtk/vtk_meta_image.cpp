@@ -148,7 +148,7 @@ class InflatedFile {
       const int status = inflate(&stream_, Z_NO_FLUSH);
       if (status == Z_OK || (status == Z_STREAM_END && stream_.avail_out == 0)) continue;
       throw ReadError("expected more compressed samples, found " +
-                      std::string(stream_.msg != nullptr ? stream_.msg : "the end of the data") + " after " +
+                      std::string(stream_.msg != nullptr ? stream_.msg : "the end of the file") + " after " +
                       std::to_string(position_ + bytes - stream_.avail_out) + " bytes of samples");
     }
     position_ += bytes;
@@ -278,8 +278,7 @@ class MetaImage final : public VolumeFile {
     if (!matrix.empty() && values.contains("AnatomicalOrientation")) {
       grid.world_space = "left-posterior-superior";
       if (grid.length_unit.empty()) grid.length_unit = "mm";
-      note +=
-          std::string(note.empty() ? "" : "; ") + "the space is taken as left-posterior-superior in mm, as ITK has it";
+      note += std::string(note.empty() ? "" : "; ") + "assumes left-posterior-superior space in mm, as ITK has it";
     }
   }
 

@@ -321,7 +321,7 @@ class VtkVolumesTest(ProgramTest):
         np.testing.assert_allclose(placement, np.hstack([np.eye(3) / 2, np.zeros((3, 1))]), atol=1e-12)
         np.testing.assert_allclose(found, linear(x / 2, y / 2, z / 2), atol=1e-6)
         run = self.convert("cells.vtu", "--array", "cell:p", "--iso", "1", "-o", "cells.ply")
-        self.assertIn("384 cells that do not lie on a lattice are resampled", run.err)
+        self.assertIn("resamples 384 cells, which do not lie on a lattice, onto", run.err)
         self.assertIn("the value of a point is the mean of its cells' values", run.err)
         # Legacy files of cells are volumes; the type of the first cell tells them from particles.
         listed = np.insert(cells, 0, 4, axis=1).astype(">i4")
