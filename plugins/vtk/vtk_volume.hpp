@@ -85,7 +85,7 @@ std::string printed(double value);  // six digits
 // Returns the path of a file that is named in another: in the same folder or below it. Fails for any other.
 std::string path_beside(const std::string& path, const std::string& name);
 
-// Open a file of each format.
+// Returns an open file of each format.
 Opened open_meta_image(const Request& request, const isoextract_plugin_host& host);
 Opened open_mrc(const Request& request, const isoextract_plugin_host& host);
 Opened open_cube(const Request& request, const isoextract_plugin_host& host);
