@@ -36,6 +36,8 @@ class TextWords {
     }
   }
 
+  // Whether the file ends with the last word.
+  [[nodiscard]] bool ended_in_word() const { return at_ == part_.size() && offset_ >= file_.size(); }
   // Of the text after the last word.
   [[nodiscard]] std::uint64_t offset() const { return offset_ - (part_.size() - at_); }
 
@@ -136,6 +138,7 @@ class Cube final : public VolumeFile {
         }
         values.push_back(static_cast<float>(*number));
       }
+      if (words.ended_in_word()) read_note_ = "the file ends without a line end: its last number may lack digits";
       values_ = std::move(values);
       memory.keep();
     }
@@ -144,7 +147,9 @@ class Cube final : public VolumeFile {
     const auto y = static_cast<std::int64_t>(grid.dims[1]);
     isoextract_plugin::fill_box(
         grid, {values_.data() + selection.volume * grid.components, {step * z * y, step * z, step}, 1}, selection);
-    return {};
+    ReadFacts facts;
+    facts.note = read_note_;
+    return facts;
   }
 
  private:
@@ -172,6 +177,7 @@ class Cube final : public VolumeFile {
   InputFile file_;
   std::uint64_t values_at_ = 0;
   std::vector<float> values_;
+  std::string read_note_;
 };
 
 }  // namespace

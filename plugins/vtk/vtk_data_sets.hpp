@@ -26,7 +26,7 @@ std::vector<ArrayFacts> arrays_of(const std::vector<vtkSmartPointer<vtkDataSet>>
 // Returns the array of a data set, or null.
 vtkDataArray* find_array(vtkDataSet* data, const ArrayFacts& facts);
 
-// Values of an array as doubles.
+// Returns the values of an array as doubles.
 std::vector<double> values_of(vtkDataArray* array);
 
 // Stores a component of a tuple, or its length, as sample `index` of the selection's box, which has f32 or f64 samples.
@@ -36,11 +36,11 @@ void put_tuple(const Grid& grid, const isoextract_volume_selection& selection, s
 // Lattices in memory; null if the leaves are not image data, or evenly spaced rectilinear grids, on one lattice.
 Opened lattice_of(DataSets& data);
 
-// A rectilinear grid with uneven distances, resampled trilinearly onto the finest even lattice of at most 4 times the
+// Resamples a rectilinear grid with uneven distances trilinearly onto the finest even lattice of at most 4 times the
 // samples. Fails, with the distances, unless the request allows that.
 Opened evened_grid(DataSets& data, vtkRectilinearGrid* grid, const Request& request);
 
-// Cells of any kind, resampled onto a box of samples; NaN outside the cells.
+// Resamples cells of any kind onto a box of samples; NaN outside the cells.
 Opened resampled_cells(DataSets& data, const Request& request, const isoextract_plugin_host& host);
 
 // Returns whether coordinates have even distances, within the rounding of their type.

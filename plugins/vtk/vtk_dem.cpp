@@ -112,6 +112,7 @@ class Dem final : public VolumeFile {
           left = kInOthers;
         }
         const double value = number(record, column, 6, "height", -99999, 999999);
+        if (record[column + 5] == ' ') throw ReadError("expected a height of six columns, found a part of one");
         const bool is_void = value <= -32766;
         profile.heights.push_back(is_void ? std::numeric_limits<float>::quiet_NaN()
                                           : static_cast<float>(datum + value * height_step_));

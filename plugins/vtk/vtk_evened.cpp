@@ -88,7 +88,7 @@ class EvenedGrid final : public VolumeFile {
         even.sample_type = ISOEXTRACT_F32;
     }
     const Dims& dims = grids[0].dims;
-    add_note(note, "the unevenly spaced samples were resampled trilinearly onto " + std::to_string(dims[0]) + " x " +
+    add_note(note, "resamples the unevenly spaced samples trilinearly onto " + std::to_string(dims[0]) + " x " +
                        std::to_string(dims[1]) + " x " + std::to_string(dims[2]) + " even ones");
   }
 

@@ -33,9 +33,9 @@ struct LatticeFrame {
 // name, the latter's grid is "cell:NAME".
 std::vector<Grid> grids_of_arrays(const std::vector<ArrayFacts>& arrays);
 
-// Marks of hidden samples and of those that pieces share. They are not listed.
+// Returns whether an array marks hidden samples, and those that pieces share. Such arrays are not listed.
 bool is_ghost_array(const std::string& name);
-constexpr const char* kGhostNote = "marks of hidden samples (vtkGhostType) are ignored";
+constexpr const char* kGhostNote = "the reader ignores marks of hidden samples (vtkGhostType)";
 
 // Joins notes by "; ".
 void add_note(std::string& note, const std::string& text);

@@ -38,11 +38,15 @@ inline void silence_vtk() {
   });
 }
 
-// Returns the sentence of VTK's message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n".
+// Returns the sentence of VTK's message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n", or of
+// "Generic Warning: In file.cxx, line 12\nsentence\n\n".
 inline std::string last_sentence(const std::string& complaint) {
-  std::size_t at = complaint.find("): ");
-  at = at == std::string::npos ? 0 : at + 3;
-  std::string text = complaint.substr(at, complaint.find('\n', at) - at);
+  const std::size_t place = complaint.find(": In ");
+  std::size_t at = place == std::string::npos ? place : complaint.find('\n', place);
+  at = at == std::string::npos ? 0 : at + 1;
+  const std::size_t end = complaint.find('\n', at);
+  if (const std::size_t object = complaint.find("): ", at); object < end) at = object + 3;
+  const std::string text = complaint.substr(at, complaint.find('\n', at) - at);
   return text.empty() ? "the file is damaged" : text;
 }
 

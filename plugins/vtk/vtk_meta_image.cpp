@@ -148,7 +148,7 @@ class InflatedFile {
       const int status = inflate(&stream_, Z_NO_FLUSH);
       if (status == Z_OK || (status == Z_STREAM_END && stream_.avail_out == 0)) continue;
       throw ReadError("expected more compressed samples, found " +
-                      std::string(stream_.msg != nullptr ? stream_.msg : "the end of the data") + " after " +
+                      std::string(stream_.msg != nullptr ? stream_.msg : "the end of the file") + " after " +
                       std::to_string(position_ + bytes - stream_.avail_out) + " bytes of samples");
     }
     position_ += bytes;
@@ -178,7 +178,7 @@ class MetaImage final : public VolumeFile {
     Grid grid;
     set_size(values, grid);
     place(values, grid);
-    set_files(header, header_file.size(), grid);
+    set_files(header, grid);
     grids.push_back(std::move(grid));
   }
 
@@ -278,12 +278,11 @@ class MetaImage final : public VolumeFile {
     if (!matrix.empty() && values.contains("AnatomicalOrientation")) {
       grid.world_space = "left-posterior-superior";
       if (grid.length_unit.empty()) grid.length_unit = "mm";
-      note +=
-          std::string(note.empty() ? "" : "; ") + "the space is taken as left-posterior-superior in mm, as ITK has it";
+      note += std::string(note.empty() ? "" : "; ") + "assumes left-posterior-superior space in mm, as ITK has it";
     }
   }
 
-  void set_files(const ReadHeader& header, std::uint64_t header_file_bytes, const Grid& grid) {
+  void set_files(const ReadHeader& header, const Grid& grid) {
     const Header& values = header.values;
     const std::string name = value_of(values, {"ElementDataFile"});
     compressed_ = is_true(value_of(values, {"CompressedData"}));
@@ -308,7 +307,7 @@ class MetaImage final : public VolumeFile {
     }
     if (compressed_) {
       // zlib's largest ratio is 1032.
-      if (data_.size() == 1) check_ratio(name == "LOCAL" ? header_file_bytes : InputFile(data_[0]).size(), grid);
+      if (data_.size() == 1) check_ratio(InputFile(data_[0]).size(), grid);
       return;
     }
     const std::uint64_t slices = grid.dims[2] * grid.volumes / data_.size();

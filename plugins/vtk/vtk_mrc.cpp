@@ -157,11 +157,11 @@ class Map final : public VolumeFile {
       const bool unset = words.integer(kAxes) == 0 && words.integer(kAxes + 1) == 0 && words.integer(kAxes + 2) == 0;
       if (!unset) throw ReadError("expected the axes 1, 2 and 3 in MAPC, MAPR and MAPS, each once, found others");
       axis_of = {0, 1, 2};
-      add_note("the header has no axis order: columns are taken along x, rows along y, sections along z");
+      add_note("the header has no axis order: assumes columns along x, rows along y, sections along z");
     }
     if (angle[0] == 0 && angle[1] == 0 && angle[2] == 0) {
       angle = {90, 90, 90};
-      add_note("the header has no cell angles: taken as 90 degrees");
+      add_note("the header has no cell angles: assumes 90 degrees");
     }
     grid.has_placement = has_cell;
     if (!has_cell) {

@@ -77,7 +77,7 @@ class Resampled final : public VolumeFile {
       if (grid.sample_type != ISOEXTRACT_NOT_SCALAR && grid.sample_type != ISOEXTRACT_F64)
         grid.sample_type = ISOEXTRACT_F32;
     }
-    add_note(note, std::to_string(cells_) + " cells that do not lie on a lattice are resampled onto " + size +
+    add_note(note, "resamples " + std::to_string(cells_) + " cells, which do not lie on a lattice, onto " + size +
                        " samples with the spacing " + spacing +
                        (request.spacing[0] > 0 ? "" : ", which the plug-in chose by the number of cells") +
                        "; samples outside the cells are NaN");
@@ -141,7 +141,7 @@ class Resampled final : public VolumeFile {
       const double length = bounds[2 * axis + 1] - bounds[2 * axis];
       if (!(std::isfinite(length) && length > 0)) throw ReadError("expected cells with a finite volume, found others");
     }
-    if (others > 0) add_note(note, std::to_string(others) + " cells without a volume are left out");
+    if (others > 0) add_note(note, "leaves out " + std::to_string(others) + " cells without a volume");
   }
 
   // Values of the leaf's points.

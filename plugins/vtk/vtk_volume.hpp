@@ -49,7 +49,7 @@ struct StoredType {
   Wide wide = Wide::none;
   [[nodiscard]] std::uint64_t bytes() const { return isoextract_plugin::sample_size(sample_type); }
 };
-constexpr std::string_view kWideNote = "64-bit integers are read as doubles, which are exact up to 2^53";
+constexpr std::string_view kWideNote = "64-bit integers become doubles, which are exact up to 2^53";
 
 // Swaps bytes if asked to, and converts 64-bit integers in place.
 void to_native(StoredType type, bool swap, void* samples, std::uint64_t count);
@@ -76,7 +76,7 @@ std::optional<std::uint64_t> product(const std::vector<std::uint64_t>& factors, 
 void check_fits(const InputFile& file, std::uint64_t offset, const std::vector<std::uint64_t>& counts,
                 std::uint64_t bytes);
 
-// Text: numbers may have a sign and Fortran's exponents (1.5D+02, 1.5-102).
+// Returns the words of a text. Numbers may have a sign and Fortran's exponents (1.5D+02, 1.5-102).
 std::vector<std::string> words_of(std::string_view text);
 std::optional<double> parse_number(std::string_view word);
 std::optional<std::int64_t> parse_integer(std::string_view word);
@@ -85,13 +85,13 @@ std::string printed(double value);  // six digits
 // Returns the path of a file that is named in another: in the same folder or below it. Fails for any other.
 std::string path_beside(const std::string& path, const std::string& name);
 
-// The formats.
+// Returns an open file of each format.
 Opened open_meta_image(const Request& request, const isoextract_plugin_host& host);
 Opened open_mrc(const Request& request, const isoextract_plugin_host& host);
 Opened open_cube(const Request& request, const isoextract_plugin_host& host);
 Opened open_dem(const Request& request, const isoextract_plugin_host& host);
 Opened open_xml_image(const Request& request, const isoextract_plugin_host& host);    // .vti, .pvti
-Opened open_data_set(const Request& request, const isoextract_plugin_host& host);     // what VTK's readers read
+Opened open_data_set(const Request& request, const isoextract_plugin_host& host);     // by VTK's readers
 Opened open_time_series(const Request& request, const isoextract_plugin_host& host);  // .pvd, .series
 Opened open_volume(const Request& request, const isoextract_plugin_host& host);       // any of them
 

@@ -20,7 +20,7 @@ std::string attribute_of(vtkXMLDataElement* element, const char* name);
 // Returns the children of this name, in order.
 std::vector<vtkXMLDataElement*> children_of(vtkXMLDataElement* element, const char* name);
 
-// The type of an XML data array by its name, such as "Float32"; not scalar for others, such as strings.
+// Returns the type of an XML data array by its name, such as "Float32"; not scalar for others, such as strings.
 StoredType xml_type(const std::string& name);
 
 // A parsed file. The element <VTKFile type="TYPE"> has one child of that name.
@@ -43,7 +43,7 @@ class XmlDocument {
   [[nodiscard]] bool swaps(vtkXMLDataElement* array) const;
 
  private:
-  // Where the bytes of an array are. Of a compressed array, the blocks too.
+  // Place of the bytes of an array; of a compressed array, the blocks too.
   struct Stored {
     vtkXMLDataElement* array = nullptr;
     std::uint64_t at = 0;  // of the data, in the file

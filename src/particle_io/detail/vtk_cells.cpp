@@ -34,7 +34,7 @@ std::optional<std::uint64_t> find_line_end(const files::InputFile& file, std::ui
   while (offset < file.size()) {
     part = bytes_at(file, offset, kPartBytes);
     const std::size_t at = part.find(word);
-    const std::size_t end = at == std::string::npos ? at : part.find('\n', at);
+    const std::size_t end = at == std::string::npos ? at : part.find('\n', at + word.size());
     if (end != std::string::npos) return offset + end + 1;
     // A part ends in the middle of the word or of its line.
     constexpr std::size_t kOverlap = 256;
