@@ -105,6 +105,7 @@ Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool eve
     return line;
   }
   if (!evens_out) {
+    line.is_uneven = true;
     line.problem = "expected evenly spaced slices, " + describe_distances(distances);
     return line;
   }

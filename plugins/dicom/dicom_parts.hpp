@@ -27,7 +27,7 @@ struct Pixels {
   bool encapsulated = false;
   bool big_endian = false;
   bool is_float = false;
-  std::shared_ptr<const std::vector<char>> inflated;  // the value, of a deflated file
+  std::shared_ptr<const std::string> inflated;  // the bytes of a deflated file; offsets refer to them
   std::uint32_t columns = 0, rows = 0, frames = 1;
   std::uint32_t samples_per_pixel = 1;
   bool planar = false;  // color planes follow one another
@@ -128,7 +128,7 @@ struct FoundFiles {
   bool siblings = false;  // the path is the file of a series, whose other files are beside it
   std::string note;
 };
-FoundFiles find_files(const isoextract_plugin::Request& request);
+FoundFiles find_files(const isoextract_plugin::Request& request, const isoextract_plugin_host& host);
 bool has_dicom_signature(const std::string& path);
 
 // One slice of a volume.
@@ -144,6 +144,7 @@ struct Series {
   std::vector<double> places;  // resampled: of each sample along z, its place among the slices; empty otherwise
   bool converts = false;       // to float, with the slope and intercept of each slice
   std::string problem;         // why its samples cannot be read; empty if they can
+  bool is_uneven = false;      // the problem is that slice distances differ
   std::vector<std::string> notes;
 };
 
@@ -157,6 +158,7 @@ struct Line {
   std::size_t count = 0;
   std::vector<double> places;  // as Series::places
   std::string problem;
+  bool is_uneven = false;  // the problem is that distances differ
   std::string note;
 };
 // Fits a line to sorted positions of slices. Throws nothing: uneven distances are its problem unless evens_out.

@@ -195,15 +195,13 @@ std::string form_problem(const Pixels& pixels) {
 }
 
 void check_size(const Pixels& pixels) {
-  const std::uint64_t size = std::filesystem::file_size(pixels.path);
   if (pixels.encapsulated) {
     std::ifstream stream(pixels.path, std::ios::binary);
     const PieceTable checked(stream, pixels);
     return;
   }
   const std::uint64_t needed = native_bytes(pixels, pixels.frames);
-  const std::uint64_t there =
-      pixels.inflated ? pixels.bytes : std::min(pixels.bytes, size - std::min(size, pixels.offset));
+  const std::uint64_t there = pixels.bytes;
   if (needed > there) {
     throw ReadError("expected " + std::to_string(needed) + " bytes of pixels (" + std::to_string(pixels.columns) +
                     " x " + std::to_string(pixels.rows) + " x " + std::to_string(pixels.frames) + "), found " +
@@ -219,7 +217,7 @@ struct PixelReader::Parts {
 
   void read(std::uint64_t offset, std::uint64_t bytes, char* to) {
     if (pixels.inflated) {
-      std::copy_n(pixels.inflated->data() + offset, bytes, to);
+      std::copy_n(pixels.inflated->data() + pixels.offset + offset, bytes, to);
       return;
     }
     stream.clear();

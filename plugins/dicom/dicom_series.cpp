@@ -241,7 +241,10 @@ class Splitter {
     std::vector<Vector> positions;
     for (const Slice& slice : slices) positions.push_back(slice.frame.position);
     Line line = fit_line(positions, shape, evens_out_);
-    if (series.problem.empty()) series.problem = line.problem;
+    if (series.problem.empty()) {
+      series.problem = line.problem;
+      series.is_uneven = line.is_uneven;
+    }
     if (!line.note.empty()) series.notes.push_back(line.note);
     series.places = std::move(line.places);
     grid.dims[2] = line.count;
