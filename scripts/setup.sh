@@ -5,6 +5,7 @@
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
+#   scripts/setup.sh dicom      what the plug-in around GDCM needs: GDCM; likewise
 #   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
@@ -27,9 +28,11 @@ build_packages=(
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
   python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
+  libgdcm-dev libgdcm-tools python3-pydicom
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 vtk_packages=(libvtk9-dev)
+dicom_packages=(libgdcm-dev)
 openvdb_packages=(libopenvdb-dev libboost-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
@@ -57,6 +60,7 @@ for group in "$@"; do
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
+    dicom) wanted+=("${dicom_packages[@]}") ;;
     openvdb) wanted+=("${openvdb_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     measure)
@@ -67,7 +71,7 @@ for group in "$@"; do
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, bench, measure, blender, viewers or cluster"
+      say "unknown group '$group': expected build, test, fuzz, vtk, dicom, openvdb, bench, measure, blender, viewers or cluster"
       exit 1
       ;;
   esac

@@ -223,6 +223,8 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
   std::uint64_t at = read_meta(*source, has_preamble ? 132 : 0, structure);
   if (structure.transfer_syntax.empty() && has_preamble)
     throw ReadError("expected the transfer syntax of a DICOM file, found none: the header is damaged or cut");
+  if (at >= source->size())
+    throw ReadError("expected a DICOM object after the file's header, found the end: the file is cut");
   if (structure.transfer_syntax == kDeflated) {
     structure.inflated = inflate_file(path, at, host);
     source = std::make_unique<Source>(structure.inflated.get());

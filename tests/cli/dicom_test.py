@@ -240,7 +240,7 @@ class MultiFrameTest(DicomTestCase):
     @needs_program("gdcmconv")
     def test_compressed_time_steps(self):
         frames = numpy.concatenate([VOLUME, VOLUME + 1])
-        data = dicom.enhanced(frames, PLACES * 2, temporal=[1] * 6 + [2] * 6, sop_class=dicom.ENHANCED_MR)
+        data = dicom.enhanced(frames, PLACES * 2, temporal=[1] * 6 + [2] * 6)
         dicom.save(data, self.folder / "raw.dcm")
         for form in ("jpegls", "j2k", "rle"):
             subprocess.run(["gdcmconv", f"--{form}", "raw.dcm", f"{form}.dcm"], check=True, capture_output=True, cwd=self.folder)

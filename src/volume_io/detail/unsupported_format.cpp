@@ -27,7 +27,6 @@ struct UnsupportedFormatEntry {
 // Formats such as HDF5, whose content says less than the name, come last.
 const std::vector<UnsupportedFormatEntry>& known_unread() {
   static const std::vector<UnsupportedFormatEntry> known{
-      {"a DICOM file", {".dcm", ".dicom", ".ima"}, {{128, "DICM"}}, "dcm2niix makes a NIfTI file of the series"},
       {"a MetaImage file", {".mhd", ".mha"}, {{0, "ObjectType"}}, "SimpleITK, ITK-SNAP and 3D Slicer store it as NRRD"},
       {"a FreeSurfer volume", {".mgz", ".mgh"}, {}, "mri_convert makes a NIfTI file of it"},
       {"a MINC volume", {".mnc"}, {}, "mnc2nii makes a NIfTI file of it"},
