@@ -113,7 +113,7 @@ std::shared_ptr<const Object> read_object(const std::string& path, const isoextr
   read_layout(data, pixels);
   if (structure.pixels == 0) {
     if (may_have_pixels(structure.class_uid, pixels))
-      throw ReadError("expected pixel data after the header, found none: the file is cut");
+      throw ReadError("expected pixel data after the header, found none: the file ends early");
     return nullptr;
   }
   object->problem = form_problem(pixels);
@@ -129,7 +129,7 @@ std::shared_ptr<const Object> read_object(const std::string& path, const isoextr
   if (text_of(data, gdcm::Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos && object->problem.empty())
     object->problem = "expected one slice per image, found a mosaic of slices in one image (Siemens)";
   if (data.FindDataElement(gdcm::Tag(0x0028, 0x3000)))
-    object->note = "its table of values (Modality LUT Sequence) is not applied";
+    object->note = "without its table of values (Modality LUT Sequence)";
   if (pixels.photometric == "MONOCHROME1")
     object->note = "low values are bright (MONOCHROME1); the values are those of the file";
   if (pixels.photometric == "PALETTE COLOR") object->note = "values are the numbers of palette colors";

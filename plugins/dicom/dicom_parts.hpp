@@ -1,4 +1,4 @@
-// What the files of this plug-in share. A DICOM object is a file; a frame is one image of an object; a slice is a frame
+// Shared by the files of this plug-in. A DICOM object is a file; a frame is one image of an object; a slice is a frame
 // in a volume. Tags and attribute names are those of DICOM PS3.6.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace isoextract_dicom {
 using isoextract_plugin::ReadError;
 using Vector = std::array<double, 3>;
 
-// Where and how a file stores its pixels.
+// Position and form of the pixels in a file.
 struct Pixels {
   std::string path;
   std::string transfer_syntax;  // its UID
@@ -77,7 +77,7 @@ struct Segment {
 
 enum class Segmentation { none, binary, fractional, label_map };
 
-// What the header of a file says. Nothing in it identifies the patient.
+// Contents of the header of a file. Nothing in it identifies the patient.
 struct Object {
   Pixels pixels;
   std::string class_uid, instance_uid, series_uid, frame_of_reference;
@@ -174,7 +174,7 @@ inline Vector plus(const Vector& a, const Vector& b, double factor) {
 inline Vector normal_of(const Frame& frame) { return cross(frame.row_direction, frame.column_direction); }
 // Returns whether two frames have the same directions and pixel distances.
 bool same_shape(const Frame& a, const Frame& b);
-// Index-to-world transform of samples: x along the rows, y along the columns, z along the step.
+// Returns the index-to-world transform of samples: x along the rows, y along the columns, z along the step.
 std::array<double, 12> index_to_world(const Frame& frame, const Vector& origin, const Vector& step);
 // Returns a number with up to 6 digits: "2.5".
 std::string number_text(double value);

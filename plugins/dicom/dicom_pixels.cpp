@@ -67,7 +67,7 @@ class PieceTable {
     stream.clear();
     stream.seekg(static_cast<std::streamoff>(at));
     if (!stream.read(reinterpret_cast<char*>(b.data()), 4))
-      throw ReadError("expected compressed frames, found the end of the file: it is cut");
+      throw ReadError("expected compressed frames, found the end of the file");
     return b[0] | std::uint32_t{b[1]} << 8U | std::uint32_t{b[2]} << 16U | std::uint32_t{b[3]} << 24U;
   }
   static std::pair<std::uint32_t, std::uint32_t> item_at(std::istream& stream, std::uint64_t at) {
@@ -223,7 +223,7 @@ struct PixelReader::Parts {
     stream.clear();
     stream.seekg(static_cast<std::streamoff>(pixels.offset + offset));
     if (!stream.read(to, static_cast<std::streamsize>(bytes)))
-      throw ReadError("the file changed during the run: its pixels are cut");
+      throw ReadError("the file changed during the run: pixels are missing");
   }
 
   void decode_bits(std::uint32_t index) {
@@ -277,7 +277,7 @@ struct PixelReader::Parts {
 PixelReader::PixelReader(const Pixels& pixels) : parts_(std::make_unique<Parts>()) {
   parts_->pixels = pixels;
   parts_->stream.open(pixels.path, std::ios::binary);
-  if (!parts_->stream) throw ReadError("the file changed during the run: it cannot be opened");
+  if (!parts_->stream) throw ReadError("the file changed during the run: it does not open");
   if (pixels.encapsulated) parts_->table.emplace(parts_->stream, pixels);
   parts_->decoded.resize(pixels.samples() * isoextract_plugin::sample_size(sample_type(pixels)));
 }

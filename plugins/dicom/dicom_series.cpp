@@ -187,7 +187,7 @@ class Splitter {
     const std::size_t left_out = slices.size() - counts.size();
     add({std::move(volumes.front())}, suffix, {}, {},
         std::to_string(left_out) + (left_out == 1 ? " slice" : " slices") +
-            " at the position of another left out: the one with the lowest instance number is read");
+            " at the position of another left out: the one with the lowest instance number stays");
   }
 
   void add(std::vector<Slices> volumes, const std::string& suffix, const std::string& volumes_note,

@@ -25,7 +25,7 @@ constexpr std::string_view kShortKinds = "AE AS AT CS DA DS DT FL FD IS LO LT PN
 class Source {
  public:
   explicit Source(const std::string& path) : stream_(path, std::ios::binary), size_(std::filesystem::file_size(path)) {
-    if (!stream_) throw ReadError("the file cannot be opened");
+    if (!stream_) throw ReadError("the file does not open");
   }
   explicit Source(const std::string* memory) : memory_(memory), size_(memory->size()) {}
 
@@ -39,7 +39,7 @@ class Source {
       stream_.clear();
       stream_.seekg(static_cast<std::streamoff>(offset));
       if (!stream_.read(window_.data(), static_cast<std::streamsize>(window_.size())))
-        throw ReadError("the file changed while it was read");
+        throw ReadError("the file changed during the run");
     }
     return std::string_view(window_).substr(offset - start_, count);
   }
@@ -92,7 +92,7 @@ class Walker {
     if (found.length != kUndefined && found.length > end - found.value) {
       throw ReadError("expected an attribute of " + std::to_string(found.length) + " bytes at byte " +
                       std::to_string(at) + ", found " + std::to_string(end - found.value) +
-                      " bytes to the end: the file is cut or damaged");
+                      " bytes to the end: the file ends early or has a damaged header");
     }
     return found;
   }
@@ -115,7 +115,7 @@ class Walker {
 
   void need(std::uint64_t at, std::uint64_t count, std::uint64_t end) const {
     if (at > end || count > end - at)
-      throw ReadError("expected an attribute at byte " + std::to_string(at) + ", found the end: the file is cut");
+      throw ReadError("expected an attribute at byte " + std::to_string(at) + ", found the end: the file ends early");
   }
   std::uint32_t number(std::uint64_t at, std::size_t count) {
     std::uint32_t value = 0;
@@ -182,7 +182,8 @@ std::shared_ptr<const std::string> inflate_file(const std::string& path, std::ui
   isoextract_plugin::HostMemory memory(host);
   memory.take(size);
   std::string packed(size, '\0');
-  if (!stream.read(packed.data(), static_cast<std::streamsize>(size))) throw ReadError("the file cannot be read");
+  if (!stream.read(packed.data(), static_cast<std::streamsize>(size)))
+    throw ReadError("the file changed during the run");
   auto whole = std::make_shared<std::string>(packed, 0, start);
   // The header of the result names the syntax without deflating; a UID is padded with zeros.
   const std::size_t syntax = whole->find(kDeflated);
@@ -224,7 +225,7 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
   if (structure.transfer_syntax.empty() && has_preamble)
     throw ReadError("expected the transfer syntax of a DICOM file, found none: the header is damaged or cut");
   if (at >= source->size())
-    throw ReadError("expected a DICOM object after the file's header, found the end: the file is cut");
+    throw ReadError("expected a DICOM object after the file's header, found the end: the file ends early");
   if (structure.transfer_syntax == kDeflated) {
     structure.inflated = inflate_file(path, at, host);
     source = std::make_unique<Source>(structure.inflated.get());
@@ -260,7 +261,7 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
 std::unique_ptr<std::istream> open_stream(const Structure& structure) {
   if (structure.inflated) return std::make_unique<std::istringstream>(*structure.inflated);
   auto stream = std::make_unique<std::ifstream>(structure.path, std::ios::binary);
-  if (!*stream) throw ReadError("the file cannot be opened");
+  if (!*stream) throw ReadError("the file does not open");
   return stream;
 }
 
