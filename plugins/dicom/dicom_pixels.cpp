@@ -183,14 +183,16 @@ std::string form_problem(const Pixels& pixels) {
     return "expected one sample per pixel of one bit, found " + std::to_string(pixels.samples_per_pixel);
   if (!pixels.encapsulated && (pixels.photometric == "YBR_FULL_422" || pixels.photometric.starts_with("YBR_PARTIAL")))
     return "expected colors at every pixel, found subsampled ones (" + pixels.photometric + ")";
+  const gdcm::TransferSyntax syntax(gdcm::TransferSyntax::GetTSType(pixels.transfer_syntax.c_str()));
   if (pixels.encapsulated) {
-    const gdcm::TransferSyntax syntax(gdcm::TransferSyntax::GetTSType(pixels.transfer_syntax.c_str()));
     if (!syntax.IsEncapsulated() || syntax == gdcm::TransferSyntax::MPEG2MainProfile ||
         syntax == gdcm::TransferSyntax::MPEG2MainProfileHighLevel ||
         syntax == gdcm::TransferSyntax::MPEG4AVCH264HighProfileLevel4_1 ||
         syntax == gdcm::TransferSyntax::MPEG4AVCH264BDcompatibleHighProfileLevel4_1)
       return "expected JPEG, JPEG-LS, JPEG 2000 or RLE compression, found transfer syntax " + pixels.transfer_syntax;
   }
+  if (!pixels.encapsulated && syntax.IsEncapsulated())
+    return "expected frames in pieces for transfer syntax " + pixels.transfer_syntax + ", found one value";
   return {};
 }
 
