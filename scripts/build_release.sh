@@ -42,7 +42,7 @@ quietly() {
   fi
 }
 
-# Plug-ins by the package group of what they are around: "vtk" or "openvdb".
+# Plug-ins by the package group of what they are around: "vtk", "dicom" or "openvdb".
 bring_up_to_date() {
   local missing=()
   for group in "$@"; do

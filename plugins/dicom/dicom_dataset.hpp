@@ -12,18 +12,18 @@
 
 namespace isoextract_dicom {
 
-// A text without padding: the whole value, with its backslashes. Valid UTF-8 for the character sets UTF-8 and Latin-1;
-// other characters become "?".
+// Returns a text without padding: the whole value, with its backslashes. Valid UTF-8 for the character sets UTF-8 and
+// Latin-1; other characters become "?".
 std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag, const std::string& character_set = {});
 // Numbers in text (DS, IS), separated by backslashes. Empty if one of them is no finite number.
 std::vector<double> decimals_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<double> decimal_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
-// Binary numbers: US, UL, FD.
+// Returns binary numbers: US, UL, FD.
 std::vector<std::uint32_t> shorts_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<std::uint32_t> short_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<std::uint32_t> long_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<double> double_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
-// A time of day (TM, DT without its date) in seconds.
+// Returns a time of day (TM, DT without its date) in seconds.
 std::optional<double> seconds_of(const std::string& time);
 
 // The items of a sequence, which live as long as this object.

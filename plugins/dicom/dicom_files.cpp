@@ -7,6 +7,7 @@
 #include <gdcmReader.h>
 
 #include "dicom_dataset.hpp"
+#include "dicom_structure.hpp"
 
 namespace isoextract_dicom {
 namespace {
@@ -79,12 +80,14 @@ std::optional<fs::path> find_referenced(const fs::path& folder, const std::strin
 }
 
 // Returns the IDs in a DICOMDIR; nothing for other files.
-std::optional<std::vector<std::string>> directory_of(const std::string& path) {
+std::optional<std::vector<std::string>> directory_of(const std::string& path, const isoextract_plugin_host& host) {
+  const Structure structure = check_structure(path, host);
+  if (structure.class_uid != "1.2.840.10008.1.3.10") return std::nullopt;
+  const auto stream = open_stream(structure);
   gdcm::Reader reader;
-  reader.SetFileName(path.c_str());
+  reader.SetStream(*stream);
   const gdcm::Tag records(0x0004, 0x1220);
-  if (!reader.ReadUpToTag(records)) return std::nullopt;
-  if (text_of(reader.GetFile().GetHeader(), gdcm::Tag(0x0002, 0x0002)) != "1.2.840.10008.1.3.10") return std::nullopt;
+  if (!reader.ReadUpToTag(records)) throw ReadError("expected a DICOM directory, found one that GDCM cannot read");
   std::vector<std::string> ids;
   const Items items(reader.GetFile().GetDataSet(), records);
   for (std::size_t i = 0; i < items.size(); ++i) {
@@ -99,7 +102,7 @@ std::string count_text(std::size_t count, const std::string& one, const std::str
 
 }  // namespace
 
-FoundFiles find_files(const isoextract_plugin::Request& request) {
+FoundFiles find_files(const isoextract_plugin::Request& request, const isoextract_plugin_host& host) {
   FoundFiles found;
   std::size_t others = 0;
   const fs::path path(request.path);
@@ -109,7 +112,7 @@ FoundFiles find_files(const isoextract_plugin::Request& request) {
     add_folder(path, true, found.paths, others);
     if (others > 0) found.note = count_text(others, "file that is", "files that are") + " not DICOM passed over";
     if (found.paths.empty()) throw ReadError("expected DICOM files in the folder, found none");
-  } else if (const auto ids = directory_of(request.path)) {
+  } else if (const auto ids = directory_of(request.path, host)) {
     std::size_t missing = 0;
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     for (const std::string& id : *ids) {

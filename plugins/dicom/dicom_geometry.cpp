@@ -105,6 +105,7 @@ Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool eve
     return line;
   }
   if (!evens_out) {
+    line.is_uneven = true;
     line.problem = "expected evenly spaced slices, " + describe_distances(distances);
     return line;
   }
@@ -122,7 +123,7 @@ Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool eve
     line.places.push_back(static_cast<double>(below) + std::clamp(part, 0.0, 1.0));
   }
   line.note = std::to_string(positions.size()) + " slices at distances of " + number_text(smallest) + " to " +
-              number_text(*std::ranges::max_element(distances)) + " mm are interpolated linearly at " +
+              number_text(*std::ranges::max_element(distances)) + " mm, interpolated linearly at " +
               std::to_string(line.count) + " slices every " + number_text(height / intervals) + " mm";
   return line;
 }

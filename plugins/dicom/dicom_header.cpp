@@ -1,64 +1,28 @@
 // Headers of objects, read up to the pixels.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cctype>
-#include <filesystem>
 #include <fstream>
-#include <set>
+#include <string_view>
 
 #include <gdcmMediaStorage.h>
 #include <gdcmReader.h>
 
 #include "dicom_dataset.hpp"
+#include "dicom_structure.hpp"
 
 namespace isoextract_dicom {
 namespace {
 
-const gdcm::Tag kFloatPixels(0x7fe0, 0x0008), kDoublePixels(0x7fe0, 0x0009), kPixels(0x7fe0, 0x0010);
-
-std::uint32_t number_at(const unsigned char* bytes, std::size_t count, bool big_endian) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < count; ++i) value = value << 8U | bytes[big_endian ? i : count - 1 - i];
-  return value;
-}
-
-bool is_tag(const unsigned char* bytes, const gdcm::Tag& tag, bool big_endian) {
-  return number_at(bytes, 2, big_endian) == tag.GetGroup() && number_at(bytes + 2, 2, big_endian) == tag.GetElement();
-}
-
-// The stream is at the value of the pixels if what precedes it is their tag and length: with a VR, 4 + 2 + 2 + 4 bytes,
-// or without one, 4 + 4 bytes.
-bool locate_value(std::istream& stream, const gdcm::Tag& tag, Pixels& pixels) {
-  if (!stream.good()) return false;
-  const auto at = static_cast<std::streamoff>(stream.tellg());
-  std::array<unsigned char, 12> before{};
-  if (at < static_cast<std::streamoff>(before.size())) return false;
-  stream.seekg(at - 12);
-  if (!stream.read(reinterpret_cast<char*>(before.data()), before.size())) return false;
-  if (!is_tag(before.data(), tag, pixels.big_endian) && !is_tag(before.data() + 4, tag, pixels.big_endian))
-    return false;
-  const std::uint32_t length = number_at(before.data() + 8, 4, pixels.big_endian);
-  pixels.offset = static_cast<std::uint64_t>(at);
-  pixels.encapsulated = length == 0xFFFFFFFFU;
-  pixels.bytes = pixels.encapsulated ? 0 : length;
-  return true;
-}
-
-// Reads a header into `reader` up to a tag; returns whether that tag was found.
-bool read_up_to(gdcm::Reader& reader, std::ifstream& stream, const std::string& path, const gdcm::Tag& tag,
-                Pixels& pixels) {
-  stream.open(path, std::ios::binary);
-  if (!stream) throw ReadError("the file cannot be opened");
+// Reads a header that has been checked up to its pixels, or all of a file without them.
+void read_header(gdcm::Reader& reader, std::istream& stream, const Structure& structure) {
+  const gdcm::Tag float_pixels(0x7fe0, 0x0008);
+  const gdcm::Tag double_pixels(0x7fe0, 0x0009);
+  const gdcm::Tag integer_pixels(0x7fe0, 0x0010);
+  const std::uint32_t last = structure.pixels == 0 ? 0x7FE00010U : structure.pixels;
   reader.SetStream(stream);
-  if (!reader.ReadUpToTag(tag, {kFloatPixels, kDoublePixels, kPixels})) {
-    if (reader.GetFile().GetHeader().GetDataSetTransferSyntax() != gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian)
-      throw ReadError("expected a DICOM header, found a damaged or cut one");
-  }
-  const gdcm::TransferSyntax& syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
-  pixels.transfer_syntax = syntax.GetString() == nullptr ? "" : syntax.GetString();
-  pixels.big_endian = syntax == gdcm::TransferSyntax::ExplicitVRBigEndian;
-  return locate_value(stream, tag, pixels);
+  if (!reader.ReadUpToTag(gdcm::Tag(last), {float_pixels, double_pixels, integer_pixels}))
+    throw ReadError("expected a DICOM header, found one that GDCM cannot read");
 }
 
 void read_layout(const gdcm::DataSet& data, Pixels& pixels) {
@@ -78,25 +42,6 @@ void read_layout(const gdcm::DataSet& data, Pixels& pixels) {
   pixels.high_bit = short_of(data, gdcm::Tag(0x0028, 0x0102)).value_or(pixels.bits_stored - 1);
   pixels.is_signed = short_of(data, gdcm::Tag(0x0028, 0x0103)).value_or(0) == 1;
   pixels.photometric = text_of(data, gdcm::Tag(0x0028, 0x0004));
-}
-
-// A deflated file has no position of its pixels: they are kept in memory.
-bool inflate(const std::string& path, const isoextract_plugin_host& host, Pixels& pixels) {
-  isoextract_plugin::HostMemory memory(host);
-  memory.take(2 * (pixels.samples() * pixels.frames * pixels.bits_allocated / 8 + 1));
-  std::ifstream stream(path, std::ios::binary);
-  gdcm::Reader reader;
-  reader.SetStream(stream);
-  static_cast<void>(reader.Read());  // false even for whole files; the size of the pixels is checked
-  const gdcm::DataSet& data = reader.GetFile().GetDataSet();
-  if (!data.FindDataElement(kPixels)) return false;
-  const gdcm::ByteValue* const bytes = data.GetDataElement(kPixels).GetByteValue();
-  if (bytes == nullptr) return false;
-  pixels.inflated =
-      std::make_shared<const std::vector<char>>(bytes->GetPointer(), bytes->GetPointer() + bytes->GetLength());
-  pixels.bytes = pixels.inflated->size();
-  memory.keep();
-  return true;
 }
 
 // Returns whether a text has a part of the patient's name, or the patient's identity, at least three characters long.
@@ -138,60 +83,58 @@ void read_names(const gdcm::DataSet& data, const std::string& character_set, Obj
   }
 }
 
-bool may_have_pixels(const gdcm::File& file, const std::string& class_uid, const Pixels& pixels) {
-  gdcm::MediaStorage storage;
-  if (!storage.SetFromHeader(file.GetHeader())) storage.SetFromDataSet(file.GetDataSet());
+bool may_have_pixels(const std::string& class_uid, const Pixels& pixels) {
   return gdcm::MediaStorage::IsImage(gdcm::MediaStorage::GetMSType(class_uid.c_str())) ||
-         gdcm::MediaStorage::IsImage(storage) || (pixels.rows > 0 && pixels.columns > 0);
+         (pixels.rows > 0 && pixels.columns > 0);
 }
 
 }  // namespace
 
 std::shared_ptr<const Object> read_object(const std::string& path, const isoextract_plugin_host& host) {
+  const Structure structure = check_structure(path, host);
+  if (structure.class_uid.empty() && structure.pixels == 0)
+    throw ReadError("expected the class of a DICOM object (SOP Class UID), found none: the header is damaged or cut");
   auto object = std::make_shared<Object>();
+  object->class_uid = structure.class_uid;
   Pixels& pixels = object->pixels;
   pixels.path = path;
-  auto reader = std::make_unique<gdcm::Reader>();
-  auto stream = std::make_unique<std::ifstream>();
-  bool found = read_up_to(*reader, *stream, path, kPixels, pixels);
-  const auto data = [&]() -> const gdcm::DataSet& { return reader->GetFile().GetDataSet(); };
-  object->class_uid = text_of(data(), gdcm::Tag(0x0008, 0x0016));
-  if (object->class_uid.empty()) object->class_uid = text_of(reader->GetFile().GetHeader(), gdcm::Tag(0x0002, 0x0002));
-  if (object->class_uid.empty() && !found)
-    throw ReadError("expected the class of a DICOM object (SOP Class UID), found none: the header is damaged or cut");
-  for (const gdcm::Tag& tag : {kFloatPixels, kDoublePixels}) {
-    if (found || object->class_uid != "1.2.840.10008.5.1.4.1.1.30") break;  // parametric maps
-    reader = std::make_unique<gdcm::Reader>();
-    stream = std::make_unique<std::ifstream>();
-    found = read_up_to(*reader, *stream, path, tag, pixels);
-    pixels.is_float = found;
-  }
-  read_layout(data(), pixels);
-  if (pixels.transfer_syntax == "1.2.840.10008.1.2.1.99") found = inflate(path, host, pixels);
-  if (!found) {
-    if (may_have_pixels(reader->GetFile(), object->class_uid, pixels))
-      throw ReadError("expected pixel data after the header, found none: the file is cut");
+  pixels.transfer_syntax = structure.transfer_syntax;
+  pixels.offset = structure.offset;
+  pixels.bytes = structure.bytes;
+  pixels.encapsulated = structure.encapsulated;
+  pixels.big_endian = structure.big_endian;
+  pixels.is_float = structure.pixels == 0x7FE00008U || structure.pixels == 0x7FE00009U;
+  pixels.inflated = structure.inflated;
+
+  const auto stream = open_stream(structure);
+  gdcm::Reader reader;
+  read_header(reader, *stream, structure);
+  const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+  read_layout(data, pixels);
+  if (structure.pixels == 0) {
+    if (may_have_pixels(structure.class_uid, pixels))
+      throw ReadError("expected pixel data after the header, found none: the file ends early");
     return nullptr;
   }
   object->problem = form_problem(pixels);
   if (object->problem.empty()) check_size(pixels);
 
-  object->instance_uid = text_of(data(), gdcm::Tag(0x0008, 0x0018));
-  object->series_uid = text_of(data(), gdcm::Tag(0x0020, 0x000e));
-  object->frame_of_reference = text_of(data(), gdcm::Tag(0x0020, 0x0052));
-  object->instance_number = decimal_of(data(), gdcm::Tag(0x0020, 0x0013)).value_or(0);
-  object->time_step = decimal_of(data(), gdcm::Tag(0x0020, 0x0110)).value_or(0);
-  const std::string character_set = text_of(data(), gdcm::Tag(0x0008, 0x0005));
-  read_names(data(), character_set, *object);
-  if (text_of(data(), gdcm::Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos && object->problem.empty())
+  object->instance_uid = text_of(data, gdcm::Tag(0x0008, 0x0018));
+  object->series_uid = text_of(data, gdcm::Tag(0x0020, 0x000e));
+  object->frame_of_reference = text_of(data, gdcm::Tag(0x0020, 0x0052));
+  object->instance_number = decimal_of(data, gdcm::Tag(0x0020, 0x0013)).value_or(0);
+  object->time_step = decimal_of(data, gdcm::Tag(0x0020, 0x0110)).value_or(0);
+  const std::string character_set = text_of(data, gdcm::Tag(0x0008, 0x0005));
+  read_names(data, character_set, *object);
+  if (text_of(data, gdcm::Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos && object->problem.empty())
     object->problem = "expected one slice per image, found a mosaic of slices in one image (Siemens)";
-  if (data().FindDataElement(gdcm::Tag(0x0028, 0x3000)))
-    object->note = "its table of values (Modality LUT Sequence) is not applied";
+  if (data.FindDataElement(gdcm::Tag(0x0028, 0x3000)))
+    object->note = "without its table of values (Modality LUT Sequence)";
   if (pixels.photometric == "MONOCHROME1")
     object->note = "low values are bright (MONOCHROME1); the values are those of the file";
   if (pixels.photometric == "PALETTE COLOR") object->note = "values are the numbers of palette colors";
-  read_segments(data(), character_set, *object);
-  read_frames(data(), *object);
+  read_segments(data, character_set, *object);
+  read_frames(data, *object);
   return object;
 }
 

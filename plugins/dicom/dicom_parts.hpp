@@ -1,4 +1,4 @@
-// What the files of this plug-in share. A DICOM object is a file; a frame is one image of an object; a slice is a frame
+// Shared by the files of this plug-in. A DICOM object is a file; a frame is one image of an object; a slice is a frame
 // in a volume. Tags and attribute names are those of DICOM PS3.6.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace isoextract_dicom {
 using isoextract_plugin::ReadError;
 using Vector = std::array<double, 3>;
 
-// Where and how a file stores its pixels.
+// Position and form of the pixels in a file.
 struct Pixels {
   std::string path;
   std::string transfer_syntax;  // its UID
@@ -27,7 +27,7 @@ struct Pixels {
   bool encapsulated = false;
   bool big_endian = false;
   bool is_float = false;
-  std::shared_ptr<const std::vector<char>> inflated;  // the value, of a deflated file
+  std::shared_ptr<const std::string> inflated;  // the bytes of a deflated file; offsets refer to them
   std::uint32_t columns = 0, rows = 0, frames = 1;
   std::uint32_t samples_per_pixel = 1;
   bool planar = false;  // color planes follow one another
@@ -77,7 +77,7 @@ struct Segment {
 
 enum class Segmentation { none, binary, fractional, label_map };
 
-// What the header of a file says. Nothing in it identifies the patient.
+// Contents of the header of a file. Nothing in it identifies the patient.
 struct Object {
   Pixels pixels;
   std::string class_uid, instance_uid, series_uid, frame_of_reference;
@@ -128,7 +128,7 @@ struct FoundFiles {
   bool siblings = false;  // the path is the file of a series, whose other files are beside it
   std::string note;
 };
-FoundFiles find_files(const isoextract_plugin::Request& request);
+FoundFiles find_files(const isoextract_plugin::Request& request, const isoextract_plugin_host& host);
 bool has_dicom_signature(const std::string& path);
 
 // One slice of a volume.
@@ -144,6 +144,7 @@ struct Series {
   std::vector<double> places;  // resampled: of each sample along z, its place among the slices; empty otherwise
   bool converts = false;       // to float, with the slope and intercept of each slice
   std::string problem;         // why its samples cannot be read; empty if they can
+  bool is_uneven = false;      // the problem is that slice distances differ
   std::vector<std::string> notes;
 };
 
@@ -157,6 +158,7 @@ struct Line {
   std::size_t count = 0;
   std::vector<double> places;  // as Series::places
   std::string problem;
+  bool is_uneven = false;  // the problem is that distances differ
   std::string note;
 };
 // Fits a line to sorted positions of slices. Throws nothing: uneven distances are its problem unless evens_out.
@@ -172,7 +174,7 @@ inline Vector plus(const Vector& a, const Vector& b, double factor) {
 inline Vector normal_of(const Frame& frame) { return cross(frame.row_direction, frame.column_direction); }
 // Returns whether two frames have the same directions and pixel distances.
 bool same_shape(const Frame& a, const Frame& b);
-// Index-to-world transform of samples: x along the rows, y along the columns, z along the step.
+// Returns the index-to-world transform of samples: x along the rows, y along the columns, z along the step.
 std::array<double, 12> index_to_world(const Frame& frame, const Vector& origin, const Vector& step);
 // Returns a number with up to 6 digits: "2.5".
 std::string number_text(double value);

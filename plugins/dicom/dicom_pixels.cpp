@@ -67,7 +67,7 @@ class PieceTable {
     stream.clear();
     stream.seekg(static_cast<std::streamoff>(at));
     if (!stream.read(reinterpret_cast<char*>(b.data()), 4))
-      throw ReadError("expected compressed frames, found the end of the file: it is cut");
+      throw ReadError("expected compressed frames, found the end of the file");
     return b[0] | std::uint32_t{b[1]} << 8U | std::uint32_t{b[2]} << 16U | std::uint32_t{b[3]} << 24U;
   }
   static std::pair<std::uint32_t, std::uint32_t> item_at(std::istream& stream, std::uint64_t at) {
@@ -183,27 +183,27 @@ std::string form_problem(const Pixels& pixels) {
     return "expected one sample per pixel of one bit, found " + std::to_string(pixels.samples_per_pixel);
   if (!pixels.encapsulated && (pixels.photometric == "YBR_FULL_422" || pixels.photometric.starts_with("YBR_PARTIAL")))
     return "expected colors at every pixel, found subsampled ones (" + pixels.photometric + ")";
+  const gdcm::TransferSyntax syntax(gdcm::TransferSyntax::GetTSType(pixels.transfer_syntax.c_str()));
   if (pixels.encapsulated) {
-    const gdcm::TransferSyntax syntax(gdcm::TransferSyntax::GetTSType(pixels.transfer_syntax.c_str()));
     if (!syntax.IsEncapsulated() || syntax == gdcm::TransferSyntax::MPEG2MainProfile ||
         syntax == gdcm::TransferSyntax::MPEG2MainProfileHighLevel ||
         syntax == gdcm::TransferSyntax::MPEG4AVCH264HighProfileLevel4_1 ||
         syntax == gdcm::TransferSyntax::MPEG4AVCH264BDcompatibleHighProfileLevel4_1)
       return "expected JPEG, JPEG-LS, JPEG 2000 or RLE compression, found transfer syntax " + pixels.transfer_syntax;
   }
+  if (!pixels.encapsulated && syntax.IsEncapsulated())
+    return "expected frames in pieces for transfer syntax " + pixels.transfer_syntax + ", found one value";
   return {};
 }
 
 void check_size(const Pixels& pixels) {
-  const std::uint64_t size = std::filesystem::file_size(pixels.path);
   if (pixels.encapsulated) {
     std::ifstream stream(pixels.path, std::ios::binary);
     const PieceTable checked(stream, pixels);
     return;
   }
   const std::uint64_t needed = native_bytes(pixels, pixels.frames);
-  const std::uint64_t there =
-      pixels.inflated ? pixels.bytes : std::min(pixels.bytes, size - std::min(size, pixels.offset));
+  const std::uint64_t there = pixels.bytes;
   if (needed > there) {
     throw ReadError("expected " + std::to_string(needed) + " bytes of pixels (" + std::to_string(pixels.columns) +
                     " x " + std::to_string(pixels.rows) + " x " + std::to_string(pixels.frames) + "), found " +
@@ -219,13 +219,13 @@ struct PixelReader::Parts {
 
   void read(std::uint64_t offset, std::uint64_t bytes, char* to) {
     if (pixels.inflated) {
-      std::copy_n(pixels.inflated->data() + offset, bytes, to);
+      std::copy_n(pixels.inflated->data() + pixels.offset + offset, bytes, to);
       return;
     }
     stream.clear();
     stream.seekg(static_cast<std::streamoff>(pixels.offset + offset));
     if (!stream.read(to, static_cast<std::streamsize>(bytes)))
-      throw ReadError("the file changed during the run: its pixels are cut");
+      throw ReadError("the file changed during the run: pixels are missing");
   }
 
   void decode_bits(std::uint32_t index) {
@@ -279,7 +279,7 @@ struct PixelReader::Parts {
 PixelReader::PixelReader(const Pixels& pixels) : parts_(std::make_unique<Parts>()) {
   parts_->pixels = pixels;
   parts_->stream.open(pixels.path, std::ios::binary);
-  if (!parts_->stream) throw ReadError("the file changed during the run: it cannot be opened");
+  if (!parts_->stream) throw ReadError("the file changed during the run: it does not open");
   if (pixels.encapsulated) parts_->table.emplace(parts_->stream, pixels);
   parts_->decoded.resize(pixels.samples() * isoextract_plugin::sample_size(sample_type(pixels)));
 }

@@ -51,6 +51,12 @@ SegmentationGrids::SegmentationGrids(std::shared_ptr<const Object> object, const
     throw ReadError("expected one sample per pixel of a segmentation, found " +
                     std::to_string(object_->pixels.samples_per_pixel));
   }
+  const std::int32_t type = sample_type(object_->pixels);
+  const bool is_label_map = object_->segmentation == Segmentation::label_map;
+  if (type != ISOEXTRACT_U8 && !(is_label_map && type == ISOEXTRACT_U16)) {
+    throw ReadError("expected masks of 1 or 8 bits per pixel, or labels of 8 or 16, found " +
+                    std::to_string(object_->pixels.bits_allocated) + " bits");
+  }
   place_frames();
   add_grids(layers(host));
 }
@@ -144,8 +150,6 @@ std::vector<std::vector<std::uint32_t>> SegmentationGrids::layers(const isoextra
   std::iota(all.begin(), all.end(), 0U);
   if (object_->segmentation == Segmentation::label_map || object_->segments_exclude || count == 1) return {all};
 
-  if (sample_type(object_->pixels) != ISOEXTRACT_U8)
-    throw ReadError("expected masks of 1 or 8 bits per pixel, found " + std::to_string(object_->pixels.bits_allocated));
   std::vector<std::set<std::uint32_t>> overlapped(count);
   isoextract_plugin::HostMemory memory(host);
   memory.take(object_->pixels.samples() * 2);

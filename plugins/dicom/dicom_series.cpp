@@ -187,7 +187,7 @@ class Splitter {
     const std::size_t left_out = slices.size() - counts.size();
     add({std::move(volumes.front())}, suffix, {}, {},
         std::to_string(left_out) + (left_out == 1 ? " slice" : " slices") +
-            " at the position of another left out: the one with the lowest instance number is read");
+            " at the position of another left out: the one with the lowest instance number stays");
   }
 
   void add(std::vector<Slices> volumes, const std::string& suffix, const std::string& volumes_note,
@@ -241,7 +241,10 @@ class Splitter {
     std::vector<Vector> positions;
     for (const Slice& slice : slices) positions.push_back(slice.frame.position);
     Line line = fit_line(positions, shape, evens_out_);
-    if (series.problem.empty()) series.problem = line.problem;
+    if (series.problem.empty()) {
+      series.problem = line.problem;
+      series.is_uneven = line.is_uneven;
+    }
     if (!line.note.empty()) series.notes.push_back(line.note);
     series.places = std::move(line.places);
     grid.dims[2] = line.count;

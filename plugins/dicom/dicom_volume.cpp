@@ -24,6 +24,11 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
+void check_problem(const Series& series) {
+  if (series.is_uneven) throw isoextract_plugin::UnevenError(series.problem);
+  if (!series.problem.empty()) throw ReadError(series.problem);
+}
+
 // The slices of one series, decoded one at a time into samples of the grid's type.
 class SliceReader {
  public:
@@ -110,7 +115,7 @@ void read_between(SliceReader& reader, const Series& series, const isoextract_vo
 class DicomFile final : public isoextract_plugin::VolumeFile {
  public:
   DicomFile(const Request& request, const isoextract_plugin_host& host) {
-    FoundFiles found = find_files(request);
+    FoundFiles found = find_files(request, host);
     std::vector<std::string> notes{found.note};
     const auto objects = read_objects(request, found, host, notes);
     format = "DICOM";
@@ -127,7 +132,7 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
     add_grids(notes);
     if (grids.empty())
       throw ReadError("expected DICOM images, found none" + (notes.empty() ? "" : ": " + joined(notes)));
-    if (grids.size() == 1 && !series_.empty() && !series_[0].problem.empty()) throw ReadError(series_[0].problem);
+    if (grids.size() == 1 && !series_.empty()) check_problem(series_[0]);
     note = joined(notes);
   }
 
@@ -137,7 +142,7 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
       return segmentations_[object]->read(grid, selection, host);
     }
     const Series& series = series_[selection.grid];
-    if (!series.problem.empty()) throw ReadError(series.problem);
+    check_problem(series);
     const std::vector<Slice>& slices = series.volumes[selection.volume];
     HostMemory memory(host);
     const std::uint64_t frame = slices.front().object->pixels.samples() * 8;

@@ -237,7 +237,7 @@ class StandardInputTest(ProgramTest):
             run = self.run_program("unnamed", "--iso", "0", "-o", "out.ply")
             self.assert_fails(2, run, "unnamed: its content says that it is", title, "hint: ")
         # Cut off before the magic is whole, it is nothing that is known.
-        (self.folder / "unnamed").write_bytes(bytes(128) + b"DIC")
+        (self.folder / "unnamed").write_bytes(b"BPHYSIC")
         self.assert_fails(2, self.run_program("unnamed", "--iso", "0"), "not a volume format")
         self.assertNotIn("out.ply", self.files())
 
@@ -324,11 +324,11 @@ class FoldersTest(ProgramTest):
     def test_what_a_folder_holds_instead(self):
         (self.folder / "scan").mkdir()
         for slice_ in ("I10", "I9", "I100"):
-            (self.folder / "scan" / slice_).write_bytes(bytes(128) + b"DICM" + bytes(400))
+            (self.folder / "scan" / slice_).write_bytes(b"BPHYSICS" + bytes(400))
         run = self.run_program("scan", "--iso", "1", "-o", "a.ply")
-        self.assert_fails(2, run, "no file in the folder has the extension of a volume", "I9: its content says that it is a DICOM file",
-                          "dcm2niix makes a NIfTI file")
-        self.assert_fails(2, self.run_program("info", "scan"), "no file in the folder has the extension of a volume", "I9: its content says that it is a DICOM file")
+        self.assert_fails(2, run, "no file in the folder has the extension of a volume", "I9: its content says that it is a Blender particle cache",
+                          "Blender writes its particles as PLY points")
+        self.assert_fails(2, self.run_program("info", "scan"), "no file in the folder has the extension of a volume", "I9: its content says that it is a Blender particle cache")
         run = self.run_program("scan/I*", "--iso", "1", "-o", "a.ply")
         self.assert_fails(1, run, "scan/I*: there is no such file, and isoextract does not expand *", "write {} in place of the frame number")
         (self.folder / "notes").mkdir()

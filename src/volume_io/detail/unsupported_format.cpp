@@ -26,7 +26,6 @@ struct UnsupportedFormatEntry {
 
 const std::vector<UnsupportedFormatEntry>& known_unread() {
   static const std::vector<UnsupportedFormatEntry> known{
-      {"a DICOM file", {".dcm", ".dicom", ".ima"}, {{128, "DICM"}}, "dcm2niix makes a NIfTI file of the series"},
       {"a FreeSurfer volume", {".mgz", ".mgh"}, {}, "mri_convert makes a NIfTI file of it"},
       {"a MINC volume", {".mnc"}, {}, "mnc2nii makes a NIfTI file of it"},
       {"an AFNI volume", {".head", ".brik", ".brik.gz"}, {}, "3dAFNItoNIFTI makes a NIfTI file of it"},
