@@ -69,6 +69,7 @@ typedef struct isoextract_volume_grid {
   int32_t sample_type;         /* isoextract_sample_type */
   int32_t kind;                /* isoextract_volume_kind */
   int32_t is_sparse;           /* nonzero if its samples are blocks and tiles */
+  int32_t is_sampled;          /* nonzero if its samples are values of other data at the spacing of the request */
   int32_t has_placement;       /* nonzero if the file states index_to_world, at least a spacing */
   uint64_t dims[3];            /* of a full box: samples along x (fastest), y, z */
   double index_to_world[12];   /* three rows of four: world x, y and z from (i, j, k, 1) of a sample's center */
@@ -137,13 +138,14 @@ typedef struct isoextract_volume_plugin_v4 {
   int (*probe)(const unsigned char* start, size_t bytes, const char* path);
 
   /* Opens a file or folder and lists its grids, without reading samples where the format allows that. Returns 0 on
-   * success, else an isoextract_read_failure; after a success free_list is called once. Memory that it reserves counts until then. */
+   * success, else an isoextract_read_failure; after a success free_list is called once. Memory that it reserves counts
+   * until then. */
   int (*list)(const isoextract_volume_request* request, const isoextract_plugin_host* host,
               isoextract_volume_list* list);
   void (*free_list)(isoextract_volume_list* list);
 
-  /* Reads samples of a list. Returns as list() does; after a success free_samples is called once. The plug-in reserves memory for
-   * sparse samples and for everything else that reading needs, but not for the box. */
+  /* Reads samples of a list. Returns as list() does; after a success free_samples is called once. The plug-in reserves
+   * memory for sparse samples and for everything else that reading needs, but not for the box. */
   int (*open)(const isoextract_volume_list* list, const isoextract_volume_selection* selection,
               const isoextract_plugin_host* host, isoextract_volume_samples* samples);
   void (*free_samples)(isoextract_volume_samples* samples);

@@ -75,6 +75,7 @@ struct Grid {
   std::string length_unit;
   std::int32_t sample_type = ISOEXTRACT_NOT_SCALAR;
   std::int32_t kind = ISOEXTRACT_DENSITY;
+  bool is_sampled = false;
   bool has_placement = true;
   std::array<std::uint64_t, 3> dims{};
   std::array<double, 12> index_to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -276,6 +277,7 @@ inline isoextract_volume_grid c_grid(const Grid& grid, std::vector<isoextract_vo
   c.length_unit = grid.length_unit.c_str();
   c.sample_type = grid.sample_type;
   c.kind = grid.kind;
+  c.is_sampled = grid.is_sampled ? 1 : 0;
   c.has_placement = grid.has_placement ? 1 : 0;
   std::ranges::copy(grid.dims, c.dims);
   std::ranges::copy(grid.index_to_world, c.index_to_world);

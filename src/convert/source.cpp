@@ -184,6 +184,7 @@ bool needs_region_only(const SourceOptions& options, const SourceUse& use) {
 Result<void> read_volume_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                Events& events, Source& source) {
   volume_io::ReadOptions read = options.read;
+  read.sampling = options.voxel_size;
   if (needs_region_only(options, use)) read.region = options.roi;
   auto field = TRY(read_field(options.input, read, context, events));
   source.field = std::move(field);
@@ -448,7 +449,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   TRY(filter_field(options.filters, source.label, context, events, source.field));
   if (use.keep_data && !options.blurs.empty()) source.data = source.field;
   TRY(blur_field(options.blurs, source.label, context, events, source.field));
-  if (options.resamples()) {
+  if (options.resamples() && !source.field.is_sampled) {
     TRY(change_resolution(options, use, context, events, source));
   }
   if (options.away_from_zero) source.kind_at_zero = source.field.kind;

@@ -70,7 +70,8 @@ struct ScalarField {
   std::optional<double> time;     // of the volume, in units of time_unit; if the file states it
   std::string time_unit;          // "s", "days since 1950-01-01"; may be empty
   PartsRead parts;
-  Notes notes;  // omissions and assumptions of the reader, one sentence each; `cli` prints them
+  bool is_sampled = false;  // the reader sampled other data, such as an unstructured grid, at the spacing it was given
+  Notes notes;              // omissions and assumptions of the reader, one sentence each; `cli` prints them
 
   [[nodiscard]] SampleType type() const {
     return std::visit([](const auto& s) { return s.type; }, samples);

@@ -133,8 +133,14 @@ bool is_volume_folder(const std::filesystem::path& path, const Context& context)
 
 Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options, const Context& context) {
   if (is_named_by_prefix(input) || options.raw) return true;
-  if (options.format) return find_volume_format(*options.format) != nullptr;
   try {
+    if (const VolumeFormat* format = options.format ? find_volume_format(*options.format) : nullptr) {
+      // A plug-in for particles may have the same id.
+      if (!format->about().is_plugin) return true;
+      const auto detected = TRY(detect_format(input, {}, context));
+      return detected.format == format;
+    }
+    if (options.format) return false;
     const auto located = TRY(locate(input, options));
     return has_volume_content(located.input, context);
   } catch (const std::bad_alloc&) {

@@ -27,7 +27,7 @@ constexpr int kProgram = 3;  // the socket to it
 const std::array<float, 8> kValues{0, 0, 0, 0, 1, 1, 1, 1};
 const std::string kLongName(1 << 20, 'n');
 
-std::string path;  // of the file that is open
+std::string opened_path;
 std::string note;
 isoextract_volume_grid grid{};
 isoextract_sparse_samples sparse{};
@@ -186,9 +186,9 @@ int probe(const unsigned char* start, size_t bytes, const char* /*given*/) {
 
 int list(const isoextract_volume_request* request, const isoextract_plugin_host* /*host*/,
          isoextract_volume_list* list) {
-  path = request->path;
-  const Wanted wanted = read_wanted(path);
-  if (wanted.stage == "list") do_deed(wanted.deed, path.c_str());
+  opened_path = request->path;
+  const Wanted wanted = read_wanted(opened_path);
+  if (wanted.stage == "list") do_deed(wanted.deed, opened_path.c_str());
   grid = {};
   grid.name = wanted.deed == "name" ? kLongName.c_str() : "";
   grid.type_name = "float";
@@ -212,9 +212,9 @@ void free_list(isoextract_volume_list* /*list*/) {}
 
 int open(const isoextract_volume_list* /*list*/, const isoextract_volume_selection* selection,
          const isoextract_plugin_host* /*host*/, isoextract_volume_samples* samples) {
-  const Wanted wanted = read_wanted(path);
+  const Wanted wanted = read_wanted(opened_path);
   note.clear();
-  if (wanted.stage == "open") do_deed(wanted.deed, path.c_str());
+  if (wanted.stage == "open") do_deed(wanted.deed, opened_path.c_str());
   if (grid.is_sparse == 0) std::memcpy(selection->box, kValues.data(), sizeof(kValues));
   *samples = {sizeof(kValues), nullptr, 0, 0, note.c_str(), nullptr};
   if (grid.is_sparse != 0) {

@@ -98,7 +98,7 @@ void add_grid(MessageWriter& message, const isoextract_volume_grid& grid) {
   message.text(plugin_text(grid.name)).text(plugin_text(grid.type_name)).text(plugin_text(grid.world_space));
   message.text(plugin_text(grid.length_unit)).text(plugin_text(grid.component_names)).text(plugin_text(grid.time_unit));
   message.number(bits(grid.sample_type)).number(bits(grid.kind)).number(bits(grid.is_sparse));
-  message.number(bits(grid.has_placement));
+  message.number(bits(grid.is_sampled)).number(bits(grid.has_placement));
   for (const std::uint64_t dim : grid.dims) message.number(dim);
   for (const double entry : grid.index_to_world) message.real(entry);
   message.real(grid.slope).real(grid.intercept).number(grid.components).number(grid.volumes);

@@ -183,6 +183,7 @@ class WorkerVolumeSession final : public VolumeSession {
     grid.sample_type = signed_of(message.number());
     grid.kind = signed_of(message.number());
     grid.is_sparse = signed_of(message.number());
+    grid.is_sampled = signed_of(message.number());
     grid.has_placement = signed_of(message.number());
     for (std::uint64_t& dim : grid.dims) dim = message.number();
     for (double& entry : grid.index_to_world) entry = message.real();
@@ -224,7 +225,7 @@ class WorkerVolumeSession final : public VolumeSession {
     list_.creator = take_text(message);
     list_.note = take_text(message);
     const std::uint64_t count = message.number();
-    constexpr std::uint64_t kGridBytes = 38 * sizeof(std::uint64_t);  // least size of a grid in the message
+    constexpr std::uint64_t kGridBytes = 39 * sizeof(std::uint64_t);  // least size of a grid in the message
     if (count > message.left() / kGridBytes) return false;
     grids_.resize(static_cast<std::size_t>(count));
     for (isoextract_volume_grid& grid : grids_) {
