@@ -93,7 +93,7 @@ void place_imaris(hid_t image, Grid& grid) {
 // Sets the type and shape of a grid whose volumes are datasets of z, y, x.
 bool describe_volumes(hid_t file, Grid& grid, Source& source) {
   const Handle dataset(H5Dopen2(file, source.paths[0].c_str(), H5P_DEFAULT),
-                       "its dataset " + source.paths[0] + " cannot be opened");
+                       "HDF5 cannot open its dataset " + source.paths[0]);
   source.shape = describe_dataset(dataset, grid);
   if (source.shape.size() != 3) return false;
   source.axis = {2, 1, 0};
@@ -180,7 +180,7 @@ std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request) {
       grid.index_to_world[4 * axis + 3] = (factor - 1) / 2;  // voxels of a level cover whole ones of level 0
       grid.has_placement = grid.has_placement || factor != 1;
     }
-    source.note = "lengths are voxels of level 0; the spacing is in the XML file beside it, which is not read";
+    source.note = "lengths are voxels of level 0, because the reader does not open the XML file, which has the spacing";
     contents.add(std::move(grid), std::move(source));
   }
   return contents;
