@@ -85,6 +85,7 @@ struct Contents {
   std::string note;
   std::vector<Grid> grids;
   std::vector<Source> sources;
+  std::vector<std::string> files;  // besides the file itself
   std::uint64_t levels = 1;
 
   void add(Grid grid, Source source) {
@@ -102,7 +103,7 @@ std::optional<Contents> list_vtkhdf(hid_t file);
 std::optional<Contents> list_itk(hid_t file);
 // Imaris 5.5, https://imaris.oxinst.com/support/imaris-file-format
 std::optional<Contents> list_imaris(hid_t file, const Request& request);
-// BigDataViewer, https://imagej.net/plugins/bdv; the XML file beside it is not read.
+// BigDataViewer, https://imagej.net/plugins/bdv, with the voxel size of the XML file beside it.
 std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request);
 // Lists all datasets of three to five dimensions, by their paths.
 Contents list_arrays(hid_t file, const isoextract_plugin_host& host);

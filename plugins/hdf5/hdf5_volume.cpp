@@ -39,6 +39,7 @@ class Hdf5File final : public isoextract_plugin::VolumeFile {
     format = contents.format;
     creator = contents.creator;
     note = contents.note;
+    files = std::move(contents.files);
     grids = std::move(contents.grids);
     sources_ = std::move(contents.sources);
     if (contents.levels > 1) {
