@@ -125,14 +125,14 @@ class Lister {
   Contents list() {
     contents_.format = "HDF5";
     visit_group("/", 0);
-    if (is_cut_) contents_.note = "only the first " + std::to_string(kMostObjects) + " objects are listed";
+    if (is_cut_) contents_.note = "the list ends after the first " + std::to_string(kMostObjects) + " objects";
     return std::move(contents_);
   }
 
  private:
   void visit_group(const std::string& path, int depth) {
     isoextract_plugin::check_cancelled(host_);
-    const Handle group(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "its group " + path + " cannot be opened");
+    const Handle group(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "HDF5 cannot open its group " + path);
     // Datasets come before inner groups, so that one with several names is listed by its shortest.
     std::vector<std::string> inner_groups;
     for (const std::string& name : names_in(group)) {
@@ -155,7 +155,7 @@ class Lister {
   }
 
   void add_dataset(const std::string& path) {
-    const Handle dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "its dataset " + path + " cannot be opened");
+    const Handle dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "HDF5 cannot open its dataset " + path);
     Grid grid;
     grid.name = path;
     Source source;
@@ -191,7 +191,7 @@ class Lister {
     std::string axes;
     for (const char letter : letters) axes += (axes.empty() ? "[" : ", ") + std::string(1, letter);
     source.note +=
-        std::string(source.note.empty() ? "" : "; ") + "its axes have no names, and are taken as " + axes + "]";
+        std::string(source.note.empty() ? "" : "; ") + "its axes have no names; the reader takes them as " + axes + "]";
   }
 
   hid_t file_;

@@ -46,8 +46,8 @@ void describe_type(hid_t type, Grid& grid) {
     case H5T_INTEGER:
     case H5T_ENUM: {
       const bool is_enum = H5Tget_class(type) == H5T_ENUM;
-      const Handle base = is_enum ? Handle(H5Tget_super(type), "a type cannot be read")
-                                  : Handle(H5Tcopy(type), "a type cannot be read");
+      const Handle base = is_enum ? Handle(H5Tget_super(type), "HDF5 cannot read a type")
+                                  : Handle(H5Tcopy(type), "HDF5 cannot read a type");
       grid.sample_type = integer_type(base);
       grid.type_name = (H5Tget_sign(base) == H5T_SGN_NONE ? "uint" : "int") + std::to_string(bits);
       if (is_enum) grid.type_name = "enumeration of " + grid.type_name;
@@ -68,7 +68,7 @@ void describe_type(hid_t type, Grid& grid) {
 }
 
 Handle memory_type(std::int32_t type) {
-  const char* const what = "a type cannot be made";
+  const char* const what = "HDF5 cannot make a type";
   switch (type) {
     case ISOEXTRACT_U8: return {H5Tcopy(H5T_NATIVE_UINT8), what};
     case ISOEXTRACT_I8: return {H5Tcopy(H5T_NATIVE_INT8), what};
@@ -110,18 +110,18 @@ struct Layout {
 };
 
 Layout read_layout(hid_t dataset, std::size_t rank) {
-  const Handle properties(H5Dget_create_plist(dataset), "a dataset's layout cannot be read");
+  const Handle properties(H5Dget_create_plist(dataset), "HDF5 cannot read a dataset's layout");
   check_filters(properties);
   if (H5Pget_external_count(properties) > 0)
     throw ReadError("expected samples in the file itself, found a dataset whose samples are in raw files");
   if (H5Dget_storage_size(dataset) == 0 && H5Pget_layout(properties) != H5D_VIRTUAL)
-    throw ReadError("its dataset has no samples: they were never written");
+    throw ReadError("its dataset has no samples: no program wrote them");
   Layout layout;
   if (H5Pget_layout(properties) != H5D_CHUNKED) return layout;
   layout.chunk.resize(rank);
   if (H5Pget_chunk(properties, static_cast<int>(rank), layout.chunk.data()) != static_cast<int>(rank))
-    throw ReadError("a dataset's chunks cannot be read");
-  const Handle type(H5Dget_type(dataset), "a dataset's type cannot be read");
+    throw ReadError("HDF5 cannot read a dataset's chunks");
+  const Handle type(H5Dget_type(dataset), "HDF5 cannot read a dataset's type");
   layout.chunk_bytes = H5Tget_size(type);
   for (const hsize_t length : layout.chunk) {
     if (length == 0 || __builtin_mul_overflow(layout.chunk_bytes, length, &layout.chunk_bytes))
@@ -140,7 +140,7 @@ class BoxReader {
  public:
   BoxReader(hid_t dataset, const Source& source, const isoextract_volume_selection& selection, Layout layout)
       : dataset_(dataset),
-        space_(H5Dget_space(dataset), "a dataset's size cannot be read"),
+        space_(H5Dget_space(dataset), "HDF5 cannot read a dataset's size"),
         source_(source),
         selection_(selection),
         layout_(std::move(layout)) {
@@ -177,11 +177,11 @@ class BoxReader {
     slab_.count[source_.axis[2]] = layers;
     if (source_.component) slab_.start[*source_.component] = static_cast<hsize_t>(component);
     check(H5Sselect_hyperslab(space_, H5S_SELECT_SET, slab_.start.data(), nullptr, slab_.count.data(), nullptr),
-          "its samples cannot be selected");
+          "HDF5 cannot select its samples");
     if (H5Sselect_valid(space_) <= 0) throw ReadError("expected more samples in its dataset");
     const hsize_t samples = layers * selection_.count[0] * selection_.count[1];
-    const Handle memory(H5Screate_simple(1, &samples, nullptr), "its samples cannot be selected");
-    check(H5Dread(dataset_, type, memory, space_, H5P_DEFAULT, to), "its samples cannot be read");
+    const Handle memory(H5Screate_simple(1, &samples, nullptr), "HDF5 cannot select its samples");
+    check(H5Dread(dataset_, type, memory, space_, H5P_DEFAULT, to), "HDF5 cannot read its samples");
   }
 
   void count_chunks(ReadFacts& facts) const {
@@ -230,8 +230,8 @@ void read_lengths(BoxReader& reader, std::uint64_t z, std::uint64_t layers, cons
 }  // namespace
 
 std::vector<hsize_t> describe_dataset(hid_t dataset, Grid& grid) {
-  const Handle type(H5Dget_type(dataset), "a dataset's type cannot be read");
-  const Handle space(H5Dget_space(dataset), "a dataset's size cannot be read");
+  const Handle type(H5Dget_type(dataset), "HDF5 cannot read a dataset's type");
+  const Handle space(H5Dget_space(dataset), "HDF5 cannot read a dataset's size");
   describe_type(type, grid);
   const int rank = H5Sget_simple_extent_ndims(space);
   if (rank <= 0) return {};
@@ -242,10 +242,10 @@ std::vector<hsize_t> describe_dataset(hid_t dataset, Grid& grid) {
 
 std::vector<std::string> other_files(hid_t dataset, const std::string& path) {
   std::vector<std::string> files;
-  const Handle properties(H5Dget_create_plist(dataset), "a dataset's layout cannot be read");
+  const Handle properties(H5Dget_create_plist(dataset), "HDF5 cannot read a dataset's layout");
   if (H5Pget_layout(properties) != H5D_VIRTUAL) return files;
   std::size_t count = 0;
-  check(H5Pget_virtual_count(properties, &count), "a virtual dataset cannot be read");
+  check(H5Pget_virtual_count(properties, &count), "HDF5 cannot read a virtual dataset");
   for (std::size_t i = 0; i < count; ++i) {
     std::array<char, 4096> name{};
     if (H5Pget_virtual_filename(properties, i, name.data(), name.size()) < 0) continue;
@@ -262,7 +262,7 @@ ReadFacts read_source(hid_t file, const std::string& path, const Source& source,
                       const isoextract_volume_selection& selection, const isoextract_plugin_host& host) {
   const std::string& name = source.paths.size() == 1 ? source.paths[0] : source.paths.at(selection.volume);
   if (object_type(file, name) != H5O_TYPE_DATASET) throw ReadError("its dataset " + name + " is missing");
-  const Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), "its dataset " + name + " cannot be opened");
+  const Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), "HDF5 cannot open its dataset " + name);
   for (const std::string& other : other_files(dataset, path)) {
     if (!std::filesystem::exists(other)) throw ReadError("a file of its virtual dataset is missing: " + other);
   }

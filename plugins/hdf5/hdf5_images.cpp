@@ -59,7 +59,7 @@ void add_vtk_arrays(hid_t file, const VtkImage& image, bool is_cells, Contents& 
   for (const std::string& name : names_in(*group)) {
     const std::string path = "/VTKHDF/" + kind + "/" + name;
     if (object_type(file, path) != H5O_TYPE_DATASET) continue;
-    const Handle dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), "its array " + name + " cannot be opened");
+    const Handle dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), "HDF5 cannot open its array " + name);
     Grid grid;
     grid.name = name;
     Source source;
@@ -125,7 +125,7 @@ std::optional<Contents> list_vtkhdf(hid_t file) {
 std::optional<Contents> list_itk(hid_t file) {
   const std::string base = "/ITKImage/0/";
   if (object_type(file, base + "VoxelData") != H5O_TYPE_DATASET) return std::nullopt;
-  const Handle dataset(H5Dopen2(file, (base + "VoxelData").c_str(), H5P_DEFAULT), "its samples cannot be opened");
+  const Handle dataset(H5Dopen2(file, (base + "VoxelData").c_str(), H5P_DEFAULT), "HDF5 cannot open its samples");
   Contents contents;
   contents.format = "ITK HDF5 image";
   Grid grid;

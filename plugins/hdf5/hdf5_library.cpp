@@ -31,7 +31,7 @@ std::string library_reason() {
 
 std::optional<Handle> find_attribute(hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return std::nullopt;
-  return Handle(H5Aopen(object, name, H5P_DEFAULT), std::string("its attribute ") + name + " cannot be opened");
+  return Handle(H5Aopen(object, name, H5P_DEFAULT), std::string("HDF5 cannot open its attribute ") + name);
 }
 
 // The library overruns its buffers with damaged types that are larger.
@@ -72,7 +72,7 @@ H5O_type_t object_type(hid_t file, const std::string& path) {
 
 std::optional<Handle> find_object(hid_t file, const std::string& path) {
   if (object_type(file, path) == H5O_TYPE_UNKNOWN) return std::nullopt;
-  return Handle(H5Oopen(file, path.c_str(), H5P_DEFAULT), "its object " + path + " cannot be opened");
+  return Handle(H5Oopen(file, path.c_str(), H5P_DEFAULT), "HDF5 cannot open its object " + path);
 }
 
 std::vector<std::string> names_in(hid_t group) {
@@ -86,7 +86,7 @@ std::vector<std::string> names_in(hid_t group) {
     }
     return 0;
   };
-  check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, take, &names), "one of its groups cannot be listed");
+  check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, take, &names), "HDF5 cannot list one of its groups");
   return names;
 }
 
@@ -97,15 +97,14 @@ std::vector<double> attribute_numbers(hid_t object, const char* name) {
   const Handle space(H5Aget_space(*attribute), std::string("its attribute ") + name + " has no size");
   std::vector<double> numbers(count_items(space));
   if (!is_number(type) || numbers.empty()) return {};
-  check(H5Aread(*attribute, H5T_NATIVE_DOUBLE, numbers.data()),
-        std::string("its attribute ") + name + " cannot be read");
+  check(H5Aread(*attribute, H5T_NATIVE_DOUBLE, numbers.data()), std::string("HDF5 cannot read its attribute ") + name);
   return numbers;
 }
 
 std::vector<std::string> attribute_texts(hid_t object, const char* name) {
   const auto attribute = find_attribute(object, name);
   if (!attribute) return {};
-  const std::string what = std::string("its attribute ") + name + " cannot be read";
+  const std::string what = std::string("HDF5 cannot read its attribute ") + name;
   const Handle type(H5Aget_type(*attribute), what);
   const Handle space(H5Aget_space(*attribute), what);
   const std::size_t count = count_items(space);
@@ -137,7 +136,7 @@ std::string attribute_text(hid_t object, const char* name) {
 
 std::vector<double> dataset_numbers(hid_t file, const std::string& path) {
   if (object_type(file, path) != H5O_TYPE_DATASET) return {};
-  const std::string what = "its dataset " + path + " cannot be read";
+  const std::string what = "HDF5 cannot read its dataset " + path;
   const Handle dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), what);
   const Handle type(H5Dget_type(dataset), what);
   const Handle space(H5Dget_space(dataset), what);

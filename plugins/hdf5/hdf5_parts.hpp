@@ -45,21 +45,21 @@ void check(herr_t status, const std::string& what);
 
 // Opens an object by its path; nullopt if there is none.
 std::optional<Handle> find_object(hid_t file, const std::string& path);
-// The type of the object with that path; H5O_TYPE_UNKNOWN if there is none.
+// Returns the type of the object with that path; H5O_TYPE_UNKNOWN if there is none.
 H5O_type_t object_type(hid_t file, const std::string& path);
-// Names of the links in a group, sorted; those to other places and files are left out.
+// Returns the sorted names of the hard links in a group: not those to other places and files.
 std::vector<std::string> names_in(hid_t group);
 
-// An attribute's numbers; empty if there is none or it has texts.
+// Returns an attribute's numbers; empty if there is none or it has texts.
 std::vector<double> attribute_numbers(hid_t object, const char* name);
-// An attribute's texts; empty if there is none or it has numbers.
+// Returns an attribute's texts; empty if there is none or it has numbers.
 std::vector<std::string> attribute_texts(hid_t object, const char* name);
-// The texts in a row, as Imaris stores single letters; "" if there are none.
+// Returns the texts in a row, as Imaris stores single letters; "" if there are none.
 std::string attribute_text(hid_t object, const char* name);
-// The numbers of a short dataset; empty if there is none.
+// Returns the numbers of a short dataset; empty if there is none.
 std::vector<double> dataset_numbers(hid_t file, const std::string& path);
 
-// Where the samples of a grid are.
+// The datasets of a grid, and the meaning of their dimensions.
 struct Source {
   std::vector<std::string> paths;        // of one dataset, or of one for each volume
   std::vector<hsize_t> shape;            // of each dataset
@@ -72,8 +72,7 @@ struct Source {
 
 // Sets the grid's type by that of a dataset, and returns its shape; empty if it has no dimensions.
 std::vector<hsize_t> describe_dataset(hid_t dataset, Grid& grid);
-// Files besides `path` that hold samples of the dataset. Throws if one is missing, as the library then makes up
-// samples.
+// Returns the files besides `path` that hold samples of a virtual dataset. Some may be missing.
 std::vector<std::string> other_files(hid_t dataset, const std::string& path);
 // Fills selection.box.
 ReadFacts read_source(hid_t file, const std::string& path, const Source& source, const Grid& grid,
@@ -86,6 +85,7 @@ struct Contents {
   std::string note;
   std::vector<Grid> grids;
   std::vector<Source> sources;
+  std::vector<std::string> files;  // besides the file itself
   std::uint64_t levels = 1;
 
   void add(Grid grid, Source source) {
@@ -99,13 +99,13 @@ struct Contents {
 // ImageData of VTKHDF 1.0 and 2.x,
 // https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html#vtkhdf-file-format
 std::optional<Contents> list_vtkhdf(hid_t file);
-// Images of ITK's HDF5ImageIO.
+// Lists the image of ITK's HDF5ImageIO.
 std::optional<Contents> list_itk(hid_t file);
 // Imaris 5.5, https://imaris.oxinst.com/support/imaris-file-format
 std::optional<Contents> list_imaris(hid_t file, const Request& request);
-// BigDataViewer, https://imagej.net/plugins/bdv; the XML file beside it is not read.
+// BigDataViewer, https://imagej.net/plugins/bdv, with the voxel size of the XML file beside it.
 std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request);
-// All datasets of three to five dimensions, by their paths.
+// Lists all datasets of three to five dimensions, by their paths.
 Contents list_arrays(hid_t file, const isoextract_plugin_host& host);
 
 }  // namespace isoextract_hdf5

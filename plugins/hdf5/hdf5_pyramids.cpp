@@ -3,7 +3,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <sstream>
+#include <system_error>
 
 #include "hdf5_parts.hpp"
 
@@ -93,13 +97,57 @@ void place_imaris(hid_t image, Grid& grid) {
 // Sets the type and shape of a grid whose volumes are datasets of z, y, x.
 bool describe_volumes(hid_t file, Grid& grid, Source& source) {
   const Handle dataset(H5Dopen2(file, source.paths[0].c_str(), H5P_DEFAULT),
-                       "its dataset " + source.paths[0] + " cannot be opened");
+                       "HDF5 cannot open its dataset " + source.paths[0]);
   source.shape = describe_dataset(dataset, grid);
   if (source.shape.size() != 3) return false;
   source.axis = {2, 1, 0};
   grid.dims = {source.shape[2], source.shape[1], source.shape[0]};
   grid.volumes = source.paths.size();
   return true;
+}
+
+// The text of the first element with this tag, without nested ones of the same name; "" if there is none.
+std::string xml_element(const std::string& text, const std::string& tag) {
+  const std::size_t open = text.find("<" + tag + ">");
+  const std::size_t close = open == std::string::npos ? open : text.find("</" + tag + ">", open);
+  if (close == std::string::npos) return {};
+  const std::size_t start = open + tag.size() + 2;
+  return text.substr(start, close - start);
+}
+
+// The size of a voxel, as the XML file beside a BigDataViewer file states it.
+struct VoxelSize {
+  std::array<double, 3> size{};
+  std::string unit;
+};
+
+std::optional<VoxelSize> find_voxel_size(const std::string& xml, unsigned setup) {
+  for (std::size_t at = xml.find("<ViewSetup>"); at != std::string::npos; at = xml.find("<ViewSetup>", at + 1)) {
+    const std::string element = xml_element(xml.substr(at), "ViewSetup");
+    if (xml_element(element, "id") != std::to_string(setup)) continue;
+    const std::string voxel = xml_element(element, "voxelSize");
+    VoxelSize found;
+    found.unit = xml_element(voxel, "unit");
+    std::istringstream numbers(xml_element(voxel, "size"));
+    numbers >> found.size[0] >> found.size[1] >> found.size[2];
+    const bool is_valid = !numbers.fail() && std::ranges::all_of(found.size, [](double size) { return size > 0; });
+    return is_valid ? std::optional(found) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::string xml_path(const std::string& path) { return std::filesystem::path(path).replace_extension(".xml").string(); }
+
+// Returns the text of a file; "" if there is none, or one too long for a description.
+std::string read_text(const std::string& path) {
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 24;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || size > kMostBytes) return {};
+  std::string text(static_cast<std::size_t>(size), '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  return in ? text : std::string();
 }
 
 }  // namespace
@@ -158,6 +206,8 @@ std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request) {
   if (object_type(file, "/s00/resolutions") != H5O_TYPE_DATASET) return std::nullopt;
   Contents contents;
   contents.format = "BigDataViewer HDF5";
+  const std::string xml = read_text(xml_path(request.path));
+  if (!xml.empty()) contents.files.push_back(xml_path(request.path));
   for (unsigned setup = 0; setup < 100 && object_type(file, setup_name(setup)) != H5O_TYPE_UNKNOWN; ++setup) {
     const auto factors = dataset_numbers(file, setup_name(setup) + "/resolutions");
     const std::uint64_t levels = factors.size() / 3;
@@ -173,14 +223,18 @@ std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request) {
     }
     if (source.paths.empty() || !describe_volumes(file, grid, source)) continue;
     grid.name = setup_name(setup).substr(1);
-    grid.has_placement = false;
+    const auto voxel = find_voxel_size(xml, setup);
+    grid.has_placement = voxel.has_value();
+    if (voxel) grid.length_unit = voxel->unit;
     for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double size = voxel ? voxel->size[axis] : 1;
       const double factor = factors[3 * request.level + axis];
-      grid.index_to_world[4 * axis + axis] = factor;
-      grid.index_to_world[4 * axis + 3] = (factor - 1) / 2;  // voxels of a level cover whole ones of level 0
+      grid.index_to_world[4 * axis + axis] = size * factor;
+      grid.index_to_world[4 * axis + 3] = size * (factor - 1) / 2;  // voxels of a level cover whole ones of level 0
       grid.has_placement = grid.has_placement || factor != 1;
     }
-    source.note = "lengths are voxels of level 0; the spacing is in the XML file beside it, which is not read";
+    source.note = voxel ? "the spacing is that of the XML file, without its registrations"
+                        : "lengths are voxels of level 0, because no XML file beside it states the spacing";
     contents.add(std::move(grid), std::move(source));
   }
   return contents;

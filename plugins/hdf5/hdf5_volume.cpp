@@ -39,6 +39,7 @@ class Hdf5File final : public isoextract_plugin::VolumeFile {
     format = contents.format;
     creator = contents.creator;
     note = contents.note;
+    files = std::move(contents.files);
     grids = std::move(contents.grids);
     sources_ = std::move(contents.sources);
     if (contents.levels > 1) {
@@ -63,7 +64,7 @@ class Hdf5File final : public isoextract_plugin::VolumeFile {
     for (const Source& source : sources_) {
       for (const std::string& path : source.paths) {
         if (object_type(file_, path) != H5O_TYPE_DATASET) continue;
-        const Handle dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "its dataset " + path + " cannot be opened");
+        const Handle dataset(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), "HDF5 cannot open its dataset " + path);
         for (std::string& other : other_files(dataset, path_)) {
           if (std::ranges::find(files, other) == files.end() && std::filesystem::exists(other))
             files.push_back(std::move(other));

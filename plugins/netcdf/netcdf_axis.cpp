@@ -144,7 +144,7 @@ Axis read_axis(int group, int dimension) {
   Axis axis;
   std::array<char, NC_MAX_NAME + 1> name{};
   std::size_t length = 0;
-  check(nc_inq_dim(group, dimension, name.data(), &length), "its dimension cannot be read");
+  check(nc_inq_dim(group, dimension, name.data(), &length), "netCDF cannot read its dimension");
   axis.name = name.data();
   axis.length = length;
   const auto variable = find_coordinates(group, axis.name, dimension);
@@ -162,11 +162,11 @@ Axis read_axis(int group, int dimension) {
   axis.points_down = axis.role == Role::z && (positive == "down" || (positive != "up" && is_pressure(unit)));
 
   nc_type type = NC_NAT;
-  check(nc_inq_vartype(where, id, &type), "its axis " + axis.name + " cannot be read");
+  check(nc_inq_vartype(where, id, &type), "netCDF cannot read its axis " + axis.name);
   constexpr std::size_t kMostCoordinates = std::size_t{1} << 20;
   if (type == NC_CHAR || type >= NC_STRING || length == 0 || length > kMostCoordinates) return axis;
   axis.coordinates.resize(length);
-  check(nc_get_var_double(where, id, axis.coordinates.data()), "its axis " + axis.name + " cannot be read");
+  check(nc_get_var_double(where, id, axis.coordinates.data()), "netCDF cannot read its axis " + axis.name);
   const auto scale = number_attribute(where, id, "scale_factor");
   const auto offset = number_attribute(where, id, "add_offset");
   for (double& value : axis.coordinates) {

@@ -32,9 +32,9 @@ std::string number_text(double value);
 // zeros after the end of a file that was cut. Throws if the header is damaged or samples are missing.
 void check_classic_header(const std::string& path);
 
-// A text attribute; "" if there is none. The variable is NC_GLOBAL for attributes of the group.
+// Returns a text attribute; "" if there is none. The variable is NC_GLOBAL for attributes of the group.
 std::string text_attribute(int group, int variable, const char* name);
-// The numbers of an attribute; empty if there is none or it has a text.
+// Returns the numbers of an attribute; empty if there is none or it has a text.
 std::vector<double> number_attribute(int group, int variable, const char* name);
 
 enum class Role { x, y, z, time, unknown };
@@ -48,13 +48,13 @@ struct Axis {
   std::vector<double> coordinates;  // as in the file, longitudes continued past 360 degrees; empty if there are none
   bool points_down = false;         // coordinates increase downwards
 
-  // The coordinate of sample i on the straight line from the first to the last.
+  // Returns the start of the straight line from the first coordinate to the last; step() returns its slope.
   [[nodiscard]] double first() const { return coordinates.empty() ? 0 : coordinates.front(); }
   [[nodiscard]] double step() const;
   // Whether that line meets every coordinate, within a thousandth of a step or the rounding of 32-bit floats.
   [[nodiscard]] bool is_even() const;
   [[nodiscard]] bool is_monotonic() const;
-  // The least and greatest distance of neighbors.
+  // Returns the least and the greatest distance of neighbors.
   [[nodiscard]] std::array<double, 2> distances() const;
 };
 
@@ -69,8 +69,8 @@ struct Resampling {
   double step = 0;
 };
 
-// Evenly spaced samples from the first to the last coordinate, as far apart as the closest old ones, but at most
-// `most_samples`. The axis is monotonic.
+// Returns evenly spaced samples from the first to the last coordinate, as far apart as the closest old ones, but at
+// most `most_samples`. The axis is monotonic.
 Resampling even_out(const Axis& axis, std::uint64_t most_samples);
 
 // Stored values that mean "no data".
@@ -98,8 +98,8 @@ struct Variable {
   std::array<Resampling, 3> resampling;  // empty where none is needed
   MissingValues missing;
   std::string problem;     // why it cannot be read; empty if it can
-  bool is_uneven = false;  // that is the problem, and resampling solves it
-  std::string note;        // what its placement assumes
+  bool is_uneven = false;  // the problem is uneven spacing
+  std::string note;        // assumptions of its placement
 };
 
 // Describes a variable. Returns false if it has fewer than three dimensions.

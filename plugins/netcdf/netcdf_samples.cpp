@@ -95,7 +95,7 @@ void read_box(const Variable& variable, const SourceBox& box, std::uint64_t volu
     count[slow] = next - z;
     T* const layers = to + (z - box.first[2]) * layer;
     const int status = get(variable, start.data(), count.data(), layers);
-    if (status != NC_NOERR && status != NC_ERANGE) check(status, "its samples cannot be read");
+    if (status != NC_NOERR && status != NC_ERANGE) check(status, "netCDF cannot read its samples");
     z = next;
   }
 }

@@ -164,7 +164,7 @@ void place(Variable& variable, Grid& grid, bool evens_out) {
     double step = along.step();
     if (!along.is_even()) {
       const std::string found =
-          "its axis " + along.name + " is spaced unevenly: expected equal distances, found " + distances_text(along);
+          "its axis " + along.name + " has uneven distances: expected equal ones, found " + distances_text(along);
       if (!along.is_monotonic()) {
         variable.problem = "its axis " + along.name + " neither increases nor decreases throughout";
         step = 1;
@@ -178,7 +178,7 @@ void place(Variable& variable, Grid& grid, bool evens_out) {
         variable.resampling[axis] = even_out(along, std::max(kMostGrowth * along.length, most));
         step = variable.resampling[axis].step;
         dims[axis] = variable.resampling[axis].lower.size();
-        variable.note += "its axis " + along.name + " was resampled linearly from " + std::to_string(along.length) +
+        variable.note += "resampled axis " + along.name + " linearly from " + std::to_string(along.length) +
                          " samples, " + distances_text(along) + " apart, to " + std::to_string(dims[axis]) + ", " +
                          number_text(std::abs(step)) + " apart; ";
       }
@@ -219,13 +219,13 @@ void describe_volumes(Variable& variable, const std::vector<Axis>& dimensions, G
 
 bool describe_variable(int group, int id, const std::string& name, bool evens_out, Variable& variable, Grid& grid) {
   int rank = 0;
-  check(nc_inq_varndims(group, id, &rank), "its variable " + name + " cannot be read");
+  check(nc_inq_varndims(group, id, &rank), "netCDF cannot read its variable " + name);
   if (rank < 3) return false;
   variable.group = group;
   variable.id = id;
-  check(nc_inq_vartype(group, id, &variable.type), "its variable " + name + " cannot be read");
+  check(nc_inq_vartype(group, id, &variable.type), "netCDF cannot read its variable " + name);
   std::vector<int> ids(static_cast<std::size_t>(rank));
-  check(nc_inq_vardimid(group, id, ids.data()), "its variable " + name + " cannot be read");
+  check(nc_inq_vardimid(group, id, ids.data()), "netCDF cannot read its variable " + name);
   std::vector<Axis> dimensions;
   for (const int dimension : ids) dimensions.push_back(read_axis(group, dimension));
   for (const Axis& axis : dimensions) variable.shape.push_back(axis.length);

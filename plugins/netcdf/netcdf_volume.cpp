@@ -62,7 +62,7 @@ class NetcdfFile final : public isoextract_plugin::VolumeFile {
   NetcdfFile(const isoextract_plugin::Request& request, const isoextract_plugin_host& host)
       : file_(request.path), evens_out_(request.evens_out) {
     int kind = 0;
-    check(nc_inq_format(file_.id(), &kind), "its format cannot be read");
+    check(nc_inq_format(file_.id(), &kind), "netCDF cannot read its format");
     format = format_name(kind);
     list_group(file_.id(), "", host);
     if (grids.empty()) throw ReadError("expected a variable of three or more dimensions, found none");
@@ -82,11 +82,11 @@ class NetcdfFile final : public isoextract_plugin::VolumeFile {
   void list_group(int group, const std::string& path, const isoextract_plugin_host& host) {
     isoextract_plugin::check_cancelled(host);
     int count = 0;
-    check(nc_inq_nvars(group, &count), "its variables cannot be listed");
+    check(nc_inq_nvars(group, &count), "netCDF cannot list its variables");
     const auto skipped = bounds_variables(group, count);
     for (int id = 0; id < count; ++id) {
       std::array<char, NC_MAX_NAME + 1> name{};
-      check(nc_inq_varname(group, id, name.data()), "its variables cannot be listed");
+      check(nc_inq_varname(group, id, name.data()), "netCDF cannot list its variables");
       if (skipped.contains(name.data())) continue;
       Variable variable;
       isoextract_plugin::Grid grid;
@@ -95,12 +95,12 @@ class NetcdfFile final : public isoextract_plugin::VolumeFile {
       grids.push_back(std::move(grid));
     }
     int groups = 0;
-    check(nc_inq_grps(group, &groups, nullptr), "its groups cannot be listed");
+    check(nc_inq_grps(group, &groups, nullptr), "netCDF cannot list its groups");
     std::vector<int> ids(static_cast<std::size_t>(groups));
-    check(nc_inq_grps(group, &groups, ids.data()), "its groups cannot be listed");
+    check(nc_inq_grps(group, &groups, ids.data()), "netCDF cannot list its groups");
     for (const int id : ids) {
       std::array<char, NC_MAX_NAME + 1> name{};
-      check(nc_inq_grpname(id, name.data()), "its groups cannot be listed");
+      check(nc_inq_grpname(id, name.data()), "netCDF cannot list its groups");
       list_group(id, (path.empty() ? "/" : path) + name.data() + "/", host);
     }
   }

@@ -18,7 +18,7 @@ struct TracePlace {
 
 std::int32_t field(const char* header, int which) {
   std::int32_t value = 0;
-  if (segy_get_field(header, which, &value) != SEGY_OK) throw ReadError("a trace header cannot be read");
+  if (segy_get_field(header, which, &value) != SEGY_OK) throw ReadError("segyio cannot read a trace header");
   return value;
 }
 
@@ -195,7 +195,7 @@ void fill_table(Survey& survey, const std::vector<TracePlace>& places) {
       const std::string where = "expected one trace per place, found several at " + place_text(other);
       if (other.offset == places[i].offset) throw ReadError(where);
       throw ReadError(where + ", of offsets " + std::to_string(other.offset) + " and " +
-                      std::to_string(places[i].offset) + ": the file is not stacked");
+                      std::to_string(places[i].offset) + ": the file has traces before stacking");
     }
     entry = static_cast<std::int32_t>(i);
   }

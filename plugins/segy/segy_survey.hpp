@@ -42,7 +42,7 @@ class SegyFile {
   void read_samples(int trace, int first, int count, void* to) const;
 
  private:
-  // Little-endian samples of less than four bytes.
+  // Returns whether samples are little-endian and of less than four bytes.
   [[nodiscard]] bool has_small_samples() const {
     return is_little_endian_ && (format_ == SEGY_SIGNED_SHORT_2_BYTE || format_ == SEGY_SIGNED_CHAR_1_BYTE);
   }
@@ -66,7 +66,7 @@ struct Lines {
   std::uint64_t count = 0;
 };
 
-// Where the traces are. Grid axis x is along the traces, y along the lines of consecutive traces.
+// The lattice of the traces. Grid axis x is along the traces, y along the lines of consecutive traces.
 struct Survey {
   bool inlines_are_slow = true;     // y counts crosslines, z inlines; otherwise the reverse
   Lines fast;                       // along y

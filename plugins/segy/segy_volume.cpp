@@ -41,7 +41,7 @@ const char* format_text(int format) {
 
 int read_field(const char* header, int which) {
   std::int32_t value = 0;
-  check(segy_get_bfield(header, which, &value), "its binary header cannot be read");
+  check(segy_get_bfield(header, which, &value), "segyio cannot read its binary header");
   return value;
 }
 
@@ -59,7 +59,7 @@ SegyFile::SegyFile(const std::string& path) : file_(segy_open(path.c_str(), "rb"
   if (file_ == nullptr) throw ReadError("segyio cannot open it");
   try {
     std::array<char, SEGY_BINARY_HEADER_SIZE> header{};
-    check(segy_binheader(file_, header.data()), "its binary header cannot be read");
+    check(segy_binheader(file_, header.data()), "segyio cannot read its binary header");
     // Byte order: the code of the format is below 256.
     format_ =
         static_cast<unsigned char>(header[kFormatField]) << 8 | static_cast<unsigned char>(header[kFormatField + 1]);
@@ -71,8 +71,9 @@ SegyFile::SegyFile(const std::string& path) : file_(segy_open(path.c_str(), "rb"
       throw ReadError("expected sample format 1, 2, 3, 5 or 8 (bytes 3225-3226), found " + std::to_string(format_));
     }
     check(segy_set_format(file_, format_ | (is_little_endian_ ? SEGY_LSB : SEGY_MSB)),
-          "its sample format cannot be set");
-    check(segy_binheader(file_, header.data()), "its binary header cannot be read");  // in the byte order that is set
+          "segyio cannot set its sample format");
+    check(segy_binheader(file_, header.data()),
+          "segyio cannot read its binary header");  // in the byte order that is set
     samples_ = segy_samples(header.data());
     if (samples_ <= 0)
       throw ReadError("expected samples per trace (bytes 3221-3222), found " + std::to_string(samples_));
@@ -99,21 +100,21 @@ SegyFile::~SegyFile() { segy_close(file_); }
 
 void SegyFile::read_header(int trace, char* header) const {
   check(segy_traceheader(file_, trace, header, first_trace_, trace_bytes_),
-        "the header of trace " + std::to_string(trace) + " cannot be read");
+        "segyio cannot read the header of trace " + std::to_string(trace));
 }
 
 void SegyFile::prepare_samples() {
-  if (has_small_samples()) check(segy_set_format(file_, format_ | SEGY_MSB), "its sample format cannot be set");
+  if (has_small_samples()) check(segy_set_format(file_, format_ | SEGY_MSB), "segyio cannot set its sample format");
 }
 
 void SegyFile::read_samples(int trace, int first, int count, void* to) const {
   const int status = segy_readsubtr(file_, trace, first, first + count, 1, to, nullptr, first_trace_, trace_bytes_);
-  check(status, "trace " + std::to_string(trace) + " cannot be read");
+  check(status, "segyio cannot read trace " + std::to_string(trace));
   if (has_small_samples()) {
     if (format_ == SEGY_SIGNED_SHORT_2_BYTE) convert_little_endian(static_cast<unsigned char*>(to), count);
     return;
   }
-  check(segy_to_native(format_, count, to), "trace " + std::to_string(trace) + " cannot be converted");
+  check(segy_to_native(format_, count, to), "segyio cannot convert trace " + std::to_string(trace));
 }
 
 namespace {

@@ -113,7 +113,7 @@ class Hdf5Test(WrittenVolumes):
 
     def test_what_cannot_be_read_says_why(self):
         self.python(ARRAYS)
-        for name, message in (("lzf", "found the filter 'lzf' (number 32000)"), ("never", "they were never written"),
+        for name, message in (("lzf", "found the filter 'lzf' (number 32000)"), ("never", "no program wrote them"),
                               ("compound", "compound"), ("nowhere", "/nowhere")):
             self.assert_fails(2, self.run_program(f"a.h5:/{name}", "--iso", 0.5, "-o", "a.ply"), message)
         self.assert_fails(2, self.run_program("a.h5:/size", "--level", 1, "--iso", 0.5, "-o", "a.ply"), "expected level 0")
@@ -155,6 +155,11 @@ class Hdf5Test(WrittenVolumes):
         self.assertEqual(report["input"]["world_space"], "left-posterior-superior")
         report, _ = self.report("bdv.h5", "--level", 1, "--volume", 0, "--iso", 500, "-o", "a.ply")
         self.assertEqual(report["input"]["index_to_world"][:3], [[2, 0, 0, 0.5], [0, 2, 0, 0.5], [0, 0, 1, 0]])
+        (self.folder / "bdv.xml").write_text("<SpimData><ViewSetups><ViewSetup><id>1</id><voxelSize><size>9 9 9</size></voxelSize></ViewSetup><ViewSetup>"
+                                             "<id>0</id><voxelSize><unit>um</unit><size>0.5 0.25 3.0</size></voxelSize></ViewSetup></ViewSetups></SpimData>")
+        report, _ = self.report("bdv.h5", "--level", 1, "--volume", 0, "--iso", 500, "-o", "a.ply")
+        self.assertEqual(report["input"]["index_to_world"][:3], [[1, 0, 0, 0.25], [0, 0.5, 0, 0.125], [0, 0, 3, 0]])
+        self.assertEqual(report["input"]["length_unit"], "um")
 
     def test_virtual_datasets_need_their_files(self):
         self.python("""import h5py, numpy as np

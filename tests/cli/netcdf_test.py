@@ -94,10 +94,10 @@ out = np.stack([np.where(w == 0, a[k], a[min(k + 1, 3)] if w == 1 else a[k] + w 
                 for k, w in ((0, 0), (0, .5), (1, 0), (1, .25), (1, .5), (1, .75), (2, 0), (3, 0))]).astype('f4')
 np.save('u.npy', out)""")
         run = self.run_program("u.nc", "--iso", 0.5, "-o", "u.ply")
-        self.assert_fails(2, run, "its axis z is spaced unevenly: expected equal distances, found 5 to 20 m", "--resample")
+        self.assert_fails(2, run, "its axis z has uneven distances: expected equal ones, found 5 to 20 m", "--resample")
         report, run = self.report("u.nc", "--resample", "--nan", "hole", "--iso", 0.5, "-o", "u.ply")
         self.assertEqual(report["input"]["index_to_world"][2], [0, 0, -5, 0])
-        self.assertIn("its axis z was resampled linearly from 4 samples, 5 to 20 m apart, to 8, 5 apart", run.err)
+        self.assertIn("resampled axis z linearly from 4 samples, 5 to 20 m apart, to 8, 5 apart", run.err)
         self.convert("u.nc", "--resample", "-o", "read.npy")
         self.assert_same_samples([("read.npy", "u.npy")])
 

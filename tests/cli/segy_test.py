@@ -98,7 +98,7 @@ class SegyTest(WrittenVolumes):
 
     def test_files_that_are_no_lattice_are_refused(self):
         for words, message in ((("twice",), "expected one trace per place, found several at inline 10, crossline 100"),
-                               (("twice", "offsets"), "of offsets 0 and 50: the file is not stacked"),
+                               (("twice", "offsets"), "of offsets 0 and 50: the file has traces before stacking"),
                                (("unnumbered",), "several inlines (bytes 189-192) in its trace headers, found only number 0")):
             self.write(5, *words)
             self.assert_fails(2, self.run_program("a.sgy", "--iso", 0, "-o", "a.ply"), message)
