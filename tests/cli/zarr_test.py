@@ -179,6 +179,12 @@ class ZarrTest(ProgramTest):
             (copy / ".zarray").write_text(json.dumps({**base, **change}))
             self.assert_fails(2, self.run_program(copy, "--iso", "1"), "hostile.zarr: ")
 
+    def test_deeply_nested_metadata(self):
+        copy = self.folder / "deep.zarr"
+        copy.mkdir()
+        (copy / ".zarray").write_text('{"zarr_format": 2, "shape": ' + 200000 * "[" + 200000 * "]" + "}")
+        self.assert_fails(2, self.run_program(copy, "--iso", "1"), "deep.zarr: expected values nested at most 64 deep")
+
     def test_paths_stay_inside(self):
         copy = self.folder / "escape.zarr"
         copy.mkdir()
