@@ -6,13 +6,16 @@ import pathlib
 import shutil
 import subprocess
 import tempfile
+import unittest
 
-from support import SOURCE, ProgramTest, main, needs_program, read_ply
+from support import PROGRAM, SOURCE, ProgramTest, main, needs_program, read_ply
 
 TOOL = SOURCE / "tests" / "zarr" / "zarrita.mjs"
+PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-zarr.so"
 ISO = "35"
 
 
+@unittest.skipUnless(PLUGIN.exists(), "the plug-in for Zarr was not built")
 class ZarrTest(ProgramTest):
     @classmethod
     def setUpClass(cls):
