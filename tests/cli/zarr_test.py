@@ -100,12 +100,12 @@ class ZarrTest(ProgramTest):
         self.mesh("ome.zarr", "--grid", "GFP", "--volume", "1", iso="5")
         report = self.report()["input"]
         self.assertEqual((report["format"], report["length_unit"]), ("OME-Zarr 0.4", "micrometer"))
-        self.assertEqual(report["index_to_world"], [[0.25, 0, 0, 0], [0, 0.25, 0, 0], [0, 0, 0.5, 10]])
+        self.assertEqual(report["index_to_world"], [[0.25, 0, 0, 0], [0, 0.25, 0, 0], [0, 0, 1, 20]])
 
         self.mesh("ome.zarr", "--grid", "GFP", "--volume", "1", "--level", "1", iso="5")
         report = self.report()["input"]
         self.assertEqual(report["dims"], [14, 12, 20])
-        self.assertEqual(report["index_to_world"], [[0.5, 0, 0, 0.125], [0, 0.5, 0, 0.125], [0, 0, 0.5, 10]])
+        self.assertEqual(report["index_to_world"], [[0.5, 0, 0, 0.125], [0, 0.5, 0, 0.125], [0, 0, 1, 20]])
         run = self.run_program(self.samples / "ome.zarr", "--grid", "GFP", "--level", "7", "--iso", "5")
         self.assert_fails(2, run, "expected a level from 0 to 2, found 7", "1: 2 x 3 x 20 x 12 x 14")
 
