@@ -37,9 +37,20 @@ std::string without_nan(std::string_view text) {
   return result;
 }
 
+// Throws if the values are nested deeply: copying and printing them recurses.
+Json parse_text(std::string_view text, const std::string& key) {
+  constexpr int kDeepest = 64;
+  const auto check_depth = [&](int depth, Json::parse_event_t /*event*/, Json& /*value*/) {
+    if (depth <= kDeepest) return true;
+    throw ReadError(
+        fmt::format("expected values nested at most {} deep in '{}', found deeper ones", kDeepest, shown(key)));
+  };
+  return Json::parse(text, check_depth, false);
+}
+
 Json parse_json(std::string_view text, const std::string& key) {
-  Json parsed = Json::parse(text, nullptr, false);
-  if (parsed.is_discarded()) parsed = Json::parse(without_nan(text), nullptr, false);
+  Json parsed = parse_text(text, key);
+  if (parsed.is_discarded()) parsed = parse_text(without_nan(text), key);
   if (!parsed.is_object()) throw ReadError(fmt::format("expected a JSON object in '{}', found other text", shown(key)));
   return parsed;
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kMostCoordinates = std::uint64_t{1} << 20;
 
-std::string parent_of(const std::string& path) {
+std::string group_of(const std::string& path) {
   const std::size_t slash = path.rfind('/');
   return slash == std::string::npos ? std::string() : path.substr(0, slash);
 }
@@ -75,7 +75,7 @@ void place_axis(Hierarchy& hierarchy, std::size_t index, Image& image, Images& f
   Axis& axis = image.axes[index];
   if (axis.name.empty() || axis.name.find('/') != std::string::npos) return;
   const std::uint64_t count = image.array.metadata.shape[index];
-  const std::string path = join(parent_of(image.array.path), checked_path(axis.name));
+  const std::string path = join(group_of(image.array.path), checked_path(axis.name));
   const auto values = coordinates_at(hierarchy, path, count);
   if (!values) return;
   const auto node = hierarchy.find(path);

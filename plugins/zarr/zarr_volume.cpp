@@ -201,6 +201,7 @@ class ZarrFile final : public isoextract_plugin::VolumeFile {
 
   // The chunk files of the volume that will be read, if it is one of few.
   void add_chunk_files(std::uint64_t volume, std::vector<std::string>& notes) {
+    std::set<std::string> chunk_files;  // channels may share chunks
     std::uint64_t left = kMostChunkFiles;
     for (std::size_t i = 0; i < grids.size(); ++i) {
       if (grids[i].sample_type == ISOEXTRACT_NOT_SCALAR || volume >= grids[i].volumes) continue;
@@ -209,14 +210,16 @@ class ZarrFile final : public isoextract_plugin::VolumeFile {
       const bool are_few = visit_chunk_keys(image.array, box, left, [&](const std::string& key) {
         --left;
         const std::string file = store_->file_of(key);
-        if (!file.empty() && store_->find(key) != nullptr) files.push_back(file);
+        if (!file.empty() && store_->find(key) != nullptr) chunk_files.insert(file);
       });
       if (!are_few && !store_->file_of("").empty()) {
-        notes.push_back(fmt::format("only the metadata tell whether the data changed: there are more than {} chunks",
-                                    kMostChunkFiles));
-        return;
+        notes.push_back(
+            fmt::format("a resumed batch notices changes of the metadata only, because there are more than {} chunks",
+                        kMostChunkFiles));
+        break;
       }
     }
+    files.insert(files.end(), chunk_files.begin(), chunk_files.end());
   }
 
   std::unique_ptr<Store> store_;

@@ -6,13 +6,16 @@ import pathlib
 import shutil
 import subprocess
 import tempfile
+import unittest
 
-from support import SOURCE, ProgramTest, main, needs_program, read_ply
+from support import PROGRAM, SOURCE, ProgramTest, main, needs_program, read_ply
 
 TOOL = SOURCE / "tests" / "zarr" / "zarrita.mjs"
+PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-zarr.so"
 ISO = "35"
 
 
+@unittest.skipUnless(PLUGIN.exists(), "the plug-in for Zarr was not built")
 class ZarrTest(ProgramTest):
     @classmethod
     def setUpClass(cls):
@@ -97,12 +100,12 @@ class ZarrTest(ProgramTest):
         self.mesh("ome.zarr", "--grid", "GFP", "--volume", "1", iso="5")
         report = self.report()["input"]
         self.assertEqual((report["format"], report["length_unit"]), ("OME-Zarr 0.4", "micrometer"))
-        self.assertEqual(report["index_to_world"], [[0.25, 0, 0, 0], [0, 0.25, 0, 0], [0, 0, 0.5, 10]])
+        self.assertEqual(report["index_to_world"], [[0.25, 0, 0, 0], [0, 0.25, 0, 0], [0, 0, 1, 20]])
 
         self.mesh("ome.zarr", "--grid", "GFP", "--volume", "1", "--level", "1", iso="5")
         report = self.report()["input"]
         self.assertEqual(report["dims"], [14, 12, 20])
-        self.assertEqual(report["index_to_world"], [[0.5, 0, 0, 0.125], [0, 0.5, 0, 0.125], [0, 0, 0.5, 10]])
+        self.assertEqual(report["index_to_world"], [[0.5, 0, 0, 0.125], [0, 0.5, 0, 0.125], [0, 0, 1, 20]])
         run = self.run_program(self.samples / "ome.zarr", "--grid", "GFP", "--level", "7", "--iso", "5")
         self.assert_fails(2, run, "expected a level from 0 to 2, found 7", "1: 2 x 3 x 20 x 12 x 14")
 
@@ -178,6 +181,12 @@ class ZarrTest(ProgramTest):
                        {"compressor": {"id": "zlib"}, "chunks": [1024, 1024, 1024]}, {"shape": []}):
             (copy / ".zarray").write_text(json.dumps({**base, **change}))
             self.assert_fails(2, self.run_program(copy, "--iso", "1"), "hostile.zarr: ")
+
+    def test_deeply_nested_metadata(self):
+        copy = self.folder / "deep.zarr"
+        copy.mkdir()
+        (copy / ".zarray").write_text('{"zarr_format": 2, "shape": ' + 200000 * "[" + 200000 * "]" + "}")
+        self.assert_fails(2, self.run_program(copy, "--iso", "1"), "deep.zarr: expected values nested at most 64 deep")
 
     def test_paths_stay_inside(self):
         copy = self.folder / "escape.zarr"

@@ -56,8 +56,10 @@ void write_zarr_seeds(const std::filesystem::path& folder) {
        entry("zarr.json", v3_array(fmt::format(R"({},{{"name":"gzip"}})", kBytes))) + entry("c/0/0/0", gzip(chunk)));
   // A frame of one raw block; a blosc chunk that is copied; an LZ4 block of literals.
   const std::string zstd = "\x28\xB5\x2F\xFD\x20\x40" + little_endian(64 << 3 | 1, 3) + chunk;
-  seed("v3_zstd", entry("zarr.json", v3_array(fmt::format(R"({},{{"name":"zstd"}},{{"name":"crc32c"}})", kBytes))) +
-                      entry("c/0/0/0", zstd + little_endian(0, 4)));
+  seed("v3_zstd",
+       entry("zarr.json", v3_array(fmt::format(R"({},{{"name":"zstd"}})", kBytes))) + entry("c/0/0/0", zstd));
+  seed("v3_crc32c", entry("zarr.json", v3_array(fmt::format(R"({},{{"name":"crc32c"}})", kBytes))) +
+                        entry("c/0/0/0", chunk + little_endian(0, 4)));
   const std::string blosc =
       little_endian(0x01020102, 4) + little_endian(64, 4) + little_endian(64, 4) + little_endian(80, 4) + chunk;
   seed("v2_blosc", entry(".zarray", v2_array(R"({"id":"blosc"})")) + entry("0.0.0", blosc));

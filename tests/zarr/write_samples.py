@@ -144,7 +144,7 @@ for time, channel in itertools.product(range(2), range(3)):
 for level in range(3):
     ome.create_dataset(str(level), data=pixels[..., ::2**level, ::2**level], chunks=(1, 1, 7, 8, 9), dimension_separator="/")
 ome.attrs["multiscales"] = [{"version": "0.4", "axes": AXES, "datasets": datasets(3),
-                             "coordinateTransformations": [{"type": "scale", "scale": [0.1, 1, 1, 1, 1]}]}]
+                             "coordinateTransformations": [{"type": "scale", "scale": [0.1, 1, 2, 1, 1]}]}]
 ome.attrs["omero"] = {"channels": [{"label": "DAPI"}, {"label": "GFP"}, {"label": "RFP"}]}
 nuclei = ome.create_group("labels").create_group("nuclei")
 ome["labels"].attrs["labels"] = ["nuclei"]
