@@ -110,7 +110,7 @@ enum class Setting {
   blur,
   height_field,  // make terrain of heights
   height_base,   // the floor of terrain
-  resolutions,  // the resolutions of a benchmark
+  resolutions,   // the resolutions of a benchmark
   // The output
   mesh_format,
   half_floats,

@@ -1,6 +1,6 @@
 // Finds the frames of a run in the inputs that were given: the number and the input of each frame. Reads folders. Opens
-// no file, except two of a pattern or folder of pictures, and one in a folder without volumes and particles, to name its
-// format in the error.
+// no file, except two of a pattern or folder of pictures, and one in a folder without volumes and particles, to name
+// its format in the error.
 #pragma once
 
 #include <cstdint>

@@ -43,9 +43,9 @@ struct BatchPlan {
 
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
-// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name, and
-// neither are pictures that are the slices of one volume.
-// Returns true for an invalid pattern as well; the search for frames reports it.
+// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name,
+// and neither are pictures that are the slices of one volume. Returns true for an invalid pattern as well; the search
+// for frames reports it.
 [[nodiscard]] bool is_frame_pattern(const std::string& input);
 
 // Plans the batch. `environment` is std::getenv or a replacement in tests; it gives the job scheduler's variables for

@@ -43,7 +43,8 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
     }
   }
   if (!closed && at_clip) text += at_boundary.empty() ? " where --clip cut it" : " and where --clip cut it";
-  if (!closed && (at_clip || !at_boundary.empty())) text += " (--cap closes it)";
+  const bool is_terrain = job.surface.heights && !at_clip;
+  if (!closed && (at_clip || !at_boundary.empty())) text += is_terrain ? " (--base H closes it)" : " (--cap closes it)";
   if (hole_cells > 0) text += fmt::format("; without {} cells around NaN samples", hole_cells);
   const bool rectangles = job.surface.voxel_faces == extract::VoxelFaces::rectangles;
   return closed && rectangles ? text + ", except for T-junctions along edges (--t-junctions)" : text;

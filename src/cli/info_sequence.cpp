@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
-#include "files/frame_pattern.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
@@ -14,6 +13,7 @@
 #include "cli/remedies.hpp"
 #include "cli/values.hpp"
 #include "convert/json_values.hpp"
+#include "files/frame_pattern.hpp"
 
 namespace isoextract::cli {
 namespace {

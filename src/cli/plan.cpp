@@ -8,11 +8,11 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "files/frame_pattern.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
+#include "files/frame_pattern.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {

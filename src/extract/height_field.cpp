@@ -140,7 +140,7 @@ class HeightMesh {
     const std::uint64_t all = static_cast<std::uint64_t>(width_ - 1) * static_cast<std::uint64_t>(height_ - 1);
     is_whole_ = quads == all;
     result_.stats.hole_cells = heights_.solid ? 0 : all - quads;
-    result_.stats.inside_at_boundary = true;
+    result_.stats.inside_at_boundary = !heights_.solid;
     result_.stats.meets_boundary = !heights_.solid;
     triangles_ = 2 * quads;
     if (heights_.solid) triangles_ += 2 * rim_ + (is_whole_ ? rim_ : 2 * quads);

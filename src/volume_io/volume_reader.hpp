@@ -22,8 +22,8 @@ namespace isoextract::volume_io {
 // inputs. Reads the starts of some of its files.
 [[nodiscard]] bool is_volume_folder(const std::filesystem::path& path, const Context& context);
 
-// Returns whether the input is a pattern or folder of single pictures, which are the slices of one volume: images of the
-// same format, at least two. Files of volumes are a sequence. Opens at most two of the files.
+// Returns whether the input is a pattern or folder of single pictures, which are the slices of one volume: images of
+// the same format, at least two. Files of volumes are a sequence. Opens at most two of the files.
 [[nodiscard]] bool is_slice_stack(const std::string& input, const Context& context);
 
 // Returns whether the file's extension is that of a format of single pictures, ignoring case.

@@ -29,7 +29,7 @@ class TerrainTest(ProgramTest):
 
     def volume(self, name):
         mesh = self.mesh(name)
-        p = numpy.array(mesh.positions, "f8")
+        p = numpy.array(mesh.vertices, "f8")
         a, b, c = (p[numpy.array(mesh.triangles)[:, k]] for k in range(3))
         return numpy.einsum("ij,ij->i", a, numpy.cross(b, c)).sum() / 6
 
@@ -53,7 +53,7 @@ class TerrainTest(ProgramTest):
         trapezoid = ((heights - 200.0) * weights).sum()
         self.assertAlmostEqual(self.volume("t.ply") / trapezoid, 1, delta=1e-6)
         self.assertEqual(self.open_edges("t.ply"), 0)
-        self.check("t.ply", "--require", "watertight")
+        self.check("t.ply", "--require", "closed,manifold,oriented,outward,no-zero-area")
 
     def test_every_vertex_is_a_sample(self):
         heights = numpy.random.default_rng(1).integers(0, 50, (6, 9)).astype("f4")
@@ -62,8 +62,8 @@ class TerrainTest(ProgramTest):
         mesh = self.mesh("o.ply")
         j, i = numpy.indices(heights.shape)
         expected = numpy.stack([10 + 2 * i, 20 + 3 * j, 30 + 0.5 * heights], -1).reshape(-1, 3)
-        self.assertTrue(numpy.allclose(numpy.array(mesh.positions), expected))
-        p = numpy.array(mesh.positions, "f8")
+        self.assertTrue(numpy.allclose(numpy.array(mesh.vertices), expected))
+        p = numpy.array(mesh.vertices, "f8")
         a, b, c = (p[numpy.array(mesh.triangles)[:, k]] for k in range(3))
         self.assertTrue((numpy.cross(b - a, c - a)[:, 2] > 0).all(), "triangles face up")
         self.assertEqual(self.open_edges("o.ply"), 2 * (5 + 8))
@@ -74,7 +74,7 @@ class TerrainTest(ProgramTest):
         self.convert("h.npy", "--heightfield", "-o", "t.ply")
         low, high = heights.min(), heights.max()
         floor = low - (high - low) / 10
-        self.assertAlmostEqual(min(p[2] for p in self.mesh("t.ply").positions), floor, places=6)
+        self.assertAlmostEqual(min(p[2] for p in self.mesh("t.ply").vertices), floor, places=6)
         self.assertAlmostEqual(self.volume("t.ply") / diagonal_volume(heights, floor), 1, delta=1e-6)
 
     def test_missing_heights_are_holes_and_the_solid_stays_closed(self):
@@ -89,7 +89,7 @@ class TerrainTest(ProgramTest):
             a, b, c, d = h[:-1, :-1], h[:-1, 1:], h[1:, 1:], h[1:, :-1]
             self.assertAlmostEqual(self.volume("t.ply"), numpy.nansum((a + b + c) / 6 + (a + c + d) / 6 + 0 * (b + d)),
                                    delta=1e-4)
-            self.check("t.ply", "--require", "watertight")
+            self.check("t.ply", "--require", "closed,manifold,oriented,outward,no-zero-area")
         self.assert_fails(2, self.run_program("h.npy", "--heightfield", "--nan", "error", "-o", "t.ply"), "NaN")
 
     def test_images_and_their_placement(self):
@@ -102,7 +102,7 @@ class TerrainTest(ProgramTest):
         # Rows of the map go south, which mirrors the samples; the mesh is not inside out.
         self.convert("h.tif", "--heightfield", "--base", "-10", "-o", "tif.ply")
         self.assertAlmostEqual(self.volume("tif.ply") / (600 * diagonal_volume(heights, -10)), 1, delta=1e-5)
-        y = [p[1] for p in self.mesh("tif.ply").positions]
+        y = [p[1] for p in self.mesh("tif.ply").vertices]
         self.assertEqual((min(y), max(y)), (5000 - 20 * 7.5, 5000 - 20 * 0.5))
 
     def test_numbered_pictures_are_frames(self):
