@@ -98,4 +98,9 @@ if [ -z "${__EGL_VENDOR_LIBRARY_DIRS+set}${__EGL_VENDOR_LIBRARY_FILENAMES+set}" 
   export __EGL_VENDOR_LIBRARY_DIRS="/etc/glvnd/egl_vendor.d:/usr/share/glvnd/egl_vendor.d:$nvidia"
 fi
 
+# The program looks for plug-ins beside itself, which is the loader here.
+if [ -d "$lib/plugins" ]; then
+  export ISOEXTRACT_PLUGINS="${ISOEXTRACT_PLUGINS:+$ISOEXTRACT_PLUGINS:}$lib/plugins"
+fi
+
 exec "$loader" --library-path "$path$more" "$program" "$@"

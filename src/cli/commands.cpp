@@ -25,6 +25,7 @@ MakeCommand make_bench_command;
 MakeCommand make_stability_command;
 MakeCommand make_merge_command;
 MakeCommand make_devices_command;
+MakeCommand make_formats_command;
 MakeCommand make_simulate_command;
 MakeCommand make_help_command;
 MakeCommand make_generate_command;
@@ -33,9 +34,9 @@ MakeCommand make_generate_command;
 namespace {
 
 constexpr std::array kCommands{
-    make_convert_command,  make_info_command,  make_verify_command,    make_compare_command, make_check_command,
-    make_render_command,   make_bench_command, make_stability_command, make_merge_command,   make_devices_command,
-    make_simulate_command, make_help_command,  make_generate_command,
+    make_convert_command, make_info_command,     make_verify_command,    make_compare_command,  make_check_command,
+    make_render_command,  make_bench_command,    make_stability_command, make_merge_command,    make_devices_command,
+    make_formats_command, make_simulate_command, make_help_command,      make_generate_command,
 };
 
 struct ProgramFlags : OptionSet {

@@ -9,10 +9,9 @@
 #include "base/ascii.hpp"
 #include "base/version.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/format_list.hpp"
 #include "cli/note_guide.hpp"
 #include "field/demo_field.hpp"
-#include "mesh_io/mesh_writer.hpp"
-#include "particle_io/particle_format.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -51,41 +50,28 @@ HelpTopic formats_topic() {
   HelpTopic topic{"formats", "Formats", "What can be read and written.", {}};
   HelpBlock read{
       "Volumes that isoextract reads. It finds the format by the content of the file, then by its extension; "
-      "--input-format overrides both.",
+      "--input-format overrides both. 'isoextract formats' tells which library reads a format, and what is missing.",
       {}};
-  for (const volume_io::VolumeFormat* format : volume_io::volume_formats()) {
-    const volume_io::FormatDescription& about = format->about();
-    std::string text = about.title;
-    if (about.needs_layout) text += ", with --dims and --dtype";
-    if (!about.extensions.empty()) text += fmt::format(" ({})", fmt::join(about.extensions, " "));
-    read.rows.push_back({about.id, text});
-  }
   HelpBlock particles{
       "Particles that isoextract reads. It turns them into a field ('isoextract help particles') and extracts that.",
       {}};
-  for (const particle_io::ParticleFormatDescription& about : particle_io::particle_format_descriptions()) {
-    std::string text = about.title;
-    if (about.has_frames) text += "; a file may hold several frames";
-    particles.rows.push_back({about.id, fmt::format("{} ({})", text, fmt::join(about.extensions, " "))});
-  }
   HelpBlock written{"Meshes that isoextract writes. The extension of the output chooses the format, or --format does.",
                     {}};
-  for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
-    std::string text(info.title);
-    text += info.can_hold_several_meshes ? "; several surfaces a file" : "; one surface a file";
-    if (!info.can_stream) text += "; not to stdout";
-    written.rows.push_back({std::string(info.name), text});
-  }
   HelpBlock field{
-      "isoextract can also write the field itself, after resampling and filters. A field needs no iso value.",
-      {{"vdb", "OpenVDB, one grid of floats, or with --half of 16-bit ones"},
-       {"nrrd", "NRRD with the transform, dense, in the type of the samples"},
-       {"npy", "NumPy array [z, y, x], dense; without spacing and origin; 16-bit floats with --half"},
-       {"vti", "VTK image data with appended raw samples, dense"}}};
+      "isoextract can also write the field itself, after resampling and filters. A field needs no iso value.", {}};
   HelpBlock points{"isoextract can also write the particles themselves, chosen and unwrapped, with all attributes.",
-                   {{"bgeo", "Houdini geometry, with words such as species"},
-                    {"vtu", "VTK unstructured grid, numbers only"},
-                    {"xyz", "extended XYZ, text, with words and the box"}}};
+                   {}};
+  for (const ListedFormat& format : list_formats()) {
+    std::string text = format.title;
+    const bool is_read = format.use == FormatUse::read_volume || format.use == FormatUse::read_particles;
+    if (is_read && !format.extensions.empty()) text += fmt::format(" ({})", fmt::join(format.extensions, " "));
+    HelpBlock& block = format.use == FormatUse::read_volume      ? read
+                       : format.use == FormatUse::read_particles ? particles
+                       : format.use == FormatUse::write_mesh     ? written
+                       : format.use == FormatUse::write_field    ? field
+                                                                 : points;
+    block.rows.push_back({format.id, text});
+  }
   topic.blocks = {std::move(read), std::move(particles), std::move(written), std::move(field), std::move(points)};
   return topic;
 }

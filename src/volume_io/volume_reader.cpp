@@ -136,9 +136,15 @@ bool is_volume_folder(const std::filesystem::path& path, const Context& context)
 
 Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options, const Context& context) {
   if (is_named_by_prefix(input) || options.raw) return true;
-  if (options.format) return find_volume_format(*options.format) != nullptr;
   try {
+    const VolumeFormat* format = options.format ? find_volume_format(*options.format) : nullptr;
+    if (options.format && (format == nullptr || !format->about().is_plugin)) return format != nullptr;
     const auto located = TRY(locate(input, options, context));
+    if (format != nullptr) {
+      // A plug-in for particles may have the same id.
+      const auto detected = TRY(detect_format(located.input, {}, context));
+      return detected.format == format;
+    }
     return has_volume_content(located.input, context);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(allocation_error(files::input_label(input) + ": not enough memory to read it"));

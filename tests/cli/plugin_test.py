@@ -53,7 +53,7 @@ class PluginTest(ProgramTest):
     def test_one_of_another_version(self):
         (self.folder / "ball.newer").write_text(ball(3))
         run = self.with_plugins("ball.newer", "--iso", "0", "-o", "ball.ply")
-        self.assert_fails(3, run, "ball.newer", "isoextract-volume-newer.so", "version 4", "expected 3", "install")
+        self.assert_fails(3, run, "ball.newer", "isoextract-volume-newer.so", "version 5", "expected 4", "install")
         self.assertEqual(self.files(), ["ball.newer", "ball.tvol"])
 
     def test_a_table_without_its_plugin(self):
@@ -62,6 +62,46 @@ class PluginTest(ProgramTest):
         shutil.copy(PLUGINS / "isoextract-volume-text.txt", tables)
         run = self.with_plugins("ball.tvol", "--iso", "0", "-o", "ball.ply", folder=tables)
         self.assert_fails(3, run, "ball.tvol", "isoextract-volume-text.so", str(tables), "ISOEXTRACT_PLUGINS")
+
+    def test_a_missing_plugin_is_listed_with_its_package(self):
+        tables = self.folder / "tables"
+        tables.mkdir()
+        (tables / "isoextract-volume-abc.txt").write_text(
+            "title: a b c\nextensions: .abc\nmagic: 2 4142\nlibrary: libabc\npackage: libabc-dev\n")
+        (self.folder / "found").write_bytes(b"..AB, by its content")
+        run = self.with_plugins("found", "--iso", "0", "-o", "ball.ply", folder=tables)
+        self.assert_fails(3, run, "found", "isoextract-volume-abc.so", "libabc-dev")
+        listed = json.loads(self.with_plugins("formats", "--json", folder=tables).text)
+        [abc] = [entry for entry in listed if entry["id"] == "abc"]
+        self.assertEqual((abc["library"], abc["package"], abc["is_there"], abc["plugin"]),
+                         ("libabc", "libabc-dev", False, None))
+        [vdb] = [entry for entry in listed if entry["id"] == "vdb" and entry["use"] == "read volume"]
+        self.assertTrue(vdb["is_there"])
+        self.assertIn("missing; the package libabc-dev", self.with_plugins("formats", folder=tables).text)
+
+    def test_a_batch_survives_files_that_kill_their_reader(self):
+        for number in range(1, 21):
+            text = "hostile open crash\n" if number % 4 == 0 else "hostile open nothing\n"
+            (self.folder / f"f_{number:02}.hostile").write_text(text)
+        run = self.with_plugins("f_{:02}.hostile", "--iso", "0.5", "-o", "f_{:02}.ply")
+        self.assertEqual(run.code, 5, run.err)
+        meshes = [name for name in self.files() if name.endswith(".ply")]
+        self.assertEqual(len(meshes), 15)
+        self.assertNotIn("f_04.ply", meshes)
+        self.assertIn("crashed (signal 11)", run.err)
+
+    def test_a_region_reads_only_its_samples(self):
+        run = self.with_plugins("ball.tvol", "--iso", "0", "--roi", "10,0,0,12,5,5", "-o", "part.ply", "--report", "r.json")
+        self.assertEqual(run.code, 0, run.err)
+        whole = self.with_plugins("ball.tvol", "--iso", "0", "--clip", "-1,0,0,-12", "-o", "whole.ply")
+        self.assertEqual(whole.code, 0, whole.err)
+        part, all_of_it = (read_ply((self.folder / name).read_bytes()) for name in ("part.ply", "whole.ply"))
+        self.assertEqual(part.bounds(), all_of_it.bounds())
+        self.assertEqual(len(part.triangles), len(all_of_it.triangles))
+        work = json.loads((self.folder / "r.json").read_text())["work"]
+        [parts] = [fact for fact in work if fact["what"] == "file_parts"]
+        # x up to 12 is sample 4, and two beyond: 7 of 11 samples along x.
+        self.assertEqual((parts["count"], parts["of"]), (4 * 11 * 11, 11**3))
 
     def test_without_plugins_the_format_is_unknown(self):
         run = self.run_program("ball.tvol", "--iso", "0", "-o", "ball.ply")

@@ -47,6 +47,7 @@ ENUMS = {
     },
     "compare": {},
     "devices": {},
+    "formats": {"use": "FormatUse"},
     "gpu-threads": {"/properties/gpu_threads/items/properties/makers/items/properties/threads_by":
                     CODE.literals("gpu/thread_creation.cpp", "thread_maker_name")},
     "info": {
@@ -421,6 +422,7 @@ class SchemasTest(ProgramTest):
         self.printed("stability", "stability", "--case", "jump", "--case", "float-max")
         self.printed("stability-cases", "stability", "--list")
         self.printed("devices", "devices")
+        self.printed("formats", "formats")
         self.written("render", "--json", "render", SPHERE, "--size", "48x32", "--backend", "cpu", "-o", "a.png")
 
     def test_water(self):
@@ -451,6 +453,7 @@ class SchemasTest(ProgramTest):
         yield "verify", self.printed("verify", "verify", SPHERE, "--iso", "0", "a.glb"), [("backend",), ("stages", 0)]
         yield "verify", self.printed("verify", "verify", SPHERE, "--iso", "0"), [("backends", 1)]
         yield "devices", self.printed("devices", "devices"), []
+        yield "formats", self.printed("formats", "formats"), [(0, "use")]
         yield "stability-cases", self.printed("stability-cases", "stability", "--list"), []
         yield "stability", self.printed("stability", "stability", "--case", "jump"), [("rows", 0, "method"), ("rows", 0, "backend")]
         yield "bench", self.written("bench", "--json", "bench", "demo:sphere", "--sizes", "16", "--repeats", "1", "--backends",

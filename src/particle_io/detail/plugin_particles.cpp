@@ -30,10 +30,23 @@ std::optional<AttributeKind> kind_of(std::int32_t kind) {
   }
 }
 
+// Adds what the table of the plug-in says about its library, and where the plug-in is.
+ParticleFormatDescription with_plugin(ParticleFormatDescription about, const plugin_host::PluginFolders& folders) {
+  about.is_plugin = true;
+  about.plugin = plugin_host::PluginLibrary(plugin_host::kParticlePlugins, about.id, folders).path();
+  const auto tables = plugin_host::find_plugin_tables(folders, plugin_host::kParticlePlugins.name_start);
+  const auto table = std::ranges::find(tables, about.id, &plugin_host::PluginTable::id);
+  if (table == tables.end()) return about;
+  about.library = table->library;
+  about.package = table->package;
+  return about;
+}
+
 class PluginParticles : public ParticleFormat {
  public:
   PluginParticles(ParticleFormatDescription described, plugin_host::PluginFolders folders)
-      : ParticleFormat(std::move(described)), library_(plugin_host::kParticlePlugins, about().id, std::move(folders)) {}
+      : ParticleFormat(with_plugin(std::move(described), folders)),
+        library_(plugin_host::kParticlePlugins, about().id, std::move(folders), about().package) {}
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
     return OpenedFile(*this, file, options).info(options);

@@ -130,13 +130,16 @@ class PluginFormat final : public VolumeFormat {
 
  private:
   [[nodiscard]] bool has_file_of_format(const fs::path& folder, const Context& context) const {
-    // Enough to tell: other files are few in a folder of slices.
+    // Enough to tell: other files are few in a folder of slices, as are the folders above it.
     constexpr int kMostTried = 32;
+    constexpr int kMostDepth = 3;
     int tried = 0;
     std::error_code error;
-    for (fs::directory_iterator at(folder, error), end; !error && at != end && tried < kMostTried;
-         at.increment(error)) {
-      if (!at->is_regular_file(error)) continue;
+    for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, error), end;
+         !error && at != end && tried < kMostTried; at.increment(error)) {
+      std::error_code none;
+      if (at.depth() >= kMostDepth) at.disable_recursion_pending();
+      if (!at->is_regular_file(none)) continue;
       ++tried;
       const auto file = files::InputFile::open(at->path(), context);
       const auto start = file ? files::first_bytes(*file, files::kStartBytes) : tl::unexpected(Error());

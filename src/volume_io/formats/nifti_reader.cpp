@@ -350,7 +350,8 @@ class NiftiFormat final : public DenseFormat {
                      .title = "NIfTI-1 and NIfTI-2, also gzip and pairs",
                      .extensions = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"},
                      .has_volumes = true,
-                     .has_components = true}) {}
+                     .has_components = true,
+                     .library = "nifti2"}) {}
 
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     return parse_header(start.bytes).has_value();

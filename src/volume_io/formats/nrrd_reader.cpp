@@ -395,7 +395,8 @@ class NrrdFormat final : public DenseFormat {
                      .title = "NRRD, attached or detached, raw or gzip",
                      .extensions = {".nrrd", ".nhdr"},
                      .has_volumes = true,
-                     .has_components = true}) {}
+                     .has_components = true,
+                     .library = "teem"}) {}
 
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     return !start.packed && files::starts_with(start.bytes, kNrrdMagic);

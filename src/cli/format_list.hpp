@@ -1,0 +1,35 @@
+// All formats that the program reads and writes, for `isoextract formats` and the help.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "base/enum_words.hpp"
+
+namespace isoextract::cli {
+
+enum class FormatUse { read_volume, read_particles, write_mesh, write_field, write_particles };
+constexpr auto words_of(FormatUse /*type*/) {
+  return std::array{Word{FormatUse::read_volume, "read volume"}, Word{FormatUse::read_particles, "read particles"},
+                    Word{FormatUse::write_mesh, "write mesh"}, Word{FormatUse::write_field, "write field"},
+                    Word{FormatUse::write_particles, "write particles"}};
+}
+
+struct ListedFormat {
+  FormatUse use = FormatUse::read_volume;
+  std::string id;     // for --input-format or --format
+  std::string title;  // one line for users
+  std::vector<std::string> extensions;
+  std::string library = {};  // that reads or writes it; empty for code of the program
+  bool is_plugin = false;
+  std::string plugin = {};   // path of the plug-in; empty if it is missing
+  std::string package = {};  // Debian's, with which the plug-in is built; may be empty
+
+  [[nodiscard]] bool is_there() const { return !is_plugin || !plugin.empty(); }
+};
+
+// Returns the formats by use, and in each by their order of detection or display.
+[[nodiscard]] std::vector<ListedFormat> list_formats();
+
+}  // namespace isoextract::cli
