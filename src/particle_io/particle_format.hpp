@@ -49,7 +49,7 @@ struct ParticleFormatDescription {
   bool has_columns = false;                  // ParticleReadOptions::columns may select the columns of x, y and z
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
   bool needs_extension = false;              // only the extension of the file name identifies the format
-  bool is_plugin = false;  // a plug-in reads it, with `library`; the rest as in FormatDescription
+  bool is_plugin = false;                    // a plug-in reads it, with `library`; the rest as in FormatDescription
   std::string library = {};
   std::string package = {};
   std::string plugin = {};

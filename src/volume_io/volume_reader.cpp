@@ -13,6 +13,7 @@
 #include "field/no_data.hpp"
 #include "files/file_bytes.hpp"
 #include "files/unpacked_files.hpp"
+#include "plugin_host/plugin_kinds.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 #include "volume_io/detail/slice_stack.hpp"
 #include "volume_io/detail/volume_detect.hpp"
@@ -102,6 +103,14 @@ Result<Located> locate(const std::string& input, const ReadOptions& options, con
   return located;
 }
 
+// Returns whether a plug-in for particles has the same id as this format.
+bool is_shared_id(const FormatDescription& about) {
+  if (!about.is_plugin) return false;
+  const auto tables =
+      plugin_host::find_plugin_tables(plugin_host::plugin_folders(), plugin_host::kParticlePlugins.name_start);
+  return std::ranges::find(tables, about.id, &plugin_host::PluginTable::id) != tables.end();
+}
+
 // Detects the format and calls work(detected, located), which returns a Result. Catches exceptions of libraries.
 template <class F>
 auto with_format(const std::string& input, const ReadOptions& options, const Context& context, F&& work)
@@ -142,14 +151,13 @@ bool is_slice_stack(const std::string& input, const Context& context) {
 Result<bool> is_certainly_volume(const std::string& input, const ReadOptions& options, const Context& context) {
   if (is_named_by_prefix(input) || options.raw) return true;
   try {
-    if (const VolumeFormat* format = options.format ? find_volume_format(*options.format) : nullptr) {
-      // A plug-in for particles may have the same id.
-      if (!format->about().is_plugin) return true;
-      const auto detected = TRY(detect_format(input, {}, context));
-      return detected.format == format;
-    }
-    if (options.format) return false;
+    const VolumeFormat* format = options.format ? find_volume_format(*options.format) : nullptr;
+    if (options.format && (format == nullptr || !is_shared_id(format->about()))) return format != nullptr;
     const auto located = TRY(locate(input, options, context));
+    if (format != nullptr) {
+      const auto detected = detect_format(located.input, {}, context);
+      return detected && detected->format == format;
+    }
     return has_volume_content(located.input, context);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(allocation_error(files::input_label(input) + ": not enough memory to read it"));

@@ -50,8 +50,16 @@ TEST(VolumeReader, ListsFormatsForUnknownContent) {
   expect_in(error.message, "not a volume format that isoextract reads; it starts with 'x,y,z\\n1,2,3\\n'");
   for (const char* format : {"vdb", "nrrd", "nifti", "npy", "raw", ".nhdr"})
     expect_in(test::text_of(error.hint), format);
-  write_bytes(folder / "v.gz", gzip(kNrrd));
+  write_bytes(folder / "v.gz", gzip("x,y,z\n1,2,3\n"));
   expect_in(refusal(folder / "v.gz").message, "not a volume format");
+}
+
+TEST(VolumeReader, NamesThePlugInThatUnpacksFiles) {
+  const TempFolder folder;
+  write_bytes(folder / "v.gz", gzip(kNrrd));
+  const Error error = refusal(folder / "v.gz");  // the tests have no plug-ins beside them
+  EXPECT_EQ(error.code, ErrorCode::unavailable);
+  expect_in(error.message, "isoextract-unpack-archive.so");
 }
 
 TEST(VolumeReader, NamesTheFormatForUnfittingContent) {
