@@ -54,7 +54,9 @@ bool is_zip(const std::string& path) {
   return std::ifstream(path, std::ios::binary).read(start.data(), start.size()) && start == std::array{'P', 'K'};
 }
 
-Archive open_archive(const std::string& path) {
+enum class Content { raw, tar };
+
+Archive open_archive(const std::string& path, Content content) {
   Archive opened(archive_read_new());
   if (!opened) throw std::bad_alloc();
   if (is_zip(path)) {
@@ -65,11 +67,25 @@ Archive open_archive(const std::string& path) {
     archive_read_support_filter_xz(opened.get());
     archive_read_support_filter_zstd(opened.get());
     archive_read_support_filter_bzip2(opened.get());
-    archive_read_support_format_tar(opened.get());
-    archive_read_support_format_raw(opened.get());
+    // Not both: libarchive takes content that begins with zeros for an empty tar archive.
+    if (content == Content::tar) archive_read_support_format_tar(opened.get());
+    if (content == Content::raw) archive_read_support_format_raw(opened.get());
   }
   check(opened.get(), archive_read_open_filename(opened.get(), path.c_str(), kPart), "a compressed file or an archive");
   return opened;
+}
+
+// Returns what a compressed or plain file holds, by the signature of tar.
+Content content_of(const std::string& path) {
+  if (is_zip(path)) return Content::raw;
+  const Archive opened = open_archive(path, Content::raw);
+  archive_entry* entry = nullptr;
+  check(opened.get(), archive_read_next_header(opened.get(), &entry), "the start of a file");
+  constexpr std::size_t kTarHeader = 512;
+  std::array<char, kTarHeader> start{};
+  const la_ssize_t got = archive_read_data(opened.get(), start.data(), start.size());
+  const bool is_whole = got == static_cast<la_ssize_t>(kTarHeader);
+  return is_whole && std::string_view(start.data() + 257, 5) == "ustar" ? Content::tar : Content::raw;
 }
 
 struct GzipDeleter {
@@ -118,7 +134,7 @@ void walk(const std::string& path, const isoextract_plugin_host& host, OnFile&& 
     read_gzip(path, packed.get(), host, bytes);
     return;
   }
-  const Archive opened = open_archive(path);
+  const Archive opened = open_archive(path, content_of(path));
   std::vector<char> part(kPart);
   archive_entry* entry = nullptr;
   for (;;) {
