@@ -56,7 +56,7 @@ convert::Json json_of(const ListedFormat& format) {
 class FormatsCommand final : public CommandOf<FormatsFlags> {
  public:
   FormatsCommand()
-      : CommandOf({"formats", "[options]", "List the formats, their libraries, and plug-ins that are missing."}) {}
+      : CommandOf({"formats", "[options]", "List the formats, and the libraries that read them."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     const std::vector<ListedFormat> formats = list_formats();

@@ -58,7 +58,7 @@ struct InputFlags : OptionSet {
                              use_.most};
   Values<std::string> grids{
       everyday(*this), "--array,--grid", "NAME", parse_text,
-      "Grid of a VDB file, or array of another file with several, such as .npz, VTK and HDF5. 'isoextract info' lists "
+      "Grid or array of a file that has several. For VDB, .npz, VTK, HDF5 and other files. 'isoextract info' lists "
       "the names; NAME[k] chooses one of several "
       "grids of the same name. convert takes the option several times: each grid has its own surfaces."};
   Value<VolumeChoice> volume{*this, "--volume", use_.all_volumes ? "K|all" : "K", parse_volume,
