@@ -8,6 +8,7 @@ import contextlib
 import ctypes
 import errno
 import functools
+import importlib.util
 import os
 import pathlib
 import platform
@@ -159,6 +160,17 @@ def filter_system_calls(rules):
 
 
 INSTALL = "scripts/setup.sh test installs it"
+# It has Debian's modules, which another Python that runs the tests may lack.
+SYSTEM_PYTHON = "/usr/bin/python3"
+
+
+def needs_modules(*names):
+    """Runs this file with the system's Python if this one lacks a module. Call before importing the modules."""
+    missing = [name for name in names if importlib.util.find_spec(name) is None]
+    if missing and os.path.realpath(sys.executable) != os.path.realpath(SYSTEM_PYTHON):
+        os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, "-B", *sys.argv])
+    if missing:
+        sys.exit(f"{sys.executable} has no module {', '.join(missing)}: {INSTALL}")
 
 
 def needs_program(name):
