@@ -10,10 +10,11 @@ import subprocess
 import unittest
 import zlib
 
-import numpy as np
-
+from support import DATA, PROGRAM, ProgramTest, main, needs_data, needs_modules, read_ply
 from mutations import mutate
-from support import DATA, PROGRAM, ProgramTest, main, needs_data, read_ply
+
+needs_modules("numpy")
+import numpy as np  # noqa: E402 - where there is one
 
 PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-vtk.so"
 SEEDS = int(os.environ.get("ISOEXTRACT_MUTATIONS", "24"))  # of each kind of file
