@@ -1,5 +1,6 @@
-// What plug-ins that read volumes share, in C++: a plug-in derives from VolumeFile, and volume_plugin() makes the table
-// of C functions (volume_plugin.h) of it. Everything here may throw; the C functions turn exceptions into error texts.
+// Shared code of plug-ins that read volumes, in C++: a plug-in derives from VolumeFile, and volume_plugin() makes the
+// table of C functions (volume_plugin.h) of it. Everything here may throw; the C functions turn exceptions into error
+// texts.
 #pragma once
 
 #include <algorithm>
@@ -89,7 +90,7 @@ struct Grid {
   std::vector<Label> labels;
 };
 
-// What was read, besides the samples.
+// Facts about a read besides the samples.
 struct ReadFacts {
   std::string note;
   std::uint64_t parts_read = 0;
@@ -139,7 +140,7 @@ inline std::uint64_t sample_size(std::int32_t type) {
   }
 }
 
-// The type of the samples that a selection is read as.
+// Returns the type of the samples that a selection is read as.
 inline std::int32_t selected_type(const Grid& grid, const isoextract_volume_selection& selection) {
   if (selection.component != ISOEXTRACT_COMPONENT_LENGTH) return grid.sample_type;
   const bool wide =
@@ -172,7 +173,7 @@ struct SamplesInMemory {
   std::int64_t component_step = 1;
 };
 
-// A box of samples with x fastest and the components of a sample beside each other.
+// Returns the layout of a box of samples with x fastest and the components of a sample beside each other.
 inline SamplesInMemory interleaved_samples(const void* data, const std::array<std::uint64_t, 3>& dims,
                                            std::uint64_t components) {
   const auto c = static_cast<std::int64_t>(components);

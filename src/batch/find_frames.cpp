@@ -156,9 +156,9 @@ Result<FoundFrames> matching_files(const files::FramePattern& pattern, const std
     }
     std::error_code none;
     std::string path = entries.folder + name + entries.rest;
-    const bool is_file =
-        entries.rest.empty() ? !entry.is_directory(none) : fs::exists(path, none) && !fs::is_directory(path, none);
-    if (!is_file) return;
+    const bool is_there = entries.rest.empty() || fs::exists(path, none);
+    const bool is_folder = entries.rest.empty() ? entry.is_directory(none) : fs::is_directory(path, none);
+    if (!is_there || (is_folder && !volume_io::is_volume_folder(path, Context()))) return;
     matched.push_back(name);
     if (!range || range->contains(*number)) found.frames.push_back({*number, std::move(path), {}});
   }));

@@ -315,7 +315,16 @@ std::string stem_of(const std::string& input) {
     const std::string name = input.substr(input.find(':') + 1);
     return name.substr(0, name.find('?'));
   }
-  return fs::path(files::name_without_packing(fs::path(input).filename())).stem().string();
+  std::string name = fs::path(input).filename().string();
+  if (name.empty()) name = fs::path(input).parent_path().filename().string();  // of a folder with a slash at the end
+  // The name of a stack of slices is what its files have in common.
+  const auto pattern = files::FramePattern::parse(name);
+  if (pattern && *pattern && !files::is_there(input)) {
+    const std::string& prefix = (*pattern)->prefix();
+    const std::size_t last = prefix.find_last_not_of("_-. ");
+    if (last != std::string::npos) return prefix.substr(0, last + 1);
+  }
+  return fs::path(files::name_without_packing(name)).stem().string();
 }
 
 }  // namespace isoextract::batch

@@ -25,7 +25,6 @@ constexpr std::array kForeignOptions{
     ForeignOption{"--surface-threshold", "--iso", "V sets the iso value of the surface"},
     ForeignOption{"--isovalue", "--iso", "V sets the iso value of the surface"},
     ForeignOption{"--isolevel", "--iso", "V sets the iso value of the surface"},
-    ForeignOption{"--level", "--iso", "V sets the iso value of the surface"},
     ForeignOption{"--contour", "--iso", "V sets the iso value of the surface"},
     ForeignOption{
         "--decimate", "--simplify",

@@ -4,6 +4,7 @@
 
 #include "mesh_io/mesh_writer.hpp"
 #include "particle_io/particle_format.hpp"
+#include "plugin_host/plugin_kinds.hpp"
 #include "volume_io/volume_format.hpp"
 
 namespace isoextract::cli {
@@ -28,6 +29,16 @@ void add_particles(std::vector<ListedFormat>& formats) {
   }
 }
 
+void add_packed(std::vector<ListedFormat>& formats) {
+  const plugin_host::PluginFolders folders = plugin_host::plugin_folders();
+  for (const plugin_host::PluginTable& table :
+       plugin_host::find_plugin_tables(folders, plugin_host::kUnpackPlugins.name_start)) {
+    const plugin_host::PluginLibrary library(plugin_host::kUnpackPlugins, table.id, folders);
+    formats.push_back({FormatUse::unpack, table.id, table.title, table.extensions, table.library, true, library.path(),
+                       table.package});
+  }
+}
+
 void add_meshes(std::vector<ListedFormat>& formats) {
   for (const mesh_io::MeshFormatInfo& info : mesh_io::mesh_formats()) {
     std::string title(info.title);
@@ -47,6 +58,7 @@ std::vector<ListedFormat> list_formats() {
   std::vector<ListedFormat> formats;
   add_volumes(formats);
   add_particles(formats);
+  add_packed(formats);
   add_meshes(formats);
   const auto add = [&](FormatUse use, const char* id, const char* title, const char* library) {
     formats.push_back({use, id, title, {fmt::format(".{}", id)}, library});

@@ -9,11 +9,11 @@
 
 namespace isoextract::cli {
 
-enum class FormatUse { read_volume, read_particles, write_mesh, write_field, write_particles };
+enum class FormatUse { read_volume, read_particles, unpack, write_mesh, write_field, write_particles };
 constexpr auto words_of(FormatUse /*type*/) {
   return std::array{Word{FormatUse::read_volume, "read volume"}, Word{FormatUse::read_particles, "read particles"},
-                    Word{FormatUse::write_mesh, "write mesh"}, Word{FormatUse::write_field, "write field"},
-                    Word{FormatUse::write_particles, "write particles"}};
+                    Word{FormatUse::unpack, "unpack"},           Word{FormatUse::write_mesh, "write mesh"},
+                    Word{FormatUse::write_field, "write field"}, Word{FormatUse::write_particles, "write particles"}};
 }
 
 struct ListedFormat {
@@ -21,7 +21,7 @@ struct ListedFormat {
   std::string id;     // for --input-format or --format
   std::string title;  // one line for users
   std::vector<std::string> extensions;
-  std::string library = {};  // that reads or writes it; empty for code of the program
+  std::string library = {};  // the library of the code that reads or writes it; empty for the program's own
   bool is_plugin = false;
   std::string plugin = {};   // path of the plug-in; empty if it is missing
   std::string package = {};  // Debian's, with which the plug-in is built; may be empty

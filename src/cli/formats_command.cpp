@@ -23,6 +23,7 @@ std::string heading(FormatUse use) {
   switch (use) {
     case FormatUse::read_volume: return "Volumes that isoextract reads";
     case FormatUse::read_particles: return "Particles that isoextract reads";
+    case FormatUse::unpack: return "Packed files that isoextract opens";
     case FormatUse::write_mesh: return "Meshes that isoextract writes";
     case FormatUse::write_field: return "Fields that isoextract writes";
     case FormatUse::write_particles: break;
@@ -55,12 +56,13 @@ convert::Json json_of(const ListedFormat& format) {
 
 class FormatsCommand final : public CommandOf<FormatsFlags> {
  public:
-  FormatsCommand()
-      : CommandOf({"formats", "[options]", "List the formats, and the libraries that read them."}) {}
+  FormatsCommand() : CommandOf({"formats", "[options]", "List the formats, and the libraries that read them."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     const std::vector<ListedFormat> formats = list_formats();
-    std::string text;
+    std::string text =
+        "isoextract finds the format of an input by the content of the file, then by its extension; --input-format\n"
+        "overrides both.\n\n";
     convert::Json json = convert::Json::array();
     for (std::size_t i = 0; i < formats.size(); ++i) {
       const ListedFormat& format = formats[i];

@@ -1,7 +1,7 @@
 #include "cli/height_plan.hpp"
 
-#include <array>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -11,29 +11,29 @@ namespace isoextract::cli {
 namespace {
 
 struct Refused {
-  std::string_view name;
+  const Option& option;
   std::string_view why;
 };
 
-// Options that need an isosurface, or the field around a surface.
-constexpr std::array kRefused{
-    Refused{"--iso", "terrain has no iso value"},
-    Refused{"--iso-table", "terrain has no iso value"},
-    Refused{"--labels", "terrain has no labels"},
-    Refused{"--method", "terrain has one method"},
-    Refused{"--inside", "inside is always below the heights"},
-    Refused{"--roi", "the region of a volume has three axes; --clip cuts terrain"},
-    Refused{"--resolution", "resampling needs a volume"},
-    Refused{"--voxel-size", "resampling needs a volume"},
-    Refused{"--filter", "filters need a level set"},
-    Refused{"--blur", "blurring needs a volume"},
-    Refused{"--attribute", "attributes come from volumes"},
-    Refused{"--color-by", "attributes come from volumes"},
-    Refused{"--error", "the error is that of an isosurface"},
-    Refused{"--verify", "the GPU backend makes no terrain"},
-    Refused{"--backend", "the GPU backend makes no terrain"},
-    Refused{"--particles", "particles are no heights"},
-};
+// Returns the options that need an isosurface, or the field around a surface.
+std::vector<Refused> refused_options(const ConvertFlags& flags) {
+  return {{flags.isos, "terrain has no iso value"},
+          {flags.batch.iso_table, "terrain has no iso value"},
+          {flags.labels, "terrain has no labels"},
+          {flags.surface.method, "terrain has one method"},
+          {flags.input.inside, "inside is always below the heights"},
+          {flags.surface.roi, "the region of a volume has three axes; --clip cuts terrain"},
+          {flags.surface.resolution, "resampling needs a volume"},
+          {flags.surface.voxel_size, "resampling needs a volume"},
+          {flags.surface.filters, "filters need a level set"},
+          {flags.surface.blurs, "blurring needs a volume"},
+          {flags.attributes, "attributes come from volumes"},
+          {flags.color, "attributes come from volumes"},
+          {flags.error, "the error is that of an isosurface"},
+          {flags.verify, "the GPU backend makes no terrain"},
+          {flags.backend, "the GPU backend makes no terrain"},
+          {flags.particles.method, "particles are no heights"}};
+}
 
 }  // namespace
 
@@ -42,11 +42,10 @@ Result<void> take_heights(ConvertFlags& flags) {
     if (!flags.base) return {};
     return refuse_usage("--base sets the floor of terrain and needs --heightfield", "give --heightfield");
   }
-  for (const Refused& refused : kRefused) {
-    const Option* const option = flags.find(refused.name);
-    if (option == nullptr || option->texts().empty()) continue;
-    return refuse_usage(fmt::format("{} does not work with --heightfield: {}", option->name(), refused.why),
-                        fmt::format("leave {} out", option->name()));
+  for (const auto& [option, why] : refused_options(flags)) {
+    if (option.texts().empty()) continue;
+    return refuse_usage(fmt::format("{} does not work with --heightfield: {}", option.name(), why),
+                        fmt::format("leave {} out", option.name()));
   }
   if (flags.normals == convert::Normals::smooth) {
     return refuse_usage("--normals smooth does not work with --heightfield: heights have no gradient along z",

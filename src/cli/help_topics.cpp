@@ -9,7 +9,6 @@
 #include "base/ascii.hpp"
 #include "base/version.hpp"
 #include "cli/field_plan.hpp"
-#include "cli/format_list.hpp"
 #include "cli/note_guide.hpp"
 #include "field/demo_field.hpp"
 
@@ -45,36 +44,6 @@ constexpr std::array kExamples{
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "",
             "Needs no input file, and writes to stdout."},
 };
-
-HelpTopic formats_topic() {
-  HelpTopic topic{"formats", "Formats", "What can be read and written.", {}};
-  HelpBlock read{
-      "Volumes that isoextract reads. It finds the format by the content of the file, then by its extension; "
-      "--input-format overrides both. 'isoextract formats' tells which library reads a format, and what is missing.",
-      {}};
-  HelpBlock particles{
-      "Particles that isoextract reads. It turns them into a field ('isoextract help particles') and extracts that.",
-      {}};
-  HelpBlock written{"Meshes that isoextract writes. The extension of the output chooses the format, or --format does.",
-                    {}};
-  HelpBlock field{
-      "isoextract can also write the field itself, after resampling and filters. A field needs no iso value.", {}};
-  HelpBlock points{"isoextract can also write the particles themselves, chosen and unwrapped, with all attributes.",
-                   {}};
-  for (const ListedFormat& format : list_formats()) {
-    std::string text = format.title;
-    const bool is_read = format.use == FormatUse::read_volume || format.use == FormatUse::read_particles;
-    if (is_read && !format.extensions.empty()) text += fmt::format(" ({})", fmt::join(format.extensions, " "));
-    HelpBlock& block = format.use == FormatUse::read_volume      ? read
-                       : format.use == FormatUse::read_particles ? particles
-                       : format.use == FormatUse::write_mesh     ? written
-                       : format.use == FormatUse::write_field    ? field
-                                                                 : points;
-    block.rows.push_back({format.id, text});
-  }
-  topic.blocks = {std::move(read), std::move(particles), std::move(written), std::move(field), std::move(points)};
-  return topic;
-}
 
 HelpTopic demo_topic() {
   HelpTopic topic{"demo", "Demo fields", "Inputs that need no file.", {}};
@@ -205,9 +174,7 @@ std::string help_of_group(const Command& program, const Word<OptionGroup>& group
 
 }  // namespace
 
-std::vector<HelpTopic> help_topics() {
-  return {formats_topic(), demo_topic(), coordinates_topic(), exit_codes_topic(), notes_topic()};
-}
+std::vector<HelpTopic> help_topics() { return {demo_topic(), coordinates_topic(), exit_codes_topic(), notes_topic()}; }
 
 std::span<const Example> examples() { return kExamples; }
 
@@ -238,7 +205,7 @@ std::string help_overview(const Command& program) {
   return fmt::format("{} {}\nUsage: {}\n\n", generator(), program.summary(), command.synopsis()) +
          "Options that most runs need:\n" + plain_text(everyday_block(command)) + "\n" + first_examples_text() +
          "\nCommands:\n" + plain_text(commands) +
-         "\nMore: isoextract COMMAND --help | --help-all | --version | help TOPIC\n" +
+         "More: isoextract COMMAND --help | --help-all | --version | help TOPIC\n" +
          plain_text({fmt::format("Topics: {}", fmt::join(topics, " ")), {}});
 }
 

@@ -174,8 +174,8 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   }
 }
 
-// Returns whether only samples in the region, and next to it, can change the result: not with an iso value or an
-// attribute that depends on all samples, nor with a step that gives a sample the values of others farther away.
+// Returns whether samples outside the region, and not next to it, cannot change the result. They do if an iso value or
+// an attribute depends on all samples, or if a step changes a sample by the values of others farther away.
 bool needs_region_only(const SourceOptions& options, const SourceUse& use) {
   return options.roi && options.placement.space != Space::index && !use.outside_region && options.filters.empty() &&
          options.blurs.empty() && !options.resamples() && options.attributes.empty() &&

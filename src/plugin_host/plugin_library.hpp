@@ -29,7 +29,7 @@ struct PluginMagic {
   std::vector<std::byte> bytes;
 };
 
-// What a table says (plugins/volume_plugin.h). Unknown lines are ignored, as later versions may define them.
+// Contents of a table (plugins/volume_plugin.h). Unknown lines are ignored, as later versions may define them.
 struct PluginTable {
   std::string id;
   std::string title;

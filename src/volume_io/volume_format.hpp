@@ -141,7 +141,7 @@ struct FormatDescription {
   bool takes_sampling = false;  // samples need not lie on a lattice; uses ReadOptions::sampling
   bool takes_evening = false;   // samples may be spaced unevenly; uses ReadOptions::evens_out
   bool takes_slices = false;    // single pictures: a pattern or folder of them is one volume (detail/slice_stack.hpp)
-  std::string library = {};     // that reads them: "GDCM"; empty for the program's own code
+  std::string library = {};     // the reader's library: "GDCM"; empty for the program's own code
   std::string package = {};     // Debian's, with which a plug-in is built
   std::string plugin = {};      // path of the plug-in that reads them, "" if none does or none is there
   bool is_plugin = false;

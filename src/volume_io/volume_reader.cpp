@@ -90,6 +90,7 @@ Result<Located> locate(const std::string& input, const ReadOptions& options, con
   Located located{input, options};
   const auto inner = find_inner_path(input);
   if (inner) located.input = input.substr(0, *inner);
+  if (const auto marked = folder_of_marker(located.input, context)) located.input = *marked;
   if (!is_named_by_prefix(input)) located.input = TRY(unpack_for_volumes(located.input, options, context));
   if (!inner) return located;
   std::string grid = input.substr(*inner + 1);

@@ -101,7 +101,7 @@ class PluginTest(ProgramTest):
         work = json.loads((self.folder / "r.json").read_text())["work"]
         [parts] = [fact for fact in work if fact["what"] == "file_parts"]
         # x up to 12 is sample 4, and two beyond: 7 of 11 samples along x.
-        self.assertEqual((parts["count"], parts["of"]), (4 * 11 * 11, 11**3))
+        self.assertEqual((parts["count"], parts["total"]), (4 * 11 * 11, 11**3))
 
     def test_without_plugins_the_format_is_unknown(self):
         run = self.run_program("ball.tvol", "--iso", "0", "-o", "ball.ply")

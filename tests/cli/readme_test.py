@@ -119,6 +119,9 @@ class ReadmeTest(ProgramTest):
         (self.folder / "tooth.nhdr").write_bytes(tooth + b"data file: tooth.raw\n")
         (self.folder / "measure.py").write_text("import sys\nassert sys.stdin.buffer.read(3) == b'ply'\n"
                                                 "sys.stdin.buffer.read()\n")
+        heights = b"".join(struct.pack("<h", 500 + x * y) for y in range(8) for x in range(9))
+        header = "{'descr': '<i2', 'fortran_order': False, 'shape': (8, 9)}".ljust(117) + "\n"
+        (self.folder / "elevation.npy").write_bytes(b"\x93NUMPY\1\0" + struct.pack("<H", len(header)) + header.encode() + heights)
         self.write_particles()
 
     def test_the_examples_run(self):

@@ -47,7 +47,7 @@ ENUMS = {
     },
     "compare": {},
     "devices": {},
-    "formats": {"use": "FormatUse"},
+    "formats": {"/items/properties/use": words("cli::FormatUse")},
     "gpu-threads": {"/properties/gpu_threads/items/properties/makers/items/properties/threads_by":
                     CODE.literals("gpu/thread_creation.cpp", "thread_maker_name")},
     "info": {

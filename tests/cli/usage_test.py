@@ -29,7 +29,7 @@ class UsageTest(ProgramTest):
 
     def test_options_of_other_programs_have_a_suggestion(self):
         for given, meant in (("--decimate=0.5", "--simplify"), ("--threshold", "--iso V"), ("--isovalue=3", "--iso V"),
-                             ("--level", "--iso V"), ("--crop", "--roi"), ("--watertight", "--cap")):
+                             ("--crop", "--roi"), ("--watertight", "--cap")):
             err = self.refused(SPHERE, "--iso", "0", given)
             self.assertIn(f"unknown option '{given.split('=')[0]}'", err)
             self.assertIn(f"hint: {meant}", err)

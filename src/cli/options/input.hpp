@@ -73,9 +73,9 @@ struct InputFlags : OptionSet {
       "per sample, such as vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then "
       "read as "
       "[z, y, x, c]."};
-  Value<std::uint64_t> level{
-      *this, "--level", "K", parse_size,
-      "Resolution to read, for files that hold several, such as OME-Zarr. 0 is the finest (default)."};
+  Value<std::uint64_t> level{*this, "--level", "K", parse_count,
+                             "Resolution to read, of a file that has several. 0 is the finest (default). For OME-Zarr, "
+                             "Imaris and BigDataViewer."};
   Flag resample{*this, "--resample",
                 "Make evenly spaced samples of unevenly spaced ones. Without it such files are refused: slices at "
                 "uneven distances, depths of an ocean model, rectilinear grids. Values between samples are linear."};

@@ -41,8 +41,12 @@ struct PlacementFlags : OptionSet {
       "Patient space of the mesh: ras or lps. Mirrors x and y as needed: ras is right, anterior, superior (NIfTI); lps "
       "is left, posterior, superior (DICOM). The file must state its own space, which is the default.",
       About::surface | About::world};
-  Value<double> scale{
-      *this, "--scale", "S", parse_positive, "Factor on the world coordinates.", About::surface | About::world};
+  Value<double> scale{everyday(*this),
+                      "--scale",
+                      "S",
+                      parse_positive,
+                      "Factor on the world coordinates.",
+                      About::surface | About::world};
   Value<UnitChoice> unit{*this, "--unit", units_of_input(),
                          "Unit of the input's world. file takes the unit that the file states ('isoextract info' shows "
                          "it). glb and gltf are then written in meters, as glTF prescribes, other formats in this "

@@ -161,6 +161,19 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   return fail_unknown(file, content);
 }
 
+std::optional<std::string> folder_of_marker(const std::string& input, const Context& context) {
+  std::error_code none;
+  const std::filesystem::path path(input);
+  if (files::is_standard_input(path) || !std::filesystem::is_regular_file(path, none) ||
+      std::filesystem::file_size(path, none) != 0) {
+    return std::nullopt;
+  }
+  const VolumeFormat* const format = format_by_extension(path);
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  if (format == nullptr || !format->probe_folder(folder, context)) return std::nullopt;
+  return folder.string();
+}
+
 bool has_volume_extension(const std::filesystem::path& path) { return format_by_extension(path) != nullptr; }
 
 bool has_picture_extension(const std::filesystem::path& path) {

@@ -1,6 +1,7 @@
 // Detects the format of an input: by its prefix, by the options, by its content, then by its extension.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "base/context.hpp"
@@ -19,6 +20,9 @@ struct DetectedFormat {
 // ErrorCode::usage if the format does not exist or has no files.
 [[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
                                                    const Context& context);
+
+// Returns the folder that an empty file marks as an input of the file's format, as OpenFOAM's CASE.foam does.
+[[nodiscard]] std::optional<std::string> folder_of_marker(const std::string& input, const Context& context);
 
 // Returns whether the input is no file but has a prefix like demo:.
 [[nodiscard]] bool is_named_by_prefix(const std::string& input);

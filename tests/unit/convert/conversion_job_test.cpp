@@ -63,7 +63,12 @@ ConversionJob full_job() {
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.roi_snap = true;
   job.source.placement = {Space::index, UpAxis::y, true, true, 0.001, "mm", "cm", AnatomicalSpace::lps, true};
-  job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};
+  job.surface = {extract::Method::mt,
+                 extract::NanPolicy::hole,
+                 true,
+                 extract::VoxelFaces::plain,
+                 3,
+                 extract::HeightOptions{.solid = true, .base = -2.5}};
   job.normals = Normals::flat;
   job.color = ColorChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
   job.label_names = LabelTableFile{"lut.txt", "0123"};
@@ -87,7 +92,7 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 60U);
+  EXPECT_EQ(full.size(), 61U);
   for (const auto& [name, value] : full.items()) {
     // ListsMembersOfEveryFileKind
     const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";
