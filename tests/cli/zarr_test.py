@@ -111,8 +111,8 @@ class ZarrTest(ProgramTest):
 
     def test_labels_have_names_and_colors(self):
         found = self.info("ome.zarr", "--grid", "labels/nuclei")["grids"][3]["labels"]
-        self.assertEqual(found, [{"label": 1, "name": "left", "color": [1, 0, 0]},
-                                 {"label": 2, "name": "right", "color": [0, 0.2, 1]}])
+        self.assertEqual(found, [{"label": 1, "name": "left", "color": [1, 0, 0], "layer": None},
+                                 {"label": 2, "name": "right", "color": [0, 0.2, 1], "layer": None}])
         meshes = []
         for name, options in (("ome.zarr", ("--grid", "labels/nuclei")), ("labels.npy", ())):
             self.convert(self.samples / name, *options, "--labels", "2", "--space", "index", "-o", "label.ply")
