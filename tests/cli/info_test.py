@@ -51,7 +51,7 @@ class InfoTest(ProgramTest):
         text = self.info("s_####.raw", *RAMP[1:], "--spacing", "2,3,4")
         for part in ("s_####.raw\n", "4: 1-2,4,8", "3,5-7", "0 to 24 over all frames", "the median of the frames' suggestions",
                      "     4  s_0004.raw  0 to 12  iso", "\ns_0001.raw\n", "Otsu",
-                     "isoextract 's_####.raw' --dims 4,5,6 --dtype f32 --spacing 2,3,4 --iso 3 -o 's_####.glb'"):
+                     "isoextract 's_####.raw' --dims 4,5,6 --dtype f32 --spacing 2,3,4 --iso 3 -o 's_{:04}.glb'"):
             self.assertIn(part, text)
         (report,) = self.json("s_####.raw", *RAMP[1:])
         self.assertEqual((report["count"], report["missing"], report["min"], report["max"]), (4, "3,5-7", 0, 24))
