@@ -1,5 +1,6 @@
 """The folder that scripts/portable makes: complete, alone on a machine without libraries, and the same program."""
 
+import json
 import os
 import pathlib
 import re
@@ -114,6 +115,22 @@ class PortableTest(ProgramTest):
                 (["sh", "isoextract"], {"cwd": self.packed})):
             run = self.launch("--version", command=command, **options)
             self.assertEqual((run.code, run.out, run.err), (0, expected, ""), command)
+
+    @unittest.skipUnless((pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-dicom.so").exists(),
+                         "the plug-in for DICOM was not built")
+    def test_plugins_come_along(self):
+        packed = self.place / "with plugins"
+        command = [PACK, "--program", PROGRAM, "--with", "dicom", packed]
+        printed = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+        self.assertRegex(printed, r"KiB  lib/plugins/isoextract-volume-dicom\.so\n")
+        self.assertRegex(printed, r"KiB  lib/libgdcmMSFF\.so")
+        self.assertIn("libgdcm", (packed / "README.txt").read_text())
+        listed = json.loads(self.launch("formats", "--json", command=[packed / "isoextract"]).out)
+        [dicom] = [entry for entry in listed if entry["id"] == "dicom"]
+        self.assertEqual(dicom["plugin"], str(packed / "lib" / "plugins" / "isoextract-volume-dicom.so"))
+        refused = subprocess.run([*command[:3], "--with", "nothing", packed], capture_output=True, text=True, check=False)
+        self.assertEqual(refused.returncode, 3)
+        self.assertIn("the plug-in nothing is not in", refused.stderr)
 
     def test_arguments_streams_and_exit_codes_pass(self):
         plain = self.convert(SPHERE, "--iso", "0", "-o", "-", "--format", "ply", "-q")
