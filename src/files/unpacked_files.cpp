@@ -214,8 +214,8 @@ fs::path packed_source(const fs::path& path) {
 
 std::string name_without_packing(std::string name) {
   const std::string lower = to_lower(name);
-  for (const std::string_view ending : {".gz", ".xz", ".zst", ".bz2"}) {
-    if (lower.size() > ending.size() && lower.ends_with(ending)) name.resize(name.size() - ending.size());
+  for (const std::string_view suffix : {".gz", ".xz", ".zst", ".bz2"}) {
+    if (lower.size() > suffix.size() && lower.ends_with(suffix)) name.resize(name.size() - suffix.size());
   }
   return name;
 }

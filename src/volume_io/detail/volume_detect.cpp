@@ -203,7 +203,7 @@ Result<std::string> unpack_for_volumes(const std::string& input, const ReadOptio
     const bool is_claimed = format_by_content({inner, content, false}) != nullptr || options.raw || chosen != nullptr;
     if (!is_streamed && is_claimed) gzip = GzipFiles::unpack;
   }
-  const auto path = plugin_host::unpacked_input(input, gzip, context);
+  auto path = plugin_host::unpacked_input(input, gzip, context);  // not const: a copy of a Result must not fail
   if (!path || *path == input || !is_folder(*path) || is_volume_folder(*path, context)) return path;
   return only_volume_in(*path);
 }
