@@ -45,7 +45,7 @@ void read_distances(const DataSet& data, Frame& frame) {
 
 void read_scale(const DataSet& data, Frame& frame) {
   const auto slope = decimal_of(data, Tag(0x0028, 0x1053));
-  // Some devices write a slope of 0 where there is none.
+  // Some devices write the slope 0 for images without a slope.
   if (slope && *slope != 0) frame.slope = *slope;
   frame.intercept = decimal_of(data, Tag(0x0028, 0x1052)).value_or(frame.intercept);
 }

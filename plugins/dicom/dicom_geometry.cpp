@@ -1,4 +1,4 @@
-// Where slices lie.
+// Places slices: normals, distances along them, and the transforms of samples.
 #include <algorithm>
 #include <cmath>
 

@@ -170,7 +170,7 @@ class Splitter {
     add(std::move(volumes), suffix, note, std::move(times), {});
   }
 
-  // Nothing tells apart the slices of a position but their order.
+  // Splits slices that share positions, and differ in nothing else, into volumes by their order.
   void split_by_order(const Slices& slices, const std::vector<std::size_t>& positions, const std::string& suffix) {
     std::vector<Slices> volumes;
     std::vector<std::size_t> counts(positions.back() + 1);

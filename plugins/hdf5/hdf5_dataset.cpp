@@ -103,7 +103,7 @@ void check_filters(hid_t properties) {
   }
 }
 
-// What reading needs of a dataset's layout.
+// The layout of a dataset's samples in the file.
 struct Layout {
   std::vector<hsize_t> chunk;  // empty if samples are contiguous
   std::uint64_t chunk_bytes = 0;

@@ -54,7 +54,7 @@ std::string type_name_of(Imf::PixelType type) {
   return type == Imf::UINT ? "uint" : type == Imf::HALF ? "half" : type == Imf::FLOAT ? "float" : "unknown";
 }
 
-// Where a grid's samples are.
+// The part and channel that hold a grid's samples.
 struct Source {
   int part = 0;
   std::string channel;

@@ -17,7 +17,7 @@ struct Block {
   std::uint64_t samples = 1;                          // of a pixel in this block
 };
 
-// Where a block's samples go.
+// The box that receives the samples of a block.
 struct Target {
   const PageBox& box;
   const PageShape& shape;

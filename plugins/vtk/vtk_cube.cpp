@@ -38,7 +38,7 @@ class TextWords {
 
   // Whether the file ends with the last word.
   [[nodiscard]] bool ended_in_word() const { return at_ == part_.size() && offset_ >= file_.size(); }
-  // Of the text after the last word.
+  // Returns the file offset of the text after the last word.
   [[nodiscard]] std::uint64_t offset() const { return offset_ - (part_.size() - at_); }
 
  private:

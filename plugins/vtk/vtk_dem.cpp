@@ -18,7 +18,7 @@ class Dem final : public VolumeFile {
     format = "USGS DEM";
     const std::string head = file_.text_at(0, kRecord);
     if (head.size() < kRecord) throw ReadError("expected a header of 1024 bytes, found " + std::to_string(head.size()));
-    // Some files have line ends after each record.
+    // Writers may end each record with a line end.
     const std::string ends = file_.text_at(kRecord, 2);
     stride_ = kRecord + (ends == "\r\n" ? 2 : !ends.empty() && ends[0] == '\n' ? 1 : 0);
     const auto profiles = static_cast<std::uint64_t>(number(head, 858, 6, "number of profiles", 1, 1e6));

@@ -1,6 +1,7 @@
 #include "particle_io/detail/plugin_particles.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -32,10 +33,10 @@ std::optional<AttributeKind> kind_of(std::int32_t kind) {
 }
 
 // Adds what the table of the plug-in says about its library, and where the plug-in is.
-ParticleFormatDescription with_plugin(ParticleFormatDescription about, const plugin_host::PluginFolders& folders) {
+ParticleFormatDescription with_plugin(ParticleFormatDescription about, const plugin_host::PluginFolders& folders,
+                                      std::span<const plugin_host::PluginTable> tables) {
   about.is_plugin = true;
   about.plugin = plugin_host::PluginLibrary(plugin_host::kParticlePlugins, about.id, folders).path();
-  const auto tables = plugin_host::find_plugin_tables(folders, plugin_host::kParticlePlugins.name_start);
   const auto table = std::ranges::find(tables, about.id, &plugin_host::PluginTable::id);
   if (table == tables.end()) return about;
   about.library = table->library;
@@ -45,8 +46,9 @@ ParticleFormatDescription with_plugin(ParticleFormatDescription about, const plu
 
 class PluginParticles : public ParticleFormat {
  public:
-  PluginParticles(ParticleFormatDescription described, plugin_host::PluginFolders folders)
-      : ParticleFormat(with_plugin(std::move(described), folders)),
+  PluginParticles(ParticleFormatDescription described, plugin_host::PluginFolders folders,
+                  std::span<const plugin_host::PluginTable> tables)
+      : ParticleFormat(with_plugin(std::move(described), folders, tables)),
         library_(plugin_host::kParticlePlugins, about().id, std::move(folders), about().package) {}
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
@@ -183,11 +185,11 @@ class PluginParticles : public ParticleFormat {
 
 class VtkParticles final : public PluginParticles {
  public:
-  explicit VtkParticles(plugin_host::PluginFolders folders)
+  VtkParticles(plugin_host::PluginFolders folders, std::span<const plugin_host::PluginTable> tables)
       : PluginParticles({.id = "vtk",
                          .title = "VTK, legacy and XML: unstructured grids and poly data of points",
                          .extensions = {".vtk", ".vtu", ".vtp"}},
-                        std::move(folders)) {}
+                        std::move(folders), tables) {}
 
   // Other kinds of VTK data are volumes or tables.
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
@@ -209,12 +211,12 @@ class VtkParticles final : public PluginParticles {
 // OpenVDB's point grids. The list of grids is read without the plug-in.
 class OpenVdbParticles final : public PluginParticles {
  public:
-  explicit OpenVdbParticles(plugin_host::PluginFolders folders)
+  OpenVdbParticles(plugin_host::PluginFolders folders, std::span<const plugin_host::PluginTable> tables)
       : PluginParticles({.id = plugin_host::kOpenVdbPlugin,
                          .title = "OpenVDB's point grids",
                          .extensions = {".vdb"},
                          .has_grids = true},
-                        std::move(folders)) {}
+                        std::move(folders), tables) {}
 
   // Claims files that only have points, or whose selected grid is a point grid.
   [[nodiscard]] bool claims(const files::InputFile& file, const files::FileStart& start,
@@ -239,19 +241,18 @@ class OpenVdbParticles final : public PluginParticles {
 }  // namespace
 
 std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const plugin_host::PluginFolders& folders) {
+  const auto tables = plugin_host::find_plugin_tables(folders, plugin_host::kParticlePlugins.name_start);
   std::vector<std::unique_ptr<const ParticleFormat>> formats;
-  formats.push_back(std::make_unique<const VtkParticles>(folders));
-  formats.push_back(std::make_unique<const OpenVdbParticles>(folders));
-  for (plugin_host::PluginTable& table :
-       plugin_host::find_plugin_tables(folders, plugin_host::kParticlePlugins.name_start)) {
+  formats.push_back(std::make_unique<const VtkParticles>(folders, tables));
+  formats.push_back(std::make_unique<const OpenVdbParticles>(folders, tables));
+  for (const plugin_host::PluginTable& table : tables) {
     if (table.id == formats[0]->about().id || table.id == formats[1]->about().id) continue;
-    formats.push_back(
-        std::make_unique<const PluginParticles>(ParticleFormatDescription{.id = std::move(table.id),
-                                                                          .title = std::move(table.title),
-                                                                          .extensions = std::move(table.extensions),
-                                                                          .has_frames = true,
-                                                                          .needs_extension = true},
-                                                folders));
+    formats.push_back(std::make_unique<const PluginParticles>(ParticleFormatDescription{.id = table.id,
+                                                                                        .title = table.title,
+                                                                                        .extensions = table.extensions,
+                                                                                        .has_frames = true,
+                                                                                        .needs_extension = true},
+                                                              folders, tables));
   }
   return formats;
 }

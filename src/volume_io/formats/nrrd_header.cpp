@@ -1,7 +1,6 @@
 #include "volume_io/formats/nrrd_header.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 #include <teem/nrrd.h>
@@ -107,16 +106,6 @@ Result<void> check_line(const files::InputFile& file, std::uint64_t number, cons
                                             file.name(), number, values, NRRD_DIM_MAX, printable(line, 40)));
 }
 
-template <class T>
-std::optional<T> parse_number(std::string_view& text) {
-  text = trimmed(text);
-  T number{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (status != std::errc{}) return std::nullopt;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return number;
-}
-
 // Splits "slice%03d.raw" at its only %d; returns nothing for a name without one.
 std::optional<NrrdFilePattern> parse_pattern_name(std::string_view name) {
   const std::size_t percent = name.find('%');
@@ -141,9 +130,9 @@ std::optional<NrrdDataFiles> parse_pattern(std::string_view value) {
   auto pattern = parse_pattern_name(value.substr(0, space));
   if (!pattern) return std::nullopt;
   std::string_view rest = value.substr(space);
-  const auto first = parse_number<int>(rest);
-  const auto last = parse_number<int>(rest);
-  const auto step = parse_number<int>(rest);
+  const auto first = take_number<int>(rest);
+  const auto last = take_number<int>(rest);
+  const auto step = take_number<int>(rest);
   if (!first || !last || !step || *step == 0) return std::nullopt;
   pattern->first = *first;
   pattern->last = *last;
@@ -152,14 +141,14 @@ std::optional<NrrdDataFiles> parse_pattern(std::string_view value) {
   NrrdDataFiles files;
   files.pattern = std::move(*pattern);
   files.several = true;
-  files.file_dimension = parse_number<unsigned>(rest);
+  files.file_dimension = take_number<unsigned>(rest);
   return files;
 }
 
 Result<NrrdDataFiles> read_list(HeaderLines& lines, std::string_view rest) {
   NrrdDataFiles files;
   files.several = true;
-  files.file_dimension = parse_number<unsigned>(rest);
+  files.file_dimension = take_number<unsigned>(rest);
   while (true) {
     auto line = TRY(lines.next());
     if (!line) return files;

@@ -2,11 +2,15 @@
 // opens no files, and lines that teem cannot handle are rejected. Private to the NRRD reader.
 #pragma once
 
+#include <charconv>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
+#include "base/ascii.hpp"
 #include "base/error.hpp"
 #include "files/file_bytes.hpp"
 
@@ -45,6 +49,17 @@ struct NrrdHeaderText {
   std::optional<NrrdDataFiles> detached;  // empty: the samples follow the header
   std::uint64_t data_offset = 0;          // of an attached file: after the empty line
 };
+
+// Removes a number and the blanks before it from `text`; returns nothing if `text` does not start with a number.
+template <class T>
+[[nodiscard]] std::optional<T> take_number(std::string_view& text) {
+  text = trimmed(text);
+  T number{};
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{}) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return number;
+}
 
 // Reads the header. Fails with ErrorCode::input if the text does not end, is binary, has a line too long for teem, or
 // names its data files in an unknown way.

@@ -1,17 +1,16 @@
 #include "volume_io/formats/nrrd_segments.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
-#include <system_error>
 #include <tuple>
 
 #include <fmt/format.h>
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
+#include "volume_io/formats/nrrd_header.hpp"
 
 namespace isoextract::volume_io {
 namespace {
@@ -25,17 +24,6 @@ struct Segment {
   std::optional<std::uint64_t> layer;
   std::optional<glm::dvec3> color;
 };
-
-// Removes a number and the blanks before it from `text`.
-template <class T>
-std::optional<T> take_number(std::string_view& text) {
-  text = trimmed(text);
-  T number{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (status != std::errc{}) return std::nullopt;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return number;
-}
 
 template <class T>
 std::optional<T> only_number(std::string_view text) {
