@@ -70,10 +70,14 @@ void Worker::send(const MessageWriter& message, int descriptor) {
 
 std::optional<MessageReader> Worker::receive() {
   for (;;) {
-    const bool is_open = read_socket();
     if (auto message = take_message()) return message;
+    const auto before = std::chrono::steady_clock::now();
+    const ReadStatus status = read_socket();
+    count_time_since(before);  // a worker that never stops sending would otherwise have no time limit
+    if (requested_end_) break;
+    if (status == ReadStatus::data) continue;
     // A worker that closed its socket before it was done has ended or is about to be ended.
-    if (!is_open || ending_) break;
+    if (status == ReadStatus::closed || ending_) break;
     wait_interval(true);
   }
   finish();
@@ -81,10 +85,10 @@ std::optional<MessageReader> Worker::receive() {
 }
 
 bool Worker::receive_bytes(std::span<std::byte> to) {
-  const std::size_t kept = std::min(received_.size(), to.size());
-  std::copy_n(received_.begin(), kept, to.begin());
-  received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(kept));
-  to = to.subspan(kept);
+  const std::span<const std::byte> kept = not_taken().first(std::min(not_taken().size(), to.size()));
+  std::ranges::copy(kept, to.begin());
+  taken_ += kept.size();
+  to = to.subspan(kept.size());
   while (!to.empty() && socket_.is_open()) {
     const ssize_t got = ::recv(socket_.get(), to.data(), to.size(), MSG_DONTWAIT);
     if (got > 0) {
@@ -107,24 +111,29 @@ const WorkerEnd& Worker::finish() {
   return *ending_;
 }
 
-// Waits for data or the end of an interval. Does not count time in which this process was stopped.
+// Waits for data or the end of an interval.
 void Worker::wait_interval(bool for_messages) {
   std::array<pollfd, 3> awaited{pollfd{status_.get(), POLLIN, 0}, pollfd{output_pipe_.get(), POLLIN, 0},
                                 pollfd{for_messages ? socket_.get() : -1, POLLIN, 0}};
   const auto before = std::chrono::steady_clock::now();
   ::poll(awaited.data(), awaited.size(), kIntervalMilliseconds);
-  const auto passed =
-      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - before).count();
-  microseconds_left_ -= std::min<std::int64_t>(passed, 1000 * kIntervalMilliseconds);
   if (awaited[1].revents != 0) read_output();
   if (awaited[0].revents != 0) read_status();
   if (ending_) return;
-  if (requested_end_) {
-    if (++waits_since_end_request_ == kMaxWaitsForEnd) kill_server_();  // the server may have been stopped by SIGSTOP
-    return;
+  if (requested_end_ && ++waits_since_end_request_ == kMaxWaitsForEnd) {
+    kill_server_();  // the server may have been stopped by SIGSTOP
   }
-  if (context_.cancelled()) end_process(WorkerEnd::Reason::cancelled);
-  if (microseconds_left_ <= 0) end_process(WorkerEnd::Reason::too_long);
+  if (!requested_end_ && context_.cancelled()) end_process(WorkerEnd::Reason::cancelled);
+  count_time_since(before);
+}
+
+// Ends the worker at its time limit. Counts at most one interval, and so not the time in which this process was
+// stopped.
+void Worker::count_time_since(std::chrono::steady_clock::time_point before) {
+  const auto passed =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - before).count();
+  microseconds_left_ -= std::min<std::int64_t>(passed, 1000 * kIntervalMilliseconds);
+  if (microseconds_left_ <= 0 && !requested_end_ && !ending_) end_process(WorkerEnd::Reason::too_long);
 }
 
 void Worker::end_process(WorkerEnd::Reason reason) {
@@ -142,34 +151,33 @@ void Worker::read_output() {
   }
 }
 
-// Reads the available data. Returns false at the end of the stream.
-bool Worker::read_socket() {
+Worker::ReadStatus Worker::read_socket() {
+  if (!socket_.is_open()) return ReadStatus::closed;
+  received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(taken_));
+  taken_ = 0;
   std::array<std::byte, 16384> part{};
-  while (socket_.is_open() && received_.size() < sizeof(std::uint64_t) + kMaxMessageBytes) {
-    const ssize_t got = ::recv(socket_.get(), part.data(), part.size(), MSG_DONTWAIT);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return true;
-    if (got <= 0) return false;
-    received_.insert(received_.end(), part.begin(), part.begin() + got);
-  }
-  return socket_.is_open();
+  const ssize_t got = ::recv(socket_.get(), part.data(), part.size(), MSG_DONTWAIT);
+  if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return ReadStatus::nothing;
+  if (got <= 0) return ReadStatus::closed;
+  received_.insert(received_.end(), part.begin(), part.begin() + got);
+  return ReadStatus::data;
 }
+
+std::span<const std::byte> Worker::not_taken() const { return std::span(received_).subspan(taken_); }
 
 std::optional<MessageReader> Worker::take_message() {
   std::uint64_t length = 0;
-  if (received_.size() < sizeof(length)) return std::nullopt;
-  std::memcpy(&length, received_.data(), sizeof(length));
+  if (not_taken().size() < sizeof(length)) return std::nullopt;
+  std::memcpy(&length, not_taken().data(), sizeof(length));
   if (length > kMaxMessageBytes) {  // not a valid message
     socket_.close();
     end_process(WorkerEnd::Reason::done);
     return std::nullopt;
   }
-  if (length > received_.size() - sizeof(length)) return std::nullopt;
-  const auto begin = received_.begin() + sizeof(length);
-  const auto end = begin + static_cast<std::ptrdiff_t>(length);
-  MessageReader message(std::vector<std::byte>(begin, end));
-  received_.erase(received_.begin(), end);
-  return message;
+  if (length > not_taken().size() - sizeof(length)) return std::nullopt;
+  const auto bytes = not_taken().subspan(sizeof(length), length);
+  taken_ += sizeof(length) + length;
+  return MessageReader(std::vector(bytes.begin(), bytes.end()));
 }
 
 void Worker::read_status() {

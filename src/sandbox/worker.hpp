@@ -2,6 +2,8 @@
 // end is returned as a value.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -59,9 +61,12 @@ class Worker {
   [[nodiscard]] const std::string& output() const { return output_; }
 
  private:
+  enum class ReadStatus : std::uint8_t { data, nothing, closed };
+
   void wait_interval(bool for_messages);
+  void count_time_since(std::chrono::steady_clock::time_point before);
   void read_output();
-  [[nodiscard]] bool read_socket();
+  [[nodiscard]] ReadStatus read_socket();
   void read_status();
   void end_process(WorkerEnd::Reason reason);
   [[nodiscard]] std::optional<MessageReader> take_message();
@@ -73,7 +78,10 @@ class Worker {
   Context context_;
   std::function<void()> kill_server_;
   int waits_since_end_request_ = 0;  // at kMaxWaitsForEnd (about 2 s), kill_server_ is called
+  [[nodiscard]] std::span<const std::byte> not_taken() const;
+
   std::vector<std::byte> received_;
+  std::size_t taken_ = 0;  // bytes at the start of received_ that were returned as messages
   std::string output_;
   std::optional<WorkerEnd::Reason> requested_end_;
   std::optional<WorkerEnd> ending_;

@@ -28,11 +28,27 @@ def processes_in(folder):
     return found
 
 
+def name_of(number):
+    try:
+        return pathlib.Path(f"/proc/{number}/comm").read_text().strip()
+    except OSError:
+        return None  # it has ended meanwhile
+
+
+def waiting_in(folder):
+    """The reader whose deed is to wait, and the server that forked it. A reader that only lists grids does not count."""
+    found = processes_in(folder)
+    readers = [number for number in found if name_of(number) == "waiting"]
+    return (readers[0], min(set(found) - set(readers))) if len(readers) == 1 and len(found) == 2 else None
+
+
 def wait_until(condition, seconds=20):
     end = time.monotonic() + seconds
-    while not condition() and time.monotonic() < end:
+    while True:
+        result = condition()
+        if result or time.monotonic() > end:
+            return result
         time.sleep(0.02)
-    return condition()
 
 
 class ChildTest(ProgramTest):
@@ -49,6 +65,11 @@ class ChildTest(ProgramTest):
             self.environment["ISOEXTRACT_PLUGIN_SECONDS"] = str(seconds)
         name = self.file(deed, stage)
         return self.run_program(name, *ISO, "-o", "a.ply", *arguments, env=self.environment)
+
+    def assert_waits(self):
+        found = wait_until(lambda: waiting_in(self.folder))
+        self.assertTrue(found, processes_in(self.folder))
+        return found
 
     def assert_nothing_left(self, *files):
         self.assertEqual(self.files(), sorted(files))
@@ -106,8 +127,8 @@ class ChildTest(ProgramTest):
         program = subprocess.Popen([PROGRAM, name, *ISO, "-o", "a.ply"], cwd=self.folder, env=self.environment,
                                    stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.addCleanup(program.stderr.close)
-        self.assertTrue(wait_until(lambda: len(processes_in(self.folder)) == 2), processes_in(self.folder))
-        os.kill(min(processes_in(self.folder)), signal.SIGSTOP)
+        _, server = self.assert_waits()
+        os.kill(server, signal.SIGSTOP)
         _, err = program.communicate(timeout=60)
         self.assertEqual(program.returncode, 2, err)
         self.assertIn("exceeded its time limit of 3 s", err)
@@ -168,7 +189,7 @@ class ChildTest(ProgramTest):
                 name = self.file("wait")
                 program = subprocess.Popen([PROGRAM, name, *ISO, "-o", "a.ply"], cwd=self.folder, env=self.environment,
                                            stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                self.assertTrue(wait_until(lambda: len(processes_in(self.folder)) == 2), processes_in(self.folder))
+                self.assert_waits()
                 program.send_signal(end)
                 program.wait(timeout=60)
                 self.assert_nothing_left("a.hostile")
@@ -211,9 +232,7 @@ class ChildTest(ProgramTest):
             return {int(number) for task in tasks.iterdir() for number in (task / "children").read_text().split()}
 
         try:
-            self.assertTrue(wait_until(lambda: len(processes_in(self.folder)) == 2), processes_in(self.folder))
-            (first,) = loaders()
-            (reader,) = set(processes_in(self.folder)) - {first}
+            reader, first = self.assert_waits()
             os.kill(first, signal.SIGKILL)
             self.assertTrue(wait_until(lambda: loaders() - {first}), "no further frame has one")
             self.assertTrue(wait_until(lambda: reader not in processes_in(self.folder)), "its reader goes on")

@@ -1,6 +1,7 @@
 // A plug-in for the tests that does what a library may do in the hands of a damaged file. A file is
 // "hostile STAGE DEED": at the stage (list or open) the deed is done, and then a box of 2 x 2 x 2 samples is given.
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -126,6 +127,7 @@ void do_deed(const std::string& deed, const char* path) {
       {"exit", [](const std::string&) { ::_exit(0); }},
       {"wait",
        [](const std::string&) {
+         ::prctl(PR_SET_NAME, "waiting", 0, 0, 0);  // tells the tests that it is this far
          for (;;) ::pause();
        }},
       {"spin",
