@@ -16,7 +16,7 @@ target_compile_options(isoextract_options INTERFACE -Wall -Wextra -Wpedantic -Ws
   -Wno-sign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference)
 if(CMAKE_UNITY_BUILD)
   # A unity build includes the sources in a generated file, and GCC then warns about their anonymous namespaces.
-  target_compile_options(isoextract_options INTERFACE -Wno-subobject-linkage)
+  target_compile_options(isoextract_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
 # Lets GCC use 2 GiB before it collects garbage, which took a fifth of the compile time (CompilerMemory.cmake).
 target_compile_options(isoextract_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=2097152>)

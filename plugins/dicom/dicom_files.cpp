@@ -123,8 +123,7 @@ FoundFiles find_files(const isoextract_plugin::Request& request, const isoextrac
       }
     }
     std::ranges::sort(found.paths);
-    const auto repeated = std::ranges::unique(found.paths);
-    found.paths.erase(repeated.begin(), repeated.end());
+    found.paths.erase(std::unique(found.paths.begin(), found.paths.end()), found.paths.end());
     if (found.paths.empty()) {
       throw ReadError("expected the files of this DICOM directory beside it, found none of " +
                       std::to_string(ids->size()));

@@ -254,7 +254,7 @@ std::vector<std::string> other_files(hid_t dataset, const std::string& path) {
     files.push_back((std::filesystem::path(path).parent_path() / wanted).string());
   }
   std::ranges::sort(files);
-  files.erase(std::ranges::unique(files).begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
   return files;
 }
 

@@ -43,7 +43,7 @@ Lines find_lines(const std::vector<TracePlace>& places, std::int32_t TracePlace:
   numbers.reserve(places.size());
   for (const TracePlace& place : places) numbers.push_back(place.*number);
   std::ranges::sort(numbers);
-  numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   if (numbers.size() < 2) {
     throw ReadError("expected a 3-D volume with several " + what + " in its trace headers, found only number " +
                     std::to_string(numbers[0]));

@@ -220,8 +220,8 @@ tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, 
   // Never closed: its results may outlive the format, and many libraries do not support being unloaded.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return wrong(fmt::format("fails to load: {}", ::dlerror()));
-  const auto get = reinterpret_cast<const void* (*)()>(::dlsym(library, kind.function.c_str()));
-  const void* plugin = get == nullptr ? nullptr : get();
+  void* function = ::dlsym(library, kind.function.c_str());
+  const void* plugin = function == nullptr ? nullptr : kind.call(function);
   if (plugin == nullptr) {
     return wrong(fmt::format("is invalid: it has no function {}, or the function returns null", kind.function));
   }

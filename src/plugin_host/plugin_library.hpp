@@ -46,10 +46,17 @@ struct PluginTable {
 // with the same ID, only the first. An ID consists of a-z, 0-9, - and _; other files are ignored.
 [[nodiscard]] std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const std::string& name_start);
 
+// Calls the exported function of a plug-in, which returns a Plugin.
+template <class Plugin>
+const void* call_plugin_function(void* function) {
+  return reinterpret_cast<const Plugin* (*)()>(function)();
+}
+
 // File name prefix and exported function of one kind of plug-in.
 struct PluginKind {
   std::string name_start;  // "isoextract-volume-"
   std::string function;    // exported; returns a struct that starts with a version (uint32_t) and an id (const char*)
+  const void* (*call)(void* function) = nullptr;  // call_plugin_function<Plugin>
   std::uint32_t version = 0;
   bool is_format = true;  // whether messages say "the format ID needs the plug-in", else "the grid tools of ID need"
 };

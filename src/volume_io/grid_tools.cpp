@@ -26,7 +26,8 @@ using Tools = isoextract_grid_tools_plugin_v4;
 // Searches the folders on every call, which is cheap beside the work; the loaded library stays open.
 Result<const Tools*> grid_tools_for(const std::string& work) {
   const plugin_host::PluginLibrary library(
-      {"isoextract-grids-", "isoextract_grid_tools_plugin", ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false},
+      {"isoextract-grids-", "isoextract_grid_tools_plugin",
+       plugin_host::call_plugin_function<isoextract_grid_tools_plugin_v4>, ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false},
       plugin_host::kOpenVdbPlugin, plugin_host::plugin_folders());
   const auto opened = TRY(library.opened(work));
   return static_cast<const Tools*>(opened);

@@ -6,5 +6,6 @@
 namespace isoextract::fuzz {
 
 extern const std::string_view kFormat;
+extern const std::string_view kExtension;  // of the file, without the dot
 
 }  // namespace isoextract::fuzz
