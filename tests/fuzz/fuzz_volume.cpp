@@ -47,7 +47,8 @@ void look_at(const std::string& input, volume_io::ReadOptions options,
     fuzz::require(!field.error().message.empty());
     return;
   }
-  fuzz::require(field::measure_statistics(*field, nullptr, field::WithPercentiles::no).samples == 0 || field->index_to_world.is_invertible());
+  fuzz::require(field::measure_statistics(*field, nullptr, field::WithPercentiles::no).samples == 0 ||
+                field->index_to_world.is_invertible());
 }
 
 void read_one(const std::uint8_t* data, std::size_t size) {

@@ -2,10 +2,16 @@
 """Writes small, valid files for the fuzz targets of the plug-ins to start from: make_plugin_seeds.py FOLDER makes
 FOLDER/KIND/*. What a format offers (encodings, byte orders, compressions, layouts) appears at least once."""
 
+import bz2
+import gzip
 import io
+import lzma
 import pathlib
 import struct
+import subprocess
 import sys
+import tarfile
+import zipfile
 
 import h5py
 import netCDF4
@@ -163,6 +169,26 @@ def netcdf_seeds(put):
         put("nc", kind, put.scratch.read_bytes())
 
 
+def archive_seeds(put):
+    array = io.BytesIO()
+    np.save(array, VALUES)
+    array = array.getvalue()
+    for name, pack in (("gzip", gzip.compress), ("bzip2", bz2.compress), ("xz", lzma.compress)):
+        put("archive", name, pack(array))
+    put("archive", "zstd", subprocess.run(["zstd", "-qc"], input=array, stdout=subprocess.PIPE, check=True).stdout)
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("a.npy", array)
+    put("archive", "zip", packed.getvalue())
+    for mode in ("w", "w:gz"):
+        packed = io.BytesIO()
+        with tarfile.open(fileobj=packed, mode=mode) as file:
+            member = tarfile.TarInfo("folder/a.npy")
+            member.size = len(array)
+            file.addfile(member, io.BytesIO(array))
+        put("archive", "tar" + mode[1:].replace(":", "_"), packed.getvalue())
+
+
 class Put:
     """Writes FOLDER/KIND/NAME. `scratch` is a file for writers that need one."""
 
@@ -178,7 +204,7 @@ class Put:
 def main():
     put = Put(pathlib.Path(sys.argv[1]))
     put.folder.mkdir(parents=True, exist_ok=True)
-    for seeds in (vtk_seeds, seismic_seeds, image_seeds, dicom_seeds, hdf5_seeds, netcdf_seeds):
+    for seeds in (vtk_seeds, seismic_seeds, image_seeds, dicom_seeds, hdf5_seeds, netcdf_seeds, archive_seeds):
         seeds(put)
     put.scratch.unlink(missing_ok=True)
 
