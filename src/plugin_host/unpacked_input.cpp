@@ -26,30 +26,26 @@ using namespace std::string_view_literals;
 
 constexpr const char* kArchivePlugin = "archive";
 
-enum class Packing { none, compressed, archive };
-
 bool has_text_at(std::string_view content, std::size_t offset, std::string_view text) {
   return content.size() >= offset && content.substr(offset).starts_with(text);
 }
 
 // Judges by the content, and for zip files by the name as well.
-Packing packing_of(std::string_view content, const std::string& name, GzipFiles gzip) {
+bool is_packed(std::string_view content, const std::string& name, GzipFiles gzip) {
   const std::string lower = to_lower(name);
   const bool is_tar_name = lower.ends_with(".tgz") || lower.find(".tar.") != std::string::npos;
   const bool is_bzip2 = content.starts_with("BZh") && has_text_at(content, 4, "1AY&SY");
-  const bool is_packed = content.starts_with(
-                             "\xFD"
-                             "7zXZ\0"sv) ||
-                         content.starts_with("\x28\xB5\x2F\xFD") || is_bzip2;
+  const bool is_xz = content.starts_with(
+      "\xFD"
+      "7zXZ\0"sv);
+  const bool is_zstd = content.starts_with("\x28\xB5\x2F\xFD");
   const bool is_gzip = content.starts_with("\x1F\x8B");
-  if (is_packed || (is_gzip && (gzip == GzipFiles::unpack || is_tar_name))) {
-    return is_tar_name ? Packing::archive : Packing::compressed;
-  }
-  if (has_text_at(content, 257, "ustar")) return Packing::archive;
-  if (!lower.ends_with(".zip") || !content.starts_with("PK\3\4"sv)) return Packing::none;
+  if (is_xz || is_zstd || is_bzip2 || (is_gzip && (gzip == GzipFiles::unpack || is_tar_name))) return true;
+  if (has_text_at(content, 257, "ustar")) return true;
+  if (!lower.ends_with(".zip") || !content.starts_with("PK\3\4"sv)) return false;
   const auto has = [&](std::string_view text) { return content.find(text) != std::string_view::npos; };
   const bool is_zarr = has("zarr.json") || has(".zgroup") || has(".zarray") || has(".zattrs");
-  return is_zarr ? Packing::none : Packing::archive;
+  return !is_zarr;
 }
 
 const PluginLibrary& archive_library() {
@@ -63,8 +59,7 @@ std::string name_of_content(const files::InputFile& file) {
   return files::name_without_packing(file.path().filename());
 }
 
-Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFile& file, std::vector<std::byte> start,
-                                                           Packing packing) {
+Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFile& file, std::vector<std::byte> start) {
   const Context& context = file.context();
   context.progress().begin("unpacking", 0);
   VolumeInput wanted;
@@ -89,9 +84,9 @@ Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFil
   }
   if (*total != list.grids[0].dims[0]) return invalid();
   if (*total == 0) return fail(ErrorCode::input, file.name() + ": expected content, found an empty file inside");
-  const bool as_file = packing == Packing::compressed || members.size() == 1;
-  if (as_file && members.size() != 1) return invalid();
-  if (packing == Packing::compressed) members.front().name = name_of_content(file);
+  const bool as_file = members.size() == 1;
+  // The content of a compressed file has no name; a compressed tar archive has names, whatever its own is.
+  if (as_file && members.front().name.empty()) members.front().name = name_of_content(file);
 
   const auto memory = TRY(context.reserve(*total, fmt::format("{}: {} unpacked bytes", file.name(), *total)));
   VolumeSelection selection;
@@ -115,11 +110,10 @@ Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, con
   const ssize_t got = ::pread(file->descriptor(), start.data(), start.size(), 0);
   if (got != static_cast<ssize_t>(start.size())) return input;
   const std::string_view content(reinterpret_cast<const char*>(start.data()), start.size());
-  const Packing packing = packing_of(content, file->path().filename(), gzip);
-  if (packing == Packing::none) return input;
+  if (!is_packed(content, file->path().filename(), gzip)) return input;
   auto unpacked = files::find_unpacked(*file);
   if (!unpacked) {
-    unpacked = TRY(unpack(*file, std::move(start), packing));
+    unpacked = TRY(unpack(*file, std::move(start)));
     files::keep_unpacked(*file, unpacked);
   }
   return unpacked->path().string();

@@ -200,6 +200,9 @@ class ArchiveTest(CompressedTest):
         for name in ("a.zip", "a.tar", "a.tgz", "a.tar.xz", "a.tar.gz"):
             self.archive(name, {"folder/a.nrrd": nrrd(), "folder/.hidden": b"x", "__MACOSX/._a.nrrd": b"x", "folder/empty": b""})
             self.assertEqual(self.mesh(name), plain, name)
+            if name != "a.zip":  # a zip file goes by its name as well
+                shutil.copy(self.folder / name, self.folder / "unnamed")
+                self.assertEqual(self.mesh("unnamed"), plain, name)
             self.archive(name, {"deep/er/d.nhdr": nrrd("d.raw"), "deep/er/d.raw": samples()})
             self.assertEqual(self.mesh(name), plain, name)
 
