@@ -168,7 +168,7 @@ constexpr std::array kGuide{
               "To write them again, delete them or leave --no-clobber out."},
     NoteGuide{frames_move, "--center moves each frame by its own center.", "Give --roi, the same for all frames."},
     NoteGuide{length_unit, "Lengths are in another unit than the format prescribes, or in several units.",
-              "Give --to-unit."},
+              "Give --unit file, which writes glTF in meters, or --to-unit."},
     NoteGuide{memory_unknown, "The program cannot estimate the memory of a frame.", ""},
     NoteGuide{no_effect, "An option has no effect on this input or output.", "Leave the option out."},
     NoteGuide{no_plot, "There is nothing to plot.", ""},

@@ -93,6 +93,16 @@ StageReport report_of_placing(const PlacedField& placed, const field::ScalarFiel
   return report;
 }
 
+// Notes that a glTF file has the lengths of a file with another unit than meters. Requested units are not noted.
+void tell_other_unit(const Placement& placement, const Source& source, Events& events) {
+  const std::string unit = placement.unit.empty() ? unit_of_lengths(placement, source.field) : std::string();
+  if (unit.empty() || unit == meter().name) return;
+  events.note({NoteId::length_unit,
+               fmt::format("{}: the coordinates are in {}, the unit of the file; glTF prescribes meters, so other "
+                           "programs read them as meters",
+                           source.label, unit)});
+}
+
 // Notes the actual voxel size if it differs from the requested one by more than rounding.
 void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Events& events) {
   const glm::dmat3& axes = grid.index_to_world.linear;
@@ -416,6 +426,8 @@ SourceUse use_of(const ConversionJob& job) {
   use.empty_is_fine = job.empty != EmptyPolicy::error;
   const auto* file = job.writes<FieldFileOptions>();
   if (file != nullptr) use.field_format = file->format;
+  const auto* meshes = job.writes<MeshFileOptions>();
+  use.is_in_meters = meshes != nullptr && mesh_io::is_gltf(meshes->format);
   use.counts_neighbors = job.edits.smooth && job.edits.smooth->method == edit::SmoothMethod::weighted;
   // With NanPolicy::error the extractor finds spread NaN samples, and only those in its region.
   if (job.surface.nan == extract::NanPolicy::error && file == nullptr) use.nan = field::NanHandling::spread;
@@ -456,6 +468,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   auto placed = TRY(place_field(source.field, options.placement, options.roi, use.region_ends));
   events.end(report_of_placing(placed, source.field));
   for (const Note& text : placed.notes) events.note(text);
+  if (use.is_in_meters) tell_other_unit(options.placement, source, events);
   source.placement = placed.placement;
   source.output_from_index = placed.output_from_index;
   source.region = placed.region;

@@ -84,6 +84,7 @@ struct SourceUse {
   // The format if the output is the field itself: resampling then keeps the narrow band of level sets.
   std::optional<volume_io::VolumeFileFormat> field_format;
   field::NanHandling nan = field::NanHandling::left_out;  // how resampling treats NaN
+  bool is_in_meters = false;                              // whether the output's format is glTF, which prescribes them
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 

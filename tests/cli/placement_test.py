@@ -86,6 +86,19 @@ class PlacementTest(ProgramTest):
         self.assert_fails(1, self.run_program(*PLACED, "--to-unit", "mm", "-o", "no.stl"), "--to-unit", "--unit mm")
         self.assert_fails(1, self.run_program(*PLACED, "--space", "index", "--unit", "mm", "-o", "no.stl"), "--unit")
 
+    def test_lengths_that_gltf_does_not_prescribe_are_noted(self):
+        def said(unit, out, *options):
+            head = ("NRRD0005\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace dimension: 3\nencoding: raw\n"
+                    f'space units: "{unit}" "{unit}" "{unit}"\nspace directions: (2,0,0) (0,2,0) (0,0,2)\n\n')
+            samples = bytes(9 if index == 21 else 0 for index in range(64))
+            (self.folder / "in.nrrd").write_bytes(head.encode() + samples)
+            return self.convert("in.nrrd", "--iso", "4", "-o", out, *options).err
+
+        self.assertIn("note[length-unit]: in.nrrd: the coordinates are in mm", said("mm", "out.glb"))
+        for unit, out, options in (("mm", "out.stl", ()), ("m", "out.glb", ()), ("mm", "out.glb", ("--unit", "file")),
+                                   ("mm", "out.glb", ("--scale", "0.001")), ("mm", "out.glb", ("--space", "index"))):
+            self.assertNotIn("length-unit", said(unit, out, *options), (unit, out, options))
+
     def test_any_format_can_be_turned(self):
         turned, kept = ((11, 40, -27.5), (13, 44, -24.5)), ((11, 24.5, 40), (13, 27.5, 44))
         lying = ((11, -44, 24.5), (13, -40, 27.5))

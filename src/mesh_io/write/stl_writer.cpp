@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,8 +19,24 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// Returns the note about precision lost because float32 world coordinates are coarser than the mesh's own positions.
-std::string precision_note(const mesh::Mesh& mesh) {
+// Returns the mean length of an edge in some of the triangles.
+double typical_edge(const mesh::Mesh& mesh) {
+  constexpr std::size_t kMostTriangles = 4096;
+  const std::size_t step = mesh.triangles.size() / kMostTriangles + 1;
+  double sum = 0;
+  std::size_t edges = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
+    for (int corner = 0; corner < 3; ++corner, ++edges) {
+      const glm::uvec3& triangle = mesh.triangles[t];
+      sum += glm::distance(mesh.positions[triangle[corner]], mesh.positions[triangle[(corner + 1) % 3]]);
+    }
+  }
+  return edges == 0 ? 0 : sum / static_cast<double>(edges);
+}
+
+// Returns a note if rounding world coordinates to float32 may move them by a thousandth of an edge or more.
+std::optional<Note> precision_note(const mesh::Mesh& mesh) {
+  if (mesh.origin == glm::dvec3(0)) return std::nullopt;
   const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   double farthest = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -26,11 +44,12 @@ std::string precision_note(const mesh::Mesh& mesh) {
   }
   const float nearest_float = static_cast<float>(farthest);
   const float step = std::nextafter(nearest_float, std::numeric_limits<float>::infinity()) - nearest_float;
-  return fmt::format(
-      "STL stores only float32 coordinates: at {:.9g}, the largest, neighboring values are {:.3g} apart; glb, gltf, "
-      "ply "
-      "and obj store the full precision",
-      farthest, step);
+  constexpr double kSmallPart = 1e-3;
+  if (step / 2 < kSmallPart * typical_edge(mesh)) return std::nullopt;
+  return Note{NoteId::rounded_positions,
+              fmt::format("STL stores only float32 coordinates: at {:.9g}, the largest, neighboring values are {:.3g} "
+                          "apart; glb, gltf, ply and obj store the full precision",
+                          farthest, step)};
 }
 
 // The header must not start with "solid", or readers would take the file for text. It starts with the program's name.
@@ -107,7 +126,7 @@ Result<void> write_stl(const mesh::Mesh& mesh, const MeshWriteOptions& options, 
                             mesh.triangles.size(), kMaxTriangles),
                 {Remedy::set, Setting::mesh_format, "ply"});
   }
-  if (mesh.origin != glm::dvec3(0)) notes.push_back({NoteId::rounded_positions, precision_note(mesh)});
+  if (auto note = precision_note(mesh)) notes.push_back(std::move(*note));
   return with_world_positions(mesh, [&](auto position) {
     return options.ascii ? write_ascii(mesh, position, file) : write_binary(mesh, position, options.placement, file);
   });
