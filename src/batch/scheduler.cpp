@@ -101,7 +101,7 @@ class Scheduler {
     convert::Events unheard;
     convert::Events* const heard = events_.started(frame, own);
     convert::Outcome outcome;
-    convert::MeshCollector held;  // until the frame's turn
+    convert::MeshCollector held{.becomes_file = true};  // until the frame's turn
     tbb::task_arena arena(threads);
     arena.execute([&] {
       outcome = convert::run(batch_.frames[frame].job, own, heard != nullptr ? *heard : unheard, options_.extras,

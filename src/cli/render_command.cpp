@@ -164,7 +164,10 @@ class Pictures {
     }
     render::ViewAngles angles = plan_.camera;
     angles.azimuth += picture.turn;
-    const render::Camera camera = render::frame_box(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
+    angles.front = source.front();
+    // Pictures of a turn or a sequence have one distance.
+    const auto frame = plan_.pictures.size() == 1 ? render::frame_box_closely : render::frame_turn;
+    const render::Camera camera = frame(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
     const Stopwatch watch;
     const auto rendered = TRY(renderer_.draw(scene, camera, plan_.options, context_));
     TRY(source.check_mapping_intact());

@@ -112,6 +112,7 @@ void SceneSource::remove_volume() {
   volume_.reset();
   source_.reset();
   surfaces_.clear();
+  front_ = 0;
 }
 
 Result<void> SceneSource::read_volume(const std::string& input, const std::string& output, const Context& context,
@@ -136,10 +137,12 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
       events.note({NoteId::no_surface, outcome.error->message});
     }
     surfaces_ = std::move(collected.meshes);
+    front_ = collected.front;
     source_ = std::move(collected.source);
   }
   if (plan_->draws_volume && !source_) {
     source_ = TRY(convert::open_source(job.source, {}, context, events));
+    front_ = convert::front_azimuth(source_->field, source_->placement);
     if (const auto note = field_note(source_->field)) events.note(*note);
   }
   if (plan_->shading == render::Shading::smooth) {

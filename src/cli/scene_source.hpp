@@ -39,6 +39,8 @@ class SceneSource {
   // Returns the up axis of the options. Default: y without a volume and if the placement records of all mesh files
   // state y up, otherwise z.
   [[nodiscard]] render::UpAxis up() const { return plan_->up.value_or(up_of_meshes_); }
+  // Returns the azimuth of the volume's front (convert::front_azimuth()); 0 without a volume.
+  [[nodiscard]] double front() const { return front_; }
   // Call after each drawing. Fails with ErrorCode::input if the volume's mapped file was truncated or unreadable
   // meanwhile (volume_io::check_mapping_intact); the picture must then be discarded.
   [[nodiscard]] Result<void> check_mapping_intact() const;
@@ -57,6 +59,7 @@ class SceneSource {
   std::optional<convert::Source> source_;
   std::optional<render::Volume> volume_;
   std::vector<mesh::Mesh> surfaces_;
+  double front_ = 0;
   std::optional<render::TransferFunction> transfer_;
   std::optional<double> unit_length_;
   bool printed_up_axis_note_ = false;  // the note about the up axis was printed for an earlier volume

@@ -75,6 +75,7 @@ class Conversion {
     if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.volume_hint.empty()) {
       events_.note({NoteId::volume_changed, *text + extras_.volume_hint});
     }
+    if (collector_ != nullptr) collector_->front = front_azimuth(source_.field, source_.placement);
     if (wants_source()) collector_->source = std::move(source_);
     return {};
   }
@@ -132,6 +133,7 @@ class Conversion {
     use.isos = isos_of(job_, grid);
     if (wants_source()) use.only_iso.reset();
     use.outside_region = wants_source();
+    use.is_in_meters &= collector_ == nullptr || collector_->becomes_file;
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
     SourceOptions options = with_grid(job_.source, grid);
     options.read.volume = volume;
@@ -368,7 +370,8 @@ class Conversion {
 
   Result<mesh_io::MeshWriteResult> complete(OutputMeshes& file) {
     if (collector_ == nullptr && picture_ != nullptr) {
-      auto picture = TRY(write_picture(file.held, *picture_, source_.placement.placement, file.job, context_));
+      auto picture = TRY(write_picture(file.held, *picture_, source_.placement.placement,
+                                       front_azimuth(source_.field, source_.placement), file.job, context_));
       if (picture.misses_surfaces) outcome_.empty_picture = true;
       return std::move(picture.written);
     }
@@ -425,7 +428,6 @@ class Conversion {
   }
 
   [[nodiscard]] bool wants_source() const { return collector_ != nullptr && collector_->wants_source; }
-
   [[nodiscard]] const files::InputFileSet& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
   [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const SurfaceId> made) const {

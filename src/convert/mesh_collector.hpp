@@ -17,6 +17,8 @@ struct MeshCollector {
   // Set by the caller. The conversion hands over its source, whose samples are valid everywhere, not only near the
   // surfaces.
   bool wants_source = false;
+  // Set by the caller: the meshes become a file of the job's format, so notes about the format apply.
+  bool becomes_file = false;
 
   // The surfaces of all outputs in order, finished as if they were written: placed, simplified, verified. With
   // PieceChoice::split, one mesh for each body. Surfaces that EmptyPolicy::skip leaves out are missing, and no old file
@@ -25,6 +27,7 @@ struct MeshCollector {
   std::vector<SurfaceId> ids = {};    // of each mesh
   mesh_io::MeshPacking packing = {};  // how the meshes are to be packed
   std::string placement = {};         // see mesh_io::MeshWriteOptions::placement
+  double front = 0;                   // front_azimuth() of the source, in degrees
   std::optional<Source> source = {};  // the surfaces' source, if wants_source and the conversion succeeded
 };
 

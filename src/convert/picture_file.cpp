@@ -44,7 +44,8 @@ Result<std::uint64_t> write_png(const std::string& path, const render::Picture& 
 }
 
 Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const PictureFileOptions& picture,
-                                     const Placement& placement, const OutputFileJob& output, const Context& context) {
+                                     const Placement& placement, double front, const OutputFileJob& output,
+                                     const Context& context) {
   std::vector<render::Surface> surfaces;
   for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
   render::PreviewOptions options;
@@ -53,6 +54,7 @@ Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const P
   };
   options.size = {side(picture.width), side(picture.height)};
   options.angles = picture.angles;
+  options.angles.front = front;
   if (!placement.unit.empty()) options.unit = placement.to_unit;
   options.up = render_up_axis(placement.up);
   const auto renderer = render::make_cpu_renderer();

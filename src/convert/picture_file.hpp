@@ -35,11 +35,11 @@ struct WrittenPicture {
   bool misses_surfaces = false;  // there are surfaces, but the camera sees none of them
 };
 
-// Draws `meshes`, placed by `placement`, on the CPU and writes the picture to `output`, completely or not at all. The
-// picture is the same for any number of threads. Adds a note if the picture shows none of the surfaces. Fails as
-// render::draw_preview() and write_png() do.
+// Draws `meshes`, placed by `placement` and with the front at the azimuth `front` in degrees, on the CPU and writes the
+// picture to `output`, completely or not at all. The picture is the same for any number of threads. Adds a note if the
+// picture shows none of the surfaces. Fails as render::draw_preview() and write_png() do.
 [[nodiscard]] Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes,
                                                    const PictureFileOptions& picture, const Placement& placement,
-                                                   const OutputFileJob& output, const Context& context);
+                                                   double front, const OutputFileJob& output, const Context& context);
 
 }  // namespace isoextract::convert

@@ -129,6 +129,11 @@ std::optional<field::Affine> map_between_worlds(const field::ScalarField& from, 
   return field::scaling(factors);
 }
 
+double front_azimuth(const field::ScalarField& field, const ResolvedPlacement& placement) {
+  const auto signs = placement.placement.space == Space::world ? ras_signs(field.world_space) : std::nullopt;
+  return signs && signs->y * placement.signs.y > 0 ? 180 : 0;
+}
+
 field::Box world_bounds(const field::ScalarField& field) { return bounds_in(field, Space::world); }
 
 bool is_axis_aligned(const field::Affine& index_to_world) {

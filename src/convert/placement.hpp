@@ -85,6 +85,10 @@ struct ResolvedPlacement {
 [[nodiscard]] std::optional<field::Affine> map_between_worlds(const field::ScalarField& from,
                                                               const field::ScalarField& to);
 
+// Returns the azimuth in degrees from which the output shows the front of a patient: 180 if +y is anterior, as in RAS,
+// else 0. It is 0 for fields without a patient space (RAS, LAS or LPS) and for Space::index.
+[[nodiscard]] double front_azimuth(const field::ScalarField& field, const ResolvedPlacement& placement);
+
 // Returns the field's extents in world coordinates.
 [[nodiscard]] field::Box world_bounds(const field::ScalarField& field);
 

@@ -1,10 +1,12 @@
 #include "render/camera.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,32 @@ std::array<glm::dvec3, 3> axes_of(UpAxis up) {
     case UpAxis::z: break;
   }
   return {glm::dvec3(0, 0, 1), {0, -1, 0}, {1, 0, 0}};
+}
+
+std::array<glm::dvec3, 8> corners_of(const field::Box& box) {
+  std::array<glm::dvec3, 8> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    corners[i] = {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
+                  (i & 4) != 0 ? box.max.z : box.min.z};
+  }
+  return corners;
+}
+
+// Returns `far`, a camera of frame_box() for the box and angles, from so near that the points just fit into the
+// picture, with a margin. Returns `far` itself if the angles have a distance.
+Camera closer(const Camera& far, const field::Box& box, ViewAngles angles, UpAxis up, const PictureSize& size,
+              std::span<const glm::dvec3> points) {
+  constexpr double kFilled = 0.9;
+  if (angles.distance || box.min == box.max) return far;
+  const double high = kFilled * std::tan(far.fovy / 2);
+  const double wide = high * aspect_of(size);
+  double distance = 1e-3 * glm::length(box.max - box.min);  // if all of the box is behind the target
+  for (const glm::dvec3& point : points) {
+    const glm::dvec3 seen = far.rotation() * (point - far.target);
+    distance = std::max(distance, seen.z + std::max(std::abs(seen.x) / wide, std::abs(seen.y) / high));
+  }
+  angles.distance = distance;
+  return frame_box(box, angles, up, size, far.fovy);
 }
 
 }  // namespace
@@ -141,7 +169,7 @@ Result<ViewAngles> parse_view_angles(std::string_view words) {
 
 Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size, double fovy) {
   const auto [upwards, front, side] = axes_of(up);
-  const double azimuth = angles.azimuth * kDegree;
+  const double azimuth = (angles.azimuth + angles.front) * kDegree;
   const double elevation = angles.elevation * kDegree;
   const glm::dvec3 around = std::cos(azimuth) * front + std::sin(azimuth) * side;
   const glm::dvec3 away = std::cos(elevation) * around + std::sin(elevation) * upwards;
@@ -164,6 +192,30 @@ Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, con
   camera.far_depth = distance + seen;
   camera.near_depth = std::max(distance - seen, kNearest * distance);
   return camera;
+}
+
+Camera frame_box_closely(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
+                         double fovy) {
+  return closer(frame_box(box, angles, up, size, fovy), box, angles, up, size, corners_of(box));
+}
+
+Camera frame_turn(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size, double fovy) {
+  constexpr int kTurns = 32;
+  const Camera far = frame_box(box, angles, up, size, fovy);
+  const auto [upwards, front, side] = axes_of(up);
+  std::vector<glm::dvec3> seen;
+  for (const glm::dvec3& corner : corners_of(box)) {
+    const glm::dvec3 from_target = corner - far.target;
+    const double height = glm::dot(from_target, upwards);
+    const double radius = glm::length(from_target - height * upwards);
+    for (int turn = 0; turn < kTurns; ++turn) {
+      // From the camera's direction on, so that the distance is the same for all of them.
+      const double angle = (angles.azimuth + angles.front + 360.0 / kTurns * turn) * kDegree;
+      seen.push_back(far.target + height * upwards + radius * (std::cos(angle) * front + std::sin(angle) * side));
+    }
+  }
+  const Camera near = closer(far, box, angles, up, size, seen);
+  return near.unit() < far.unit() ? near : far;
 }
 
 }  // namespace isoextract::render

@@ -88,6 +88,7 @@ struct ViewAngles {
   double elevation = 20;                // from -90 to 90
   std::optional<double> distance{};     // if unset, far enough to see the whole box
   std::optional<glm::dvec3> look_at{};  // the target in the world; if unset, the center of the box
+  double front = 0;                     // turn of the scene's front, in degrees; added to the azimuth
 
   // Returns whether the camera does not depend on the box.
   [[nodiscard]] bool is_fixed() const { return distance && look_at; }
@@ -104,13 +105,22 @@ constexpr auto words_of(UpAxis /*type*/) {
 }
 
 // Returns a camera that looks at `angles.look_at` or, if unset, at the center of `box`.
-// Azimuth 0 looks from the front: from -y if z is up, from +z if x or y is up. It grows counter-clockwise as seen from
-// above: azimuth 90 is at +x if y or z is up, and at -y if x is up.
-// Without a distance, the sphere around the target that contains the box fits into the narrower side of the picture. If
-// the sphere is a point, the distance is 1.
-// The near and far planes enclose the part of that sphere that is at least 0.001 of the distance in front of the eye.
-// If the sphere is a point, they are at 0.5 and 1.5 times the distance.
+// Azimuth 0 looks from the front: from -y if z is up, from +z if x or y is up (turned by ViewAngles::front). It grows
+// counter-clockwise as seen from above: azimuth 90 is at +x if y or z is up, and at -y if x is up. Without a distance,
+// the sphere around the target that contains the box fits into the narrower side of the picture. If the sphere is a
+// point, the distance is 1. The near and far planes enclose the part of that sphere that is at least 0.001 of the
+// distance in front of the eye. If the sphere is a point, they are at 0.5 and 1.5 times the distance.
 [[nodiscard]] Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                double fovy = Camera::kDefaultFovy);
+
+// The same, but without a distance the camera is so close that the corners of the box just fit into the picture, with a
+// margin. So the distance depends on the angles.
+[[nodiscard]] Camera frame_box_closely(const field::Box& box, const ViewAngles& angles, UpAxis up,
+                                       const PictureSize& size, double fovy = Camera::kDefaultFovy);
+
+// Likewise, but so close that the box just fits while it turns around the up axis: the distance depends on the
+// elevation, not on the azimuth. It is never farther away than with frame_box().
+[[nodiscard]] Camera frame_turn(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
+                                double fovy = Camera::kDefaultFovy);
 
 }  // namespace isoextract::render

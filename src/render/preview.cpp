@@ -60,24 +60,6 @@ void draw_scale_bar(Picture& picture, const ScaleBar& bar) {
   draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, kTextColor);
 }
 
-// Returns a camera so close that the corners of the box just fit into the picture, with a margin.
-Camera close_framing(const field::Box& box, ViewAngles angles, UpAxis up, const PictureSize& size) {
-  constexpr double kFilled = 0.9;
-  const Camera far = frame_box(box, angles, up, size);
-  if (angles.distance || box.min == box.max) return far;
-  const double high = kFilled * std::tan(far.fovy / 2);
-  const double wide = high * size.width / size.height;
-  double distance = 1e-3 * glm::length(box.max - box.min);  // if all of the box is behind the target
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 place{(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
-                           (corner & 4) != 0 ? box.max.z : box.min.z};
-    const glm::dvec3 seen = far.rotation() * (place - far.target);
-    distance = std::max(distance, seen.z + std::max(std::abs(seen.x) / wide, std::abs(seen.y) / high));
-  }
-  angles.distance = distance;
-  return frame_box(box, angles, up, size);
-}
-
 bool is_empty(const Surface& surface) { return surface.mesh->triangles.empty(); }
 
 }  // namespace
@@ -109,7 +91,7 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
   const bool fine = 2 * std::max(options.size.width, options.size.height) <= PictureSize::kMaxSide;
   RenderOptions drawn;
   drawn.size = fine ? PictureSize{2 * options.size.width, 2 * options.size.height} : options.size;
-  const Camera camera = close_framing(box, options.angles, options.up, options.size);
+  const Camera camera = frame_box_closely(box, options.angles, options.up, options.size);
   auto rendered = renderer.draw(scene, camera, drawn, context);
   if (!rendered) return rendered;
   if (fine) {

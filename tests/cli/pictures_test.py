@@ -94,6 +94,23 @@ class PictureTest(PicturesTest):
         # The long side, and then the short one, from so near that either fits.
         self.assertLess(widths[0], 0.6 * widths[90])
 
+    def test_patients_are_seen_from_the_front(self):
+        """+y is anterior in RAS and LAS, and posterior in LPS: pictures of the same samples without a space tell."""
+        samples = bytes(9 if (x, z) == (3, 3) and y < 6 else 0 for z in range(7) for y in range(8) for x in range(7))
+        for space in ("right-anterior-superior", "left-anterior-superior", "left-posterior-superior"):
+            head = (f"NRRD0005\ntype: uint8\ndimension: 3\nsizes: 7 8 7\nspace: {space}\nencoding: raw\n"
+                    "space directions: (1,0,0) (0,1,0) (0,0,1)\n\n")
+            (self.folder / "patient.nrrd").write_bytes(head.encode() + samples)
+            (self.folder / "plain.nrrd").write_bytes(head.replace(f"space: {space}", "space dimension: 3").encode() + samples)
+            for command in ((), ("render",)):
+                pictures = []
+                for name, camera in (("patient", 35), ("patient", 10), ("plain", 35), ("plain", 10), ("plain", 215), ("plain", 190)):
+                    self.convert(*command, f"{name}.nrrd", "--iso", "4", "-o", "a.png", "--size", "60x40", "--camera", f"{camera},20")
+                    pictures.append(self.png("a.png").pixels())
+                front = pictures[4:] if "anterior" in space else pictures[2:4]
+                self.assertEqual(pictures[:2], front, (space, command))
+                self.assertNotEqual(pictures[2:4], pictures[4:])
+
     def moving(self):
         """A ball that goes along x."""
         for frame, at in ((1, 4), (2, 10), (3, 16)):

@@ -1,6 +1,7 @@
 """isoextract render: pictures of volumes, surfaces and meshes, as files and on stdout."""
 
 import json
+import math
 import struct
 
 from support import NO_GPU, SPHERE, Png, ProgramTest, main
@@ -111,8 +112,18 @@ class RenderTest(ProgramTest):
         self.convert("render", "demo:torus?size=24", *SMALL, "--frames", "4", "-o", "turn_{:02}.png", "--camera", "0,30")
         self.assertEqual(self.files(), [f"turn_{i:02}.png" for i in (1, 2, 3, 4)])
         pictures = [Png((self.folder / name).read_bytes()) for name in self.files()]
-        turned = self.picture("demo:torus?size=24", "--camera", "90,30", name="turned.png")
+        # A single picture is framed by itself, from closer. All pictures of the turn have one distance.
+        self.convert("render", "demo:torus?size=24", *SMALL, "--frames", "4", "-o", "turn_{:02}.png", "--camera", "0,30",
+                     "--json", "turn.json")
+        cameras = [picture["camera"] for picture in json.loads((self.folder / "turn.json").read_text())["pictures"]]
+        distances = [math.dist(camera["eye"], camera["target"]) for camera in cameras]
+        for distance in distances:
+            self.assertAlmostEqual(distance, distances[0], delta=1e-9)
+        turned = self.picture("demo:torus?size=24", "--camera", f"90,30,{distances[1]!r}", name="turned.png")
         self.assertEqual(turned.difference(pictures[1]), 0)
+        self.picture("demo:torus?size=24", "--camera", "90,30", "--json", "one.json")
+        (alone,) = json.loads((self.folder / "one.json").read_text())["pictures"]
+        self.assertLess(math.dist(alone["camera"]["eye"], alone["camera"]["target"]), distances[1])
 
     def test_a_sequence_stands_still(self):
         for frame, size in ((1, 12), (2, 8)):

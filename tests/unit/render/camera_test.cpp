@@ -64,6 +64,35 @@ TEST(Camera, PlacesEyeByAzimuthAndElevation) {
   EXPECT_TRUE(near(eye(90, 0, UpAxis::y), {5, 0, 0}));
   EXPECT_TRUE(near(eye(90, 0, UpAxis::x), {0, -5, 0}));
   EXPECT_TRUE(near(eye(0, -90, UpAxis::x), {-5, 0, 0}));
+  ViewAngles from_behind{0, 0, 5};
+  from_behind.front = 180;
+  EXPECT_TRUE(near(frame_box(box, from_behind, UpAxis::z, kSize).eye, {0, 5, 0}));
+}
+
+TEST(Camera, FramesFillPicture) {
+  const field::Box box{{-1, -2, -3}, {4, 5, 6}};
+  const PictureSize size{400, 300};
+  const auto filled = [&](const Camera& camera) {
+    const PixelBox seen = pixels_of(camera, size, {}, box);
+    return std::max((seen.max.x - seen.min.x) / 400.0, (seen.max.y - seen.min.y) / 300.0);
+  };
+  for (const double elevation : {-90.0, 0.0, 20.0}) {
+    double most = 0;
+    double distance = 0;
+    for (int azimuth = 0; azimuth < 360; azimuth += 5) {
+      const ViewAngles angles{double(azimuth), elevation};
+      const double closely = filled(frame_box_closely(box, angles, UpAxis::z, size, 0.5));
+      EXPECT_LT(closely, 0.92) << azimuth << ' ' << elevation;  // a margin of a tenth
+      EXPECT_GT(closely, 0.7) << azimuth << ' ' << elevation;
+      const Camera turned = frame_turn(box, angles, UpAxis::z, size, 0.5);
+      most = std::max(most, filled(turned));
+      if (azimuth == 0) distance = turned.unit();
+      EXPECT_NEAR(turned.unit(), distance, 1e-9);
+      EXPECT_LE(distance, frame_box(box, angles, UpAxis::z, size, 0.5).unit() * (1 + 1e-12));
+    }
+    EXPECT_GT(most, 0.8) << elevation;
+    EXPECT_LT(most, 1) << elevation;
+  }
 }
 
 TEST(Camera, BoundsVisiblePixelsTightly) {

@@ -90,7 +90,7 @@ class BoxesInView {
 };
 
 TEST(Preview, OrientsPictureAndHidesFartherBoxes) {
-  for (const ViewAngles angles : {ViewAngles{0, 0}, ViewAngles{35, 20}, ViewAngles{-110, -40}}) {
+  for (const ViewAngles& angles : {ViewAngles{0, 0}, ViewAngles{35, 20}, ViewAngles{-110, -40}}) {
     BoxesInView boxes(angles);
     boxes.add(0, 0, 0, 0.5, {1, 0, 0});
     boxes.add(2, 1, 0, 0.5, {0, 1, 0});
