@@ -2,9 +2,9 @@
 //
 // Distances are to the nearest point, except FieldError::storage. From a point of the mesh, the program searches along
 // the gradient (detail/gradient_search.hpp). If that may miss the nearest point, it finds the nearest triangle of the
-// isosurface, extracted again brick by brick on cells divided into subcells (detail/subdivided_surface.hpp), then the
-// nearest point of the isosurface itself; beyond the brick and its margin, on undivided cells of all data. In the other
-// direction, several isosurface points in each cell are measured to the nearest triangle of the mesh.
+// isosurface, then the nearest point of the isosurface itself. For this, it extracts the isosurface again: brick by
+// brick on cells divided into subcells (detail/subdivided_surface.hpp), and of all data on undivided cells. In the
+// other direction, several isosurface points in each cell are measured to the nearest triangle of the mesh.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Finds the frames of a run among its inputs: the number and the input of each frame. Lists folders and opens few files:
+// Finds the frames of a run among its inputs: the number and the input of each frame. Lists folders. Opens few files:
 //   - of a pattern or folder of pictures two, to see whether they are slices of one volume;
 //   - of a folder up to 32 for each plug-in's format, to see whether it is one volume (volume_io::is_volume_folder());
 //   - of a folder without volumes, particles and pictures one, to name its format in the error.
@@ -42,8 +42,8 @@ struct Frames {
 //   demo:NAME     with a pattern in it: one input for each number of `range`, which is then required
 //   a folder      its files with an extension of a volume format (else of a particle format, else of pictures), but no
 //                 hidden files: one sequence, or files that are no sequence, in natural order
-//   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, with the stack as its
-//                 input; with `pictures_are_frames` each picture is a frame
+//   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, whose input is the
+//                 pattern or folder; with `pictures_are_frames` each picture is a frame
 //   other files   a list of paths, one frame each; a missing file is a frame too, which fails when it is read
 //
 // Numbers of the frames:
@@ -53,8 +53,8 @@ struct Frames {
 //   - Otherwise they are numbered 1 to n in their order, with a note.
 //   - A single file has the last number in its name, else 1.
 //
-// Gaps are counted at the largest step that divides all differences of the frame numbers: 1, 3 and 7 have the step 2, so
-// only 5 is missing. Returns only the frames in `range`; without a range, all frames.
+// Gaps are counted at the largest step that divides all differences of the frame numbers: 1, 3 and 7 have the step 2,
+// so only 5 is missing. Returns only the frames in `range`; without a range, all frames.
 //
 // Fails with ErrorCode::input if a folder cannot be read, if there is no frame, and if two files have the same number
 // (f_1.vdb and f_01.vdb).

@@ -130,7 +130,7 @@ std::string step_words(const Step& step) {
     case Remedy::try_value: return "try " + named;
     case Remedy::check: return fmt::format("check {}{}", all, reason);
     case Remedy::see: return "see " + one;
-    case Remedy::report: return "please report it with " + one;
+    case Remedy::report: return "please report it and include the output of " + one;
   }
   return "";
 }

@@ -25,8 +25,8 @@ enum class JsonDocument {
   table,
   verify,
 };
-// Returns the values of the member "schema". In a document that is an array, each element has this member; in a document
-// of lines, only the first line.
+// Returns the values of the member "schema". In a document that is an array, each element has this member; in a
+// document of lines, only the first line.
 constexpr auto words_of(JsonDocument /*type*/) {
   return std::array{Word{JsonDocument::bench, "isoextract/bench/1"},
                     Word{JsonDocument::check, "isoextract/check/1"},

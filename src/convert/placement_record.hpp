@@ -1,5 +1,6 @@
-// The placement record: one line of JSON in a mesh file with the changes from the input's world to the file's coordinates
-// (axes, unit, offset), so that readers can undo them. Mesh writers store it (mesh_io::MeshWriteOptions::placement).
+// The placement record: one line of JSON in a mesh file with the changes from the input's world to the file's
+// coordinates (axes, unit, offset), so that readers can undo them. Mesh writers store it
+// (mesh_io::MeshWriteOptions::placement).
 #pragma once
 
 #include <optional>
@@ -15,15 +16,15 @@
 
 namespace isoextract::convert {
 
-// Returns the placement that a mesh file without a record has: world coordinates with the axis `up` upward, turned from z
-// up to y up if `up` is z and the file format prescribes y up.
+// Returns the placement that a mesh file without a record has: world coordinates in which the axis `up` points up. They
+// are turned from z up to y up if `up` is z and the file format prescribes y up.
 [[nodiscard]] ResolvedPlacement default_placement(bool format_is_y_up, UpAxis up = UpAxis::z);
 
 // Returns the up axis in the output.
 [[nodiscard]] UpAxis output_up(const Placement& placement);
 
-// Returns `other` with the axis `up` upward in the output. Another program may have written a mesh of the same input with
-// another axis upward; this is then its placement.
+// Returns `other` with the axis `up` upward in the output. Another program may have written a mesh of the same input
+// with another axis upward; this is then its placement.
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no
@@ -41,7 +42,7 @@ namespace isoextract::convert {
 [[nodiscard]] std::string world_text(const ResolvedPlacement& resolved);
 
 // Applies `map` to the vertices of a mesh, which must have no normals, and to the attributes according to their kinds
-// (vectors turn, scalars stay). Reverses the winding of the triangles if `map` mirrors. Turns by right angles are exact.
+// (vectors turn, scalars stay). Reverses the winding if `map` mirrors. Turns by right angles are exact.
 void move_mesh(mesh::Mesh& mesh, const field::Affine& map, const std::vector<NamedKind>& attributes = {});
 
 }  // namespace isoextract::convert

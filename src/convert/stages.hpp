@@ -60,8 +60,8 @@ EditSurface measure_relaxing;  // runs while all vertices are still where relaxi
 EditSurface mark_bodies;       // assigns shells to bodies; runs before later stages may move one shell through another
 EditSurface smooth_surface;
 EditSurface simplify_surface;
-// Sets the mesh's material, colors the vertices by an attribute if the job asks for it, and then maps attributes to output
-// coordinates. Runs when the vertices are final.
+// Sets the mesh's material, colors the vertices by an attribute if the job asks for it, and then maps attributes to
+// output coordinates. Runs when the vertices are final.
 EditSurface color_surface;
 // Runs after all edits that change the mesh: it duplicates vertices for their normals, which makes boundary edges
 EditSurface shade_surface;

@@ -1,5 +1,5 @@
-// Facts about the work of a conversion: how many grids, bricks, samples, particles and the like it read, changed or left
-// out, and why. --explain prints them and the report lists them.
+// Facts about the work of a conversion: how many grids, bricks, samples, particles and the like it read, changed or
+// left out, and why. --explain prints them and the report lists them.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace isoextract::convert {
 
-// What a fact counts. The words are those of the JSON report; docs/schemas/report.schema.json lists them.
+// Subjects that facts count. The JSON report has the words; docs/schemas/report.schema.json lists them.
 enum class WorkTopic {
   grids,
   file_parts,

@@ -1,5 +1,5 @@
-// Files unpacked from a compressed file or an archive. Their bytes stay in memory; links in a temporary folder give them
-// paths that readers and child processes can open.
+// Files unpacked from a compressed file or an archive. Their bytes stay in memory; links in a temporary folder give
+// them paths that readers and child processes can open.
 #pragma once
 
 #include <cstddef>
@@ -55,8 +55,8 @@ class UnpackedFiles {
   Reservation memory_;
 };
 
-// Returns the files that were unpacked from `file` in its context or an enclosing one; null if there are none, or if the
-// file has changed since.
+// Returns the files that were unpacked from `file` in its context or an enclosing one; null if there are none, or if
+// the file has changed since.
 [[nodiscard]] std::shared_ptr<const UnpackedFiles> find_unpacked(const InputFile& file);
 // Keeps the files for as long as the context of `file` lives.
 void keep_unpacked(const InputFile& file, std::shared_ptr<const UnpackedFiles> unpacked);

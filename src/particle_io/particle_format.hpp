@@ -1,5 +1,5 @@
-// Options and descriptions of particle formats, and the list of formats. A new format needs a class in `formats`, derived
-// from ParticleFormat, the function that returns it (detail/particle_source.hpp), and a line in the list in
+// Options and descriptions of particle formats, and the list of formats. A new format needs a class in `formats`,
+// derived from ParticleFormat, the function that returns it (detail/particle_source.hpp), and a line in the list in
 // particle_format.cpp.
 #pragma once
 
@@ -52,7 +52,7 @@ struct ParticleFormatDescription {
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
   bool needs_extension = false;              // only the extension of the file name identifies the format
   bool is_plugin = false;                    // a plug-in reads it
-  // As in volume_io::FormatDescription:
+  // The same members as of volume_io::FormatDescription:
   std::string library = {};  // the reader's library: "HDF5"; empty for the program's own code
   std::string package = {};  // the Debian package that building the plug-in needs
   std::string plugin = {};   // path of the plug-in; empty if it is missing

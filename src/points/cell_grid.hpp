@@ -2,8 +2,8 @@
 // memory grows with the number of points, however far apart they are.
 //
 // A spot is a position with its points: one point or, with Coinciding::merged, several coincident ones. In a cell with
-// more than 32 points, all points at one position share a spot; in other cells only if no other point of the cell has an
-// index between theirs. So a search visits a million coincident points as one spot; memory and sorting grow with them.
+// more than 32 points, all points at one position share a spot; in other cells only if no other point of the cell has
+// an index between theirs. A search visits a million coincident points as one spot; memory and sorting still grow.
 //
 // The order depends on the points alone: by cell (x, then y, then z), then by index; with Coinciding::merged, in cells
 // with more than 32 points by position before index.
@@ -63,8 +63,8 @@ class CellGrid {
 
   [[nodiscard]] glm::ivec3 cell_at(const glm::dvec3& place) const { return glm::ivec3(glm::floor(place / side_)); }
 
-  // Calls f(first, last) for the occupied cells in the box [low, high]: one call for each run along z, in order. The run
-  // has the cells first to last - 1.
+  // Calls f(first, last) for the occupied cells in the box [low, high]: one call for each run along z, in order. The
+  // run has the cells first to last - 1.
   template <class F>
   void for_each_run(const glm::ivec3& low, const glm::ivec3& high, const F& f) const {
     const Column* const end = columns_.data() + column_count_;

@@ -71,7 +71,7 @@ TEST(Remedies, AreOneClauseAStep) {
   EXPECT_EQ(words(Remedy::check, Setting::clip, "a reason"), "check --clip NX,NY,NZ,D: a reason");
   EXPECT_EQ(words(Remedy::check, Setting::raw_layout), "check --dims NX,NY,NZ and --dtype TYPE");
   EXPECT_EQ(words(Remedy::see, Setting::devices), "see 'isoextract devices'");
-  EXPECT_EQ(words(Remedy::report, Setting::devices), "please report it with 'isoextract devices'");
+  EXPECT_EQ(words(Remedy::report, Setting::devices), "please report it and include the output of 'isoextract devices'");
   EXPECT_EQ(hint_text(Hint{"try again", {Remedy::use, Setting::cpu_backend}}),
             "try again; use --backend cpu, which needs no GPU");
   EXPECT_EQ(hint_text(Hint()), "");
