@@ -44,7 +44,7 @@ enum class WorkTopic {
   normals,
   normal_copies,
   error,
-  border_vertices,
+  border_vertices,  // vertices where rectangles of voxel faces meet the side of another
   caps,
 };
 constexpr auto words_of(WorkTopic /*type*/) {
