@@ -28,7 +28,7 @@ def comparison(figures):
                       number(row["wall"]["median"]), number(row["cpu"]["median"]), number(round(row["peak"]["median"])),
                       *(["", "", "", ""] if row is first else others)])
     columns = ["command", "triangles:", "cold, s:", "warm, s:", "processor time, s:", "peak, MiB:",
-               "first row to this, cold:", "warm:", "processor:", "peak:"]
+               "first row / this row, cold:", "warm:", "processor:", "peak:"]
     return f"## {title}\n\n{table(columns, lines)}\n"
 
 

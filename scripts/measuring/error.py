@@ -46,16 +46,20 @@ def page(measured):
                      f"{number(row['flat_normals']['rms_degrees'], 2)}°", percent(row["area_error"]), percent(row["volume_error"])])
     columns = ["method", "samples", "triangles:", "cold, ms:", "warm, ms:", "rms, voxels:", "max, voxels:",
                "smooth normals:", "flat normals:", "area:", "volume:"]
+    threads = max(row["threads"] for row in benchmark["rows"])
+    processes = len(next(row["cold_ms"] for row in benchmark["rows"] if "cold_ms" in row))
+    number_word = {3: "three"}.get(processes, processes)
     orders = [[f"`{order['method']}`", *(ratio(order[key]["slope"]) for key in
               ("position", "smooth_normals", "flat_normals", "area", "volume"))] for order in benchmark["orders"]]
     return f"""`isoextract bench` extracts a field of a known formula at several resolutions and measures every mesh against the formula.
 
 ![Error over run time for marching cubes and marching tetrahedra]({figures['plot']['file']})
 
-- **Cold** is the extraction of a process that made the samples and did nothing else, by the stages of a conversion's
-  report; the median of three processes. **Warm** is the median of {figures['repeats']} extractions after a first in one process, as the
-  picture shows it, also for one thread.
-- Errors are root mean squares but for *max*; of area and volume the relative error.
+- The table is for {threads} threads; the picture also shows one thread.
+- **Cold** is the time of the extraction in a process that has made the samples and nothing else, as the report of a conversion
+  states it: the median of {number_word} processes. **Warm** is the median of {figures['repeats']} extractions in one process, after a first
+  one that does not count; the picture shows warm times.
+- Errors of positions and normals are root mean squares, except *max*. Errors of area and volume are relative.
 
 {table(columns, rows)}
 

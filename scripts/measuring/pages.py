@@ -59,7 +59,7 @@ def page(measured):
 <!-- Made by `scripts/measure pages` from {name}.json. -->
 {QUICK if measured['quick'] else ''}
 {module.page(measured)}
-## Of when and where
+## When and where it was measured
 
 {header(measured)}"""
 

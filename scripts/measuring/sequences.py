@@ -132,8 +132,8 @@ def rows_of(part):
                number(round(row["peak"]["median"])), *(["", "", ""] if row is part["rows"][0] else others)]
 
 
-COLUMNS = ["what", "triangles:", "written, MiB:", "wall, s:", "frames a second:", "processor time, s:", "peak, MiB:",
-           "first row to this, wall:", "processor:", "peak:"]
+COLUMNS = ["what", "triangles:", "written, MiB:", "wall, s:", "frames per second:", "processor time, s:", "peak, MiB:",
+           "first row / this row, wall:", "processor time:", "peak:"]
 
 
 def vdb_page(part):
@@ -141,10 +141,10 @@ def vdb_page(part):
         return "## Files\n\nNot measured: the files or `vdb_tool` were not there.\n"
     return f"""## Files, beside `vdb_tool`
 
-{part['frames']} frames by links to the {len(part['files'])} files of a smoke simulation, {part['files'][0]} to {part['files'][-1]}, grid
-`density`, iso value 0.5, to PLY without normals. `vdb_tool` makes meshes of level sets only, so the files that both read
-are copies whose grids are called level sets; their samples are those of the originals. Its mesh has no adaptivity, and
-its quads count as two triangles.
+{part['frames']} frames, which are links to {len(part['files'])} files of a smoke simulation, {part['files'][0]} to {part['files'][-1]}: grid `density`,
+iso value 0.5, to PLY without normals. `vdb_tool` makes meshes of level sets only. So both programs read copies of the files
+that declare their grids to be level sets; the samples are the same. `vdb_tool` ran without adaptivity, and each of its
+quads counts as two triangles.
 
 {table(COLUMNS, rows_of(part))}
 """
@@ -162,24 +162,28 @@ def page(measured):
     cores = measured["threads"][0]
     alone = by_name["one frame at a time, on one thread"]["wall_first_to_this"]
     shared = by_name["one frame at a time, on all threads"]["wall_first_to_this"]
-    return f"""Wall time, processor time and the peak of memory of processes that convert many frames. All are warm: the median of
-{figures['rounds']} rounds in which the commands ran in turn, after one that is thrown away. A ratio is the median of the rounds' ratios,
-below 1 where the first row's figure was less. A peak is that of the largest process; below {number(figures['peak_floor'])} MiB, which the
-measuring process has itself, none can be told.
+    return f"""Wall time, processor time and peak memory of commands that convert many frames.
+
+- In the first two sections, times are warm: the median of {figures['rounds']} rounds. Each round runs all commands in turn; a first round
+  does not count. The last section is a single run.
+- The columns *first row / this row* compare each command with that of the first row. They are the median of the rounds'
+  ratios; below 1, the first row is faster or needs less memory.
+- *Peak* is the largest memory of one process. A peak below {number(figures['peak_floor'])} MiB, which the measuring process needs itself, shows as
+  that number.
 
 ## Frames side by side
 
-{demo['frames']} frames of a demo field of {size}³ samples to GLB, on {cores} cores, with `--memory-limit {demo['memory_limit']}`: {cores} frames
-at a time, each on one thread, take {number(1 / alone)} times less wall time than one at a time on one thread, and {number(1 / shared)} times less
-than one at a time on all threads.
+{demo['frames']} frames of a demo field of {size}³ samples to GLB, on {cores} cores, with `--memory-limit {demo['memory_limit']}`. {cores} frames at a time,
+each on one thread, are {number(1 / alone)} times as fast as one frame at a time on one thread, and {number(1 / shared)} times as fast as one frame
+at a time on all threads.
 
 {table(COLUMNS, rows_of(demo))}
 
 {vdb_page(figures['vdb'])}
 ## {number(tiny['frames'])} small frames
 
-A sphere of 16³ samples a frame: {number(tiny['frames'] / tiny['wall'])} frames a second, in {number(tiny['wall'])} s. Resident memory and open files
-of the process, as `/proc` told them {number(tiny['samples'])} times, every {number(tiny['every'])} s:
+A sphere of 16³ samples in each frame: one run took {number(tiny['wall'])} s, {number(tiny['frames'] / tiny['wall'])} frames per second. The table has the
+resident memory and the open files of the process, which were read from `/proc` every {number(tiny['every'])} s, {number(tiny['samples'])} times:
 
-{table(["what", "first quarter of the run:", "at most:", "last quarter:", "at most:", "last to first:"], watched)}
+{table(["what", "first quarter, median:", "first quarter, most:", "last quarter, median:", "last quarter, most:", "last / first, median:"], watched)}
 """

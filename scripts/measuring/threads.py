@@ -56,27 +56,38 @@ def size_rows(figures):
         before = (bytes_of, cold, warm)
 
 
+def processes(row):
+    count = len(row["cold_ms"])
+    return "one process" if count == 1 else f"median of {({3: 'three'}).get(count, count)} processes"
+
+
 def page(measured):
     figures = measured["figures"]
-    threads = table(["input", "threads:", "cold, ms:", "warm, ms:", "times faster than one, cold:", "warm:"],
+    threads = table(["input", "threads:", "cold, ms:", "warm, ms:", "speed-up over 1 thread, cold:", "speed-up, warm:"],
                     thread_rows(figures))
     sizes = table(["input", "bytes, MiB:", "cold, ms:", "warm, ms:", "bytes, times:", "cold, times:", "warm, times:"],
                   size_rows(figures))
-    return f"""isoextract alone, marching cubes, by `build/bench/extraction_benchmark --self`.
+    cold_of_threads = processes(figures["threads"][0][0])
+    cold_of_sizes = processes(figures["sizes"][0])
+    cores = max(measured["threads"])
+    return f"""How marching cubes of isoextract speeds up with more threads, and slows down with larger volumes.
+`build/bench/extraction_benchmark --self` measures the extraction alone, from samples in memory to a mesh in memory.
 
-**Cold** is the first extraction of a process that made the samples and did nothing else, **warm** the median of the rounds
-after it.
+- **Cold** is the first extraction of a process that has made the samples and nothing else.
+- **Warm** is the median of the extractions after the first one in a process.
 
 ## Threads
 
-All numbers of threads in the same {figures['rounds']} rounds; the warm ratio is the median of each round's, cold times are of
-processes with that number alone.
+- Cold times are the {cold_of_threads}, each with one number of threads.
+- Warm times are of one process, which ran each number of threads in each of {figures['rounds']} rounds. The warm speed-up is the median of
+  the rounds' speed-ups.
 
 {threads}
 
 ## Size
 
-All threads. Bytes are those of the samples, each read once, and of the mesh; *times* is from the size above.
+The program ran on {cores} threads; cold times are of {cold_of_sizes} for each size. *Bytes* are the sizes of the samples and of
+the mesh together. *Times* is the figure divided by that of the row above.
 
 {sizes}
 """

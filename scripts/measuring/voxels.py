@@ -55,7 +55,7 @@ def measure(setting):
 
 
 def rows_table(rows):
-    return table(["", "triangles:", "vertices:", "cold, ms:", "median, ms:", "first row to this:"],
+    return table(["", "triangles:", "vertices:", "cold, ms:", "median, ms:", "first row / this row:"],
                  [[row["way"], number(row["triangles"]), number(row["vertices"]), number(row["ms"][0]),
                    number(median(row["ms"])), ratio(median(rows[0]["ms"]) / median(row["ms"]))] for row in rows])
 

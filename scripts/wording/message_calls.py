@@ -52,11 +52,35 @@ def arguments(tokens, start):
     return found
 
 
+NUMBERS = ({"is", "are"}, {"has", "have"}, {"was", "were"}, {"does", "do"})  # singular and plural of verbs
+
+
+def chosen_word(tokens):
+    """One word of `condition ? "is" : "are"` or `"need" : "needs"`, so that the page has verbs; … for other expressions."""
+    branches = "".join(tokens).rpartition("?")[2].split(":") if "?" in tokens else []
+    words = [found[1] for found in (re.fullmatch(r'"([a-z ]*)"', branch) for branch in branches) if found]
+    same_but_number = len(words) == 2 and (words[0].strip() + "s" == words[1].strip() or
+                                           words[1].strip() + "s" == words[0].strip() or set(words) in NUMBERS)
+    return max(words, key=len) if same_but_number else "…"
+
+
+def format_pattern(args):
+    """The text of fmt::format, with … for the arguments that are known only at run time."""
+    values = iter(args[1:])
+
+    def replaced(found):
+        if found[0] in ("{{", "}}"):
+            return found[0][0]
+        value = next(values, [])
+        return chosen_word(value) if found[0] == "{}" else "…"
+
+    return re.sub(r"\{\{|\}\}|\{[^{}]*\}", replaced, pattern(args[0]))
+
+
 def pattern(tokens):
     """The text of an expression: its literals, with … for everything else. Empty if it has no literal."""
     if tokens[:1] == ["fmt::format"]:
-        tokens = arguments(tokens, 1)[0]
-        return re.sub(r"\{\{|\}\}|\{[^{}]*\}", lambda found: {"{{": "{", "}}": "}"}.get(found[0], "…"), pattern(tokens))
+        return format_pattern(arguments(tokens, 1))
     if tokens[:1] == ["std::string"] and tokens[1:2] == ["("]:
         return pattern(arguments(tokens, 1)[0])
     parts, operand, depth = [], [], 0
@@ -80,8 +104,19 @@ def pattern(tokens):
     return out
 
 
+def name_of(option):
+    """--grid of --grid NAME, :volume= of :volume=K."""
+    if option.startswith(":"):
+        return option[:option.find("=") + 1]
+    return option.split(" ")[0] if option.startswith("--") else option
+
+
+def listed(options, last_word):
+    return f"{', '.join(options[:-1])} {last_word} {options[-1]}" if len(options) > 1 else options[0]
+
+
 class Hints:
-    """Words of hints, by cli/remedies.cpp."""
+    """Words of hints, as cli/remedies.cpp prints them where the command has all options."""
 
     def __init__(self, root):
         source = (root / "src/cli/remedies.cpp").read_text()
@@ -93,9 +128,6 @@ class Hints:
         for header in sorted((root / "src").rglob("*.hpp")):
             for name, literals in re.findall(r'constexpr const char\* (k\w+) =\s*((?:"(?:[^"\\]|\\.)*"\s*)+);', header.read_text()):
                 self.constants[name] = joined(literals)
-        self.verbs = {"raise": "give a larger", "lower": "give a smaller", "give": "give", "choose": "choose one with",
-                      "change": "choose another", "leave_out": "leave out", "use": "use", "set": "use", "try_value": "try",
-                      "check": "check", "see": "see", "report": "please report it with"}
 
     def words(self, tokens):
         """The hint that an argument makes; empty if it is known only at run time."""
@@ -108,20 +140,36 @@ class Hints:
         args = arguments(tokens, 0)
         if args and args[0] and args[0][0].startswith("Remedy::"):
             return self.step(args)
-        return ", or ".join(filter(None, (self.words(arg) for arg in args if arg)))
+        return "; ".join(filter(None, (self.words(arg) for arg in args if arg)))
 
     def step(self, args):
+        """As step_words() of cli/remedies.cpp."""
         remedy = args[0][0].removeprefix("Remedy::")
         setting = args[1][0].removeprefix("Setting::") if len(args) > 1 else ""
-        if setting not in self.settings or remedy not in self.verbs:
+        if setting not in self.settings:
             return ""
         options, note = self.settings[setting]
-        value = self.words(args[2]) if remedy in ("set", "try_value") and len(args) > 2 else ""
-        if value.strip("… "):
-            return f"{self.verbs[remedy]} {re.split('[ =]', options[0])[0]} {value}"
-        both = " and " if remedy in ("give", "leave_out", "check") else " or "
-        shown = options if len(options) < 3 else [*options[:2], "…"]
-        return f"{self.verbs[remedy]} {both.join(shown)}{note}"
+        text = self.words(args[2]) or "…" if len(args) > 2 and args[2] else ""
+        name, names = name_of(options[0]), [name_of(option) for option in options]
+        value = re.split("[ =]", options[0])[-1]
+        one, every = listed(options, "or") + note, listed(options, "and")
+        named = name + ("" if name.endswith("=") else " ") + text
+        reason = f": {text}" if text else ""
+        leaving = f"leave {names[0]} out" if len(names) == 1 else f"leave out {listed(names, 'and')}"
+        return {
+            "raise": f"give a larger {one}",
+            "lower": f"give a smaller {one}",
+            "give": f"give {every}{note}{reason}",
+            "choose": f"choose one of them with {one}" + (f", {value} {text}" if text else ""),
+            "change": f"choose another {one}" + (f" {text}" if text else ""),
+            "leave_out": leaving + reason,
+            "use": f"use {one}",
+            "set": f"use {named}",
+            "try_value": f"try {named}",
+            "check": f"check {every}{reason}",
+            "see": f"see {one}",
+            "report": f"please report it and include the output of {one}",
+        }[remedy]
 
 
 def errors_of(room, source, hints):
@@ -147,7 +195,7 @@ def errors_of(room, source, hints):
             continue
         if not rest or not rest[0]:
             continue
-        text = pattern(rest[0])
+        text = re.sub("……+", "…", pattern(rest[0]))
         if text.strip("…:, '"):
             hint = hints.words(rest[1]) if len(rest) > 1 and rest[1] else ""
             yield MessageError(room, text, EXIT_CODES[code], {hint} if hint.strip("… ") else set())

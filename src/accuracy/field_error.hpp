@@ -1,10 +1,10 @@
 // Measures how far a mesh is from the isosurface of its data, and the isosurface from the mesh.
 //
-// Every distance is to the nearest point. The program extracts the isosurface of the interpolant again, brick by brick,
-// on cells divided into subcells (detail/subdivided_surface.hpp). From a point of the mesh, the search finds the
-// nearest triangle of this extraction, then the nearest point of the isosurface itself. If the nearest point may lie
-// outside the brick and its margin, the search uses the isosurface of all data, in whole cells. In the other direction,
-// several isosurface points in each cell are measured to the nearest triangle of the mesh.
+// Distances are to the nearest point, except FieldError::storage. From a point of the mesh, the program searches along
+// the gradient (detail/gradient_search.hpp). If that may miss the nearest point, it finds the nearest triangle of the
+// isosurface, then the nearest point of the isosurface itself. For this, it extracts the isosurface again: brick by
+// brick on cells divided into subcells (detail/subdivided_surface.hpp), and of all data on undivided cells. In the
+// other direction, several isosurface points in each cell are measured to the nearest triangle of the mesh.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace isoextract::accuracy {
 
 struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // its isosurface is the reference
-  // Set if the mesh was extracted from a grid that resample() made of the field.
+  // The grid that the mesh was extracted from, if it was made from the field by resampling or blurring; else null.
   const field::ScalarField* grid = nullptr;
   bool vertices_on_edges = true;  // MethodTraits::vertices_on_edges; if false, FieldError::storage is not measured
   CapPlanes caps = {};
@@ -35,23 +35,23 @@ struct FieldErrorOptions {
 struct FieldError {
   field::Interpolation interpolation = field::Interpolation::trilinear;
   // Distances from the mesh to the isosurface, weighted by area. Triangles with a side longer than 1.75 voxels are
-  // divided into parts; each triangle or part is measured at seven points inside it (detail/quadrature.hpp). The
-  // maximum includes the vertices.
+  // divided into smaller ones; each triangle is measured at seven points inside it (detail/quadrature.hpp). The maximum
+  // includes the vertices.
   ErrorStatistics interior;
   ErrorStatistics vertices;  // at the vertices, equally weighted
 
   // Error of storing positions: distances of the vertices on axis-aligned grid edges from the isosurface of the
-  // trilinear interpolant, on which the exact crossings lie. So it contains only the rounding to float32 and the shift
-  // of vertices away from the ends of their edges (extract/edge_geometry.hpp). Vertices of marching tetrahedra on
-  // diagonals are in `vertices` only. Has no points if the mesh comes from another grid, or if the method has no
-  // vertices on edges.
+  // trilinear interpolant, on which the exact crossings lie, by the search along the gradient alone. It contains only
+  // the rounding to float32 and the shift of vertices away from the ends of their edges (extract/edge_geometry.hpp).
+  // Vertices of marching tetrahedra on diagonals are in `vertices` only. Has no points if the mesh comes from another
+  // grid, or if the method has no vertices on edges.
   ErrorStatistics storage;
 
   // Triangles that were not measured: caps at the data boundary and in clip planes, and triangles beyond the outermost
   // samples.
   std::uint64_t cap_triangles = 0;
 
-  int parts = 0;  // parts of a cell along each axis
+  int parts = 0;  // subcells of a cell along each axis
   // From the isosurface to the mesh. Absent if the region contains no whole cell of the field.
   std::optional<SurfaceCoverage> coverage;
 };
@@ -64,8 +64,8 @@ struct FieldError {
                                                      const extract::ExtractOptions& extracted,
                                                      const FieldErrorOptions& options, const Context& context);
 
-// Returns the least memory that measure_field_error() needs beside the mesh and the field, for a mesh and an isosurface
-// (in whole cells) of these sizes.
+// Returns the least memory that measure_field_error() needs beside the mesh and the field. `surface_triangles` is the
+// size of the isosurface extracted on undivided cells.
 [[nodiscard]] std::uint64_t field_error_bytes(const field::ScalarField& field, std::uint64_t mesh_triangles,
                                               std::uint64_t surface_triangles);
 

@@ -1,9 +1,9 @@
 // Distances between two meshes: maximum (Hausdorff), root mean square, mean and 99th percentile.
 //
-// The distance from A to B is that of the point of A farthest from B, anywhere on A's triangles. Branch and bound
-// (mesh/distance_bound.hpp) gives an interval that contains it, up to rounding in double. The other figures come from
-// samples spread over the area of A. A triangle of A that B also has, with exactly the same corners, is at distance 0.
-// So meshes with the same triangles, in any order, are exactly 0 apart.
+// The maximum from A to B is the distance of the point of A that is farthest from B, anywhere on A's triangles. Branch
+// and bound (mesh/distance_bound.hpp) gives an interval that contains it, up to rounding in double. The other figures
+// come from samples spread over the area of A. A triangle of A that B also has, with exactly the same corners, is at
+// distance 0. So meshes with the same triangles, in any order, are exactly 0 apart.
 //
 // All computations use the stored positions in double; the meshes may have different origins. Results do not depend on
 // the number of threads.
@@ -20,10 +20,10 @@
 namespace isoextract::accuracy {
 
 struct DistanceOptions {
-  // The interval may be as wide as this fraction of its lower end, plus MeshDistance::resolution. Must be above 0. The
-  // interval is wider if a triangle needs too many steps.
+  // Largest width of the interval [max_lower, max_upper], as a fraction of max_lower; MeshDistance::resolution comes on
+  // top. Above 0. The interval is wider if a triangle needs too many steps.
   double tolerance = 0.01;
-  // An upper end of the interval up to this distance is always accepted, however wide the interval is.
+  // The search also ends once max_upper is at most this distance, however wide the interval is.
   double enough = 0;
   std::uint64_t samples = 1 << 18;  // in each direction; 0 leaves rms, mean and percentile at 0
 };

@@ -1,6 +1,6 @@
-// Notes: facts about a result that the user may not expect. They are not errors. The libraries that `cli` uses create
-// notes, and `cli` prints them as "isoextract: note[ID]: TEXT". `cli/note_guide.hpp` tells the cause and the remedy of
-// each id.
+// Notes: facts about a result that the user may not expect. They are not errors.
+// All rooms create notes; only `cli` prints them, as "isoextract: note[ID]: TEXT".
+// `cli/note_guide.hpp` tells the cause and the remedy of each id.
 #pragma once
 
 #include <array>
@@ -52,10 +52,10 @@ enum class NoteId {
   labels_empty,
   labels_lost,
   level_set_interpolated,
-  means_not_possible,
+  means_not_possible,  // the volume is too large to resample by averages, so the program interpolates
   nan_attribute,
   nan_samples,
-  no_data,
+  no_data,  // how many samples have the no-data value and become NaN
   particle_radius,
   particles_left_out,
   periodic_box,
@@ -70,7 +70,7 @@ enum class NoteId {
   error_not_measured,
   faces_not_merged,
   iso_chosen,
-  labels_part,
+  labels_part,  // an edit changes each label's mesh separately, so neighbors no longer share their faces
   many_components,
   no_surface,
   open_components_kept,
@@ -188,8 +188,8 @@ constexpr auto words_of(NoteId /*type*/) {
   };
 }
 
-// One note. The text is one sentence without its full stop; text from files is printable, and below `cli` it names no
-// option.
+// One note. The text is one sentence without its full stop.
+// Text that comes from files is made printable. Only notes that `cli` creates name options.
 struct Note {
   NoteId id = NoteId::no_effect;
   std::string text;

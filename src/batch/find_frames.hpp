@@ -1,6 +1,7 @@
-// Finds the frames of a run in the inputs that were given: the number and the input of each frame. Reads folders. Opens
-// no file, except two of a pattern or folder of pictures, and one in a folder without volumes and particles, to name
-// its format in the error.
+// Finds the frames of a run among its inputs: the number and the input of each frame. Lists folders. Opens few files:
+//   - of a pattern or folder of pictures two, to see whether they are slices of one volume;
+//   - of a folder up to 32 for each plug-in's format, to see whether it is one volume (volume_io::is_volume_folder());
+//   - of a folder without volumes, particles and pictures one, to name its format in the error.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ namespace isoextract::batch {
 struct Frame {
   std::int64_t number = 0;
   std::string input;  // a path or demo:NAME, as read_volume() takes it
-  // Not set by find_frames(): the volume or frame of particles in `input`, if those are the frames, and its moment.
+  // Not set by find_frames(). If one file holds several frames: the index of the volume or of the frame of particles in
+  // it, and the time of that frame.
   std::optional<std::int64_t> volume;
   particle_io::FrameTime time = {};
 
@@ -40,16 +42,19 @@ struct Frames {
 //   demo:NAME     with a pattern in it: one input for each number of `range`, which is then required
 //   a folder      its files with an extension of a volume format (else of a particle format, else of pictures), but no
 //                 hidden files: one sequence, or files that are no sequence, in natural order
-//   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()) is one frame, whose input it is;
-//                 with `pictures_are_frames` each picture is a frame
-//   other files   as shells expand them; a missing file is a frame too, and fails when it is read
+//   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, whose input is the
+//                 pattern or folder; with `pictures_are_frames` each picture is a frame
+//   other files   a list of paths, one frame each; a missing file is a frame too, which fails when it is read
 //
-// Files are numbered by the only group of digits in which their names differ (detail/sequences.hpp). Without such a
-// group they are numbered 1 to n, with a note: by the only decimal number in which they differ
-// (detail/decimal_names.hpp), else in their order. A single file has the last number in its name, else 1.
+// Numbers of the frames:
+//   - If the names differ only in one decimal number (detail/decimal_names.hpp), the frames are numbered 1 to n by its
+//     value, with a note: t_0.25 is 1 and t_0.5 is 2.
+//   - Otherwise, if they differ in one group of digits (detail/sequences.hpp), that group is the number.
+//   - Otherwise they are numbered 1 to n in their order, with a note.
+//   - A single file has the last number in its name, else 1.
 //
-// If all frame numbers are multiples of a step apart (1, 3, 7), only numbers at this step count as gaps (5). Takes only
-// the frames in `range`, or all frames without a range.
+// Gaps are counted at the largest step that divides all differences of the frame numbers: 1, 3 and 7 have the step 2,
+// so only 5 is missing. Returns only the frames in `range`; without a range, all frames.
 //
 // Fails with ErrorCode::input if a folder cannot be read, if there is no frame, and if two files have the same number
 // (f_1.vdb and f_01.vdb).

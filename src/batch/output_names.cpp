@@ -160,8 +160,8 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   }
   if (all_labels && names.uses(OutputWord::iso)) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: {{iso}} in the output name needs a list of labels, found all labels: the run chooses "
-                            "file names before it reads the labels",
+                fmt::format("{}: {{iso}} in the output name does not work with all labels: the run chooses the file "
+                            "names before it reads the labels",
                             label_of_source(source)),
                 "list the labels, which 'isoextract info' shows, or write all into a glb");
   }

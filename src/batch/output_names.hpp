@@ -19,7 +19,7 @@ struct OutputSource {
   std::string input;
   std::string grid;                      // the chosen grid; empty if none was chosen
   std::vector<convert::IsoChoice> isos;  // without duplicates
-  bool alone = false;                    // the run has no other conversion, so messages need no frame number
+  bool alone = false;                    // the run's only conversion, so messages need no frame number
   // Further grids of this conversion; each gets a file if the name contains {grid}.
   std::vector<std::string> more_grids = {};
   std::optional<std::int64_t> step = {};  // of a frame of particles
@@ -30,8 +30,8 @@ struct OutputSource {
 // A file that a run reads or writes besides the inputs and outputs of its conversions.
 struct NamedFile {
   std::string path;
-  // Text for messages. Files of OtherFiles::read have a clause, "has the options"; files of OtherFiles::written have a
-  // noun, "the table".
+  // Text for messages: in OtherFiles::read the rest of a sentence about the file ("has the options"), in
+  // OtherFiles::written a noun ("the table").
   std::string what;
   Hint hint = {};  // for a file that is written, how to choose another name
 
@@ -76,21 +76,21 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
                                                                       mesh_io::MeshFormat format,
                                                                       std::string_view extension);
 
-// Checks that no two outputs are one file (except devices), that no output is also read, and that no output has the
-// name of a manifest. `outputs` are those of `sources`; `others` are checked together with them. Files are compared by
-// location after links are resolved (files::is_same_output). For formats with two files (.gltf and .bin), both are
-// checked.
+// Checks that no two outputs are one file (except devices such as /dev/null), that no output is also read, and that no
+// output has the name of a manifest. `outputs` are those of `sources`; `others` are checked together with them. Files
+// are compared by files::LocationKeys: one file under two names counts as one. For formats with two files (.gltf and
+// .bin), both are checked.
 //
 // Refuses names with {piece} if two bodies could get the same name, or if a body could get the name of an input or of a
 // file in `others.written`. Does not cover data files that an input's header names: convert::check_mesh_files() does.
 //
 // Fails with ErrorCode::usage; the message names the file and the frames or options that would write it. Takes O(n log
-// n) time and two file system queries for each file.
+// n) time.
 [[nodiscard]] Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
                                          mesh_io::MeshFormat format, const OtherFiles& others = {});
 
 // Returns the input's name without folder and extension: "a" for dir/a.nii.gz, "sphere" for demo:sphere?size=9, "stdin"
-// for standard input.
+// for standard input. For a pattern of slices, returns what stands before the number: "slice" for slice_{:03}.png.
 [[nodiscard]] std::string stem_of(const std::string& input);
 
 }  // namespace isoextract::batch

@@ -33,7 +33,8 @@ struct ShardChoice {
 
 // Returns the shard that a job scheduler's environment variables give to this process. Supports Slurm arrays
 // (SLURM_ARRAY_TASK_ID, _MIN, _COUNT, _STEP) and indexed jobs of Kubernetes (JOB_COMPLETION_INDEX, with
-// JOB_COMPLETIONS, which the author of the job must set). `get` is std::getenv.
+// JOB_COMPLETIONS, which the author of the job must set). `get` returns the value of a variable, or null if it is not
+// set, as std::getenv() does.
 //
 // Returns nullopt without such variables. Fails with ErrorCode::usage if the count is missing, a variable is no whole
 // number, or the variables are inconsistent. Call only for --shard auto: array tasks that each convert a whole

@@ -43,8 +43,8 @@ struct MeshCheck {
 // number of threads. Fails if the working memory exceeds the budget, or with ErrorCode::cancelled.
 [[nodiscard]] Result<MeshCheck> check_mesh(const mesh::Mesh& mesh, const Context& context);
 
-// Merges all vertices with equal coordinates into the first of them, which keeps its attributes. Fails as check_mesh()
-// does.
+// Merges all vertices with equal coordinates into the first of them, which keeps its attributes. Fails if the working
+// memory exceeds the budget; cannot be cancelled.
 [[nodiscard]] Result<void> weld_coincident_vertices(mesh::Mesh& mesh, const Context& context);
 
 // Returns why the mesh does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. A mesh

@@ -12,8 +12,8 @@ namespace isoextract::cli {
 // Formats rows as aligned columns, one line each: the first `left` columns left-aligned, the others right-aligned.
 [[nodiscard]] std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std::size_t left);
 
-// Returns text for a terminal: the rows, the notes, the orders of convergence (if there are two sizes or more besides
-// the truth), the times of the GPU's steps, the Pareto front.
+// Returns text for a terminal: the rows, the notes, the orders of convergence, the times of the GPU's steps, the Pareto
+// front. Orders need two sizes or more, not counting the size that the others are compared with.
 [[nodiscard]] std::string bench_table(const bench::BenchResult& result, int repeats);
 
 // Returns a header line and one line per row, without the times of the GPU's steps; unknown cells are empty. RFC 4180

@@ -1,4 +1,5 @@
-// All formats that the program reads and writes, for `isoextract formats` and the help.
+// Lists the formats of volumes, particles and meshes that the program reads and writes, and the compressed files and
+// archives that it unpacks, for `isoextract formats` and the help.
 #pragma once
 
 #include <array>
@@ -18,18 +19,18 @@ constexpr auto words_of(FormatUse /*type*/) {
 
 struct ListedFormat {
   FormatUse use = FormatUse::read_volume;
-  std::string id;     // for --input-format or --format
+  std::string id;     // the value of --input-format, --format or an option like them: "vdb"
   std::string title;  // one line for users
   std::vector<std::string> extensions;
   std::string library = {};  // the library of the code that reads or writes it; empty for the program's own
   bool is_plugin = false;
   std::string plugin = {};   // path of the plug-in; empty if it is missing
-  std::string package = {};  // Debian's, with which the plug-in is built; may be empty
+  std::string package = {};  // the Debian package that building the plug-in needs; may be empty
 
   [[nodiscard]] bool is_there() const { return !is_plugin || !plugin.empty(); }
 };
 
-// Returns the formats by use, and in each by their order of detection or display.
+// Returns the formats in the order of FormatUse. Formats to read are in the order in which the program tries them.
 [[nodiscard]] std::vector<ListedFormat> list_formats();
 
 }  // namespace isoextract::cli

@@ -374,7 +374,7 @@ convert::Json json_of(const InputReport& report) {
     json["component"] = report.component->number ? convert::Json(*report.component->number) : "length";
   json["particles"] = report.particles ? json_of(*report.particles) : convert::Json(nullptr);
   json["field"] = report.field ? json_of(*report.field) : convert::Json(nullptr);
-  if (report.error) json["error"] = {{"message", report.error->message}, {"hint", words_of(report.error->hint)}};
+  if (report.error) json["error"] = {{"message", report.error->message}, {"hint", hint_text(report.error->hint)}};
   return json;
 }
 

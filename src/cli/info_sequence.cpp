@@ -143,7 +143,7 @@ convert::Json json_of(const SequenceReport& report) {
                       {"min", convert::optional_json(frame.min)},
                       {"max", convert::optional_json(frame.max)},
                       {"iso", convert::optional_json(frame.iso)}};
-    if (frame.error) one["error"] = {{"message", frame.error->message}, {"hint", words_of(frame.error->hint)}};
+    if (frame.error) one["error"] = {{"message", frame.error->message}, {"hint", hint_text(frame.error->hint)}};
     frames.push_back(std::move(one));
   }
   const auto range = range_of(report, &FrameSummary::min, &FrameSummary::max);

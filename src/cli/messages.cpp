@@ -61,7 +61,7 @@ std::string Messages::colored(std::string_view word, std::string_view color) con
 
 void Messages::error(const Error& error) const {
   log_->error("isoextract: {} {}", colored("error:", kRed), printable(error.message));
-  const std::string hint = words_of(error.hint);
+  const std::string hint = hint_text(error.hint);
   if (!hint.empty()) log_->error("  {} {}", colored("hint:", kCyan), printable_lines(hint));
 }
 

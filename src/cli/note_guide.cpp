@@ -23,9 +23,9 @@ constexpr std::array kGuide{
               "The table writes decimals with commas, so the reader does not take commas as separators.",
               "Check the number of particles; if it is wrong, write decimals with points."},
     NoteGuide{element_radii,
-              "The file does not state what --radii needs: the names of atoms give their elements, or the radii are in "
-              "angstrom because the file states no unit of length.",
-              "Write a column element into the file, or give its unit with --unit."},
+              "The file has no elements, so --radii takes them from the names of the atoms. Or the file states no unit "
+              "of length, so --radii takes it to be angstrom.",
+              "Write a column element into the file. Give the file's unit with --unit."},
     NoteGuide{extra_bytes, "The file is longer than its header says; the reader ignores the rest.",
               "Check --dims, --dtype and --skip for raw files. Otherwise the file may be damaged."},
     NoteGuide{format_not_by_name, "The content or --format says another format than the name of the file.",
@@ -79,10 +79,11 @@ constexpr std::array kGuide{
     NoteGuide{attribute_placement, "The volume of an attribute has another placement than the input.",
               "Check that both volumes are in the same world coordinates."},
     NoteGuide{attribute_renamed, "The format does not allow the name of an attribute.", ""},
-    NoteGuide{cell_size,
-              "The samples are closer together than usual to keep small spheres, or the surface will leave out spheres "
-              "that are too small for the cells.",
-              "Give --cell-size to choose the distance; the note says which one keeps all spheres."},
+    NoteGuide{
+        cell_size,
+        "The samples are closer together than usual, to keep small spheres. Or some spheres are too small for the "
+        "given distance, so the surface leaves them out.",
+        "Give --cell-size to choose the distance of the samples; the note says which one keeps all spheres."},
     NoteGuide{color_range,
               "A first pass over all frames found the range of the colors, so that equal colors mean equal values.",
               "Give --color-by NAME:MAP:MIN,MAX to choose the range, and to save the pass."},
@@ -166,7 +167,8 @@ constexpr std::array kGuide{
     NoteGuide{flat_normals, "Flat normals in glTF need three vertices for each triangle.", "Use --normals none."},
     NoteGuide{frames_kept, "Some frames of the simulation exist already; the program does not overwrite them.",
               "To write them again, delete them or leave --no-clobber out."},
-    NoteGuide{frames_move, "--center moves each frame by its own center.", "Give --roi, the same for all frames."},
+    NoteGuide{frames_move, "--center moves each frame by its own center, so the frames shift against each other.",
+              "Give --roi: its center is the same for all frames."},
     NoteGuide{length_unit, "Lengths are in another unit than the format prescribes, or in several units.",
               "Give --unit file, which writes glTF in meters, or --to-unit."},
     NoteGuide{memory_unknown, "The program cannot estimate the memory of a frame.", ""},
@@ -190,7 +192,7 @@ constexpr std::array kGuide{
               "Use --center, or move the volume nearer to the origin."},
     NoteGuide{several_files, "The animation is larger than a .glb can be, so it is in several files.", ""},
     NoteGuide{shard,
-              "The environment has the number of a shard, but the run converts all frames; or a table, plot or page "
+              "The environment has the number of a shard, but the run converts all frames. Or a table, plot or page "
               "covers one shard only.",
               "To convert one shard, give --shard auto. To get a table, plot or page of all frames, run 'isoextract "
               "merge', then the command with --resume and without --shard."},

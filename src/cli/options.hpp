@@ -1,4 +1,5 @@
-// Includes the options of all commands that have plans.
+// Includes all headers in cli/options: the options of the commands that check a plan before they work
+// (planned_command.hpp).
 #pragma once
 
 #include "cli/options/convert.hpp"

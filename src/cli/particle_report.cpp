@@ -118,7 +118,7 @@ void add_attributes(NamedLines& lines, const std::vector<AttributeRange>& ranges
 void add_field(NamedLines& lines, const ParticleReport& report) {
   const points::MethodInfo& method = points::method_info(report.method);
   if (report.no_field) {
-    const std::string hint = words_of(report.no_field->hint);
+    const std::string hint = hint_text(report.no_field->hint);
     lines.add("field", fmt::format("none: {}{}", report.no_field->message, hint.empty() ? "" : "; " + hint));
     return;
   }
@@ -287,7 +287,7 @@ convert::Json json_of(const ParticleReport& report) {
                      {"seconds", report.field_seconds}};
   }
   if (report.no_field) {
-    json["no_field"] = {{"message", report.no_field->message}, {"hint", words_of(report.no_field->hint)}};
+    json["no_field"] = {{"message", report.no_field->message}, {"hint", hint_text(report.no_field->hint)}};
   }
   json["notes"] = convert::json_of_notes(report.notes);
   return json;

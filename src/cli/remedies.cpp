@@ -130,7 +130,7 @@ std::string step_words(const Step& step) {
     case Remedy::try_value: return "try " + named;
     case Remedy::check: return fmt::format("check {}{}", all, reason);
     case Remedy::see: return "see " + one;
-    case Remedy::report: return "please report it with " + one;
+    case Remedy::report: return "please report it and include the output of " + one;
   }
   return "";
 }
@@ -139,7 +139,7 @@ std::string step_words(const Step& step) {
 
 void set_options_of_hints(std::vector<std::string> names) { known_options() = std::move(names); }
 
-std::string words_of(const Hint& hint) {
+std::string hint_text(const Hint& hint) {
   std::vector<std::string> steps;
   for (const Step& step : hint.steps) {
     if (std::string words = step_words(step); !words.empty()) steps.push_back(std::move(words));

@@ -1,4 +1,4 @@
-// Turns hints into text. Only this file knows which options a Setting stands for.
+// Turns hints into text. Only remedies.cpp knows which options a Setting stands for.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace isoextract::cli {
 
-// Returns, for example, "give a larger --memory-limit SIZE if the machine has the memory". Leaves out options that the
-// command lacks, and steps of which no option is left; empty if no step is left.
-[[nodiscard]] std::string words_of(const Hint& hint);
+// Returns, for example, "give a larger --memory-limit SIZE if the machine has the memory". Leaves out the options that
+// the running command does not have, and steps without a remaining option. Returns an empty text if no step remains.
+[[nodiscard]] std::string hint_text(const Hint& hint);
 
-// Sets the options that words_of() may name: those of the running command, with their dashes ("--grid"). Without a call
-// it may name all. Not thread-safe: call before the work.
+// Sets the options that hint_text() may name: those of the running command, with their dashes ("--grid"). Before the
+// first call it may name all. Not thread-safe: call it before the work starts.
 void set_options_of_hints(std::vector<std::string> names);
 
 }  // namespace isoextract::cli

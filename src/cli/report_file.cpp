@@ -17,7 +17,7 @@ Result<void> check_report_file(const std::string& path, const convert::Conversio
 
 Result<void> write_report(const std::string& path, const convert::ConversionJob* job, const convert::Outcome& outcome,
                           const Notes& notes, const std::vector<std::string>& arguments, std::uint64_t memory_limit) {
-  const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
+  const std::string hint = outcome.error ? hint_text(outcome.error->hint) : "";
   convert::Json report = convert::report_of(job, outcome, arguments, memory_limit, hint);
   Notes all = notes;
   all.insert(all.end(), outcome.notes.begin(), outcome.notes.end());

@@ -1,6 +1,6 @@
-// Names and versions of the JSON documents that the program writes, but for the report, which has kReportSchemaVersion
-// (outcome.hpp). docs/schemas/NAME.schema.json describes the document of the word isoextract/NAME/VERSION and must
-// change with it. Raise the version if a reader of the old document would misread the new one.
+// Names and versions of the JSON documents that the program writes. The report is not among them: its version is
+// kReportSchemaVersion (outcome.hpp). docs/schemas/NAME.schema.json describes the document isoextract/NAME/VERSION and
+// must change with it. Raise the version if a program written for the old document would misread the new one.
 #pragma once
 
 #include <array>
@@ -25,7 +25,8 @@ enum class JsonDocument {
   table,
   verify,
 };
-// Returns the values of the member "schema". An array has it in each of its elements, lines in the first of them.
+// Returns the values of the member "schema". In a document that is an array, each element has this member; in a
+// document of lines, only the first line.
 constexpr auto words_of(JsonDocument /*type*/) {
   return std::array{Word{JsonDocument::bench, "isoextract/bench/1"},
                     Word{JsonDocument::check, "isoextract/check/1"},

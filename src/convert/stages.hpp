@@ -1,5 +1,6 @@
-// The stages of a conversion. To add a surface edit, write one function, one StageName and one row of kStages at the
-// same place: report sections, HTML pages and printed lines are generated from the row.
+// The stages of a conversion. A new surface edit needs a function here, a StageName, and a row of kStages at the same
+// place in the order. HTML pages and printed lines follow from the row; a section of the JSON report also needs a
+// property in docs/schemas/report.schema.json.
 #pragma once
 
 #include <array>
@@ -59,7 +60,9 @@ EditSurface measure_relaxing;  // runs while all vertices are still where relaxi
 EditSurface mark_bodies;       // assigns shells to bodies; runs before later stages may move one shell through another
 EditSurface smooth_surface;
 EditSurface simplify_surface;
-EditSurface color_surface;  // runs when the vertices are final
+// Sets the mesh's material, colors the vertices by an attribute if the job asks for it, and then maps attributes to
+// output coordinates. Runs when the vertices are final.
+EditSurface color_surface;
 // Runs after all edits that change the mesh: it duplicates vertices for their normals, which makes boundary edges
 EditSurface shade_surface;
 EditSurface measure_error;
@@ -69,15 +72,16 @@ struct StageInfo {
   std::string_view word;  // name in the JSON report
   // Section of the JSON report with this stage's entries; empty: none.
   std::string_view section = {};
-  // Returns whether the job asks for the stage; null: every job does.
+  // Returns whether the job asks for the stage; null: always. Reports list the sections of these stages; edits are
+  // called in any case and check the job themselves.
   bool (*asked)(const ConversionJob& job) = nullptr;
-  // The section is in the report even if the job does not ask for the stage.
+  // The report lists the section even if `asked` returns false.
   bool is_listed = false;
-  EditSurface* edit = nullptr;  // for stages between a surface's extraction and its file
+  EditSurface* edit = nullptr;  // runs between the extraction of a surface and the writing of its file
   std::string_view done = {};   // past participle for printed lines: "smoothed"
   // Whether reports list its time. False if other stages contain the time, or if the time contains theirs.
   bool is_timed = true;
-  int line_rank = 0;  // lines of higher ranks are printed below
+  int line_rank = 0;  // printed lines are sorted by rank: 0 first
 };
 
 // In the order of StageName. Edits run in this order, and reports list their sections in it. Other stages may run

@@ -1,4 +1,5 @@
-// Edits of fields and surfaces as plain values of a job. kMembers are the JSON names of the members.
+// The edits of fields and surfaces that a job requests. Each kMembers lists the names of a struct's members in JSON, in
+// their order.
 #pragma once
 
 #include <array>
@@ -43,10 +44,10 @@ struct MinComponentSize {
 struct PieceChoice {
   static constexpr std::array kMembers{"least", "fill_cavities", "largest", "split"};
 
-  std::optional<MinComponentSize> least;
+  std::optional<MinComponentSize> least;  // removes smaller components
   bool fill_cavities = false;
-  std::optional<std::uint64_t> largest;  // number of bodies to keep, at least 1
-  bool split = false;
+  std::optional<std::uint64_t> largest;  // keeps this many of the largest bodies, at least 1
+  bool split = false;                    // makes each body a mesh of its own
 
   [[nodiscard]] bool drops() const { return least || fill_cavities || largest; }
   friend bool operator==(const PieceChoice&, const PieceChoice&) = default;
@@ -92,7 +93,8 @@ struct SmoothChoice {
   friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
 };
 
-// Edits run in this order. Only PieceChoice::split takes effect at the end, after all of them.
+// Edits of a surface, in the order in which they run. PieceChoice::split is an exception: it takes effect after all
+// others.
 struct SurfaceEdits {
   static constexpr std::array kMembers{"pieces", "smooth", "simplify"};
 

@@ -1,5 +1,5 @@
-// Compares the surfaces of two backends: the record, its stage report (section "verification"), and JSON of the
-// comparison of a written mesh (`verify --json`).
+// Compares the surfaces of two backends, and returns the result as a record and as a stage report (section
+// "verification"). Also formats the comparison of a written mesh as JSON (`verify --json`).
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Facts about a conversion's work: what it examined, treated differently than stored, or left out, and why. --explain
-// prints them and the report lists them.
+// Facts about the work of a conversion: how many grids, bricks, samples, particles and the like it read, changed or
+// left out, and why. --explain prints them and the report lists them.
 #pragma once
 
 #include <array>
@@ -17,14 +17,14 @@
 
 namespace isoextract::convert {
 
-// Words of the JSON report; docs/schemas/report.schema.json lists them.
+// Subjects that facts count. The JSON report has the words; docs/schemas/report.schema.json lists them.
 enum class WorkTopic {
   grids,
   file_parts,
   resolution,
   labels,
   bricks,
-  places,
+  places,  // positions of bricks next to stored bricks
   samples,
   attributes,
   particles_not_chosen,
@@ -38,13 +38,13 @@ enum class WorkTopic {
   nan_samples,
   hole_cells,
   uploads,
-  resident,
-  decisions,
+  resident,   // uploads left out, because the device still has the bricks
+  decisions,  // ambiguous cells that the CPU decided for the GPU
   roi,
   normals,
   normal_copies,
   error,
-  border_vertices,
+  border_vertices,  // vertices where rectangles of voxel faces meet the side of another
   caps,
 };
 constexpr auto words_of(WorkTopic /*type*/) {
@@ -88,7 +88,7 @@ enum class WorkDone {
   taken_as_outside,
   left_as_holes,
   uploaded,
-  taken_by_the_processor,
+  taken_by_the_processor,  // computed on the CPU
   mapped,
   copied,
   rounded,
@@ -120,7 +120,7 @@ struct WorkFact {
 };
 [[nodiscard]] Json json_of(const WorkFact& fact);
 
-// Returns facts about reading `field`, in a conversion that reads `more_grids` other grids of the file.
+// Returns facts about reading `field`; the conversion also reads `more_grids` other grids of the file.
 [[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t more_grids);
 
 // Returns a fact about an attribute that was read.
@@ -129,7 +129,8 @@ struct WorkFact {
 // Returns a fact about the particles that were not chosen.
 [[nodiscard]] WorkFact choice_fact(const ParticleCount& count, const ParticleOptions& options);
 
-// Returns a fact about the particles that the region does not depend on; ParticleCount::chosen are those left.
+// Returns a fact about the particles left out because they cannot affect the surface in the region. count.chosen is the
+// number that remains.
 [[nodiscard]] WorkFact region_fact(const ParticleCount& count);
 
 // Returns facts about the field made from particles.

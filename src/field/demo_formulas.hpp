@@ -33,7 +33,7 @@ struct Dual {
   }
   friend Dual sin(const Dual& a) { return {std::sin(a.value), std::cos(a.value) * a.gradient}; }
   friend Dual cos(const Dual& a) { return {std::cos(a.value), -std::sin(a.value) * a.gradient}; }
-  // The square root has no gradient at 0. Any subgradient would do; 0 is a subgradient of |x|.
+  // Gives the gradient 0 at 0, where a distance sqrt(x^2 + ...) has none; 0 is one of its subgradients there.
   friend Dual sqrt(const Dual& a) {
     const double root = std::sqrt(a.value);
     return {root, root > 0 ? a.gradient / (2 * root) : glm::dvec3(0)};

@@ -20,7 +20,7 @@ namespace isoextract::files {
 // Returns whether the input path is "-", which means standard input. To read a file named "-", give "./-".
 [[nodiscard]] bool is_standard_input(const std::filesystem::path& path);
 inline constexpr std::string_view kStandardInputName = "standard input";
-// Returns the name of an input for messages; of an unpacked file (unpacked_files.hpp) the name of the packed one.
+// Returns the name of an input for messages. An unpacked file is named ARCHIVE/MEMBER, or as its compressed file.
 [[nodiscard]] std::string input_label(const std::filesystem::path& path);
 
 struct OpenFile;  // detail/opened_files.hpp
@@ -31,9 +31,9 @@ class InputFile {
  public:
   // Opens a file. Reuses a file that is already open in the context, unless it was written to since.
   //
-  // The first call for standard input copies it to memory until the process ends, so that it can be opened again. The
-  // copy is reserved in the context of that call. A regular file at offset 0 is opened without a copy. Fails with
-  // ErrorCode::usage if standard input is a terminal.
+  // The first call for standard input copies it to memory, where it stays until the process ends, so that later calls
+  // can open it again. The copy is reserved in the context of the first call. No copy is made if standard input is a
+  // regular file at offset 0. Fails with ErrorCode::usage if standard input is a terminal.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -67,8 +67,8 @@ class InputFile {
 
 // Returns the path of a data file that a header names. Fails with ErrorCode::input if the file does not exist, or if it
 // lies neither in the header's folder nor below it after resolving links and "..": a header must not open arbitrary
-// files. A header from standard input has no folder, so it always fails. The folder of a header that was unpacked is
-// that of the compressed file, or its folder in the archive.
+// files. A header from standard input has no folder, so the call always fails. The folder of a header that was unpacked
+// from a compressed file is the folder of that file; from an archive, it is the header's folder in the archive.
 [[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,
                                                            const std::string& data_file);
 

@@ -24,7 +24,7 @@ Result<std::optional<FramePattern>> FramePattern::parse(std::string_view name) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: expected one placeholder of the frame number, found '{}' and '{}'", printable(name),
                               number->text, part.text),
-                  "write {{, }}, %% and {#} for the characters themselves");
+                  "to use a character as text, write {{ }} %% {#} {@} {$}");
     }
   }
   if (number == nullptr) return std::nullopt;

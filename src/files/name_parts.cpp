@@ -88,7 +88,7 @@ class NameScanner {
     const std::string_view written = name_.substr(at_, length);
     if (!width) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: expected a number of digits as in {{:04}}, found '{}'", printable(name_),
+                  fmt::format("{}: expected digits after the colon, as in {{:04}}, found '{}'", printable(name_),
                               printable(written)),
                   kBracesHint);
     }

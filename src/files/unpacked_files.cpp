@@ -141,8 +141,9 @@ Result<std::shared_ptr<const UnpackedFiles>> UnpackedFiles::make(const fs::path&
     content = content.subspan(bytes.size());
     const fs::path name = fs::path(member.name).lexically_normal();
     if (name.empty() || name.is_absolute() || *name.begin() == "..") {
-      return fail(ErrorCode::input, fmt::format("{}: expected names of files in the archive, found '{}'", label,
-                                                printable(member.name, 200)));
+      return fail(ErrorCode::input,
+                  fmt::format("{}: expected relative file names inside the archive's folder, found '{}'", label,
+                              printable(member.name, 200)));
     }
     if (bytes.empty() || (!as_file && is_hidden(name))) continue;
     if (!seen.insert(name).second) {
@@ -151,7 +152,7 @@ Result<std::shared_ptr<const UnpackedFiles>> UnpackedFiles::make(const fs::path&
     }
     parts.push_back({name, bytes});
   }
-  if (parts.empty()) return fail(ErrorCode::input, label + ": expected a file with content inside, found none");
+  if (parts.empty()) return fail(ErrorCode::input, label + ": the archive contains only empty or hidden files");
   allow_descriptors(parts.size());
 
   const std::shared_ptr<UnpackedFiles> files(new UnpackedFiles());

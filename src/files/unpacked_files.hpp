@@ -1,5 +1,5 @@
-// Files that were unpacked from a compressed file or an archive: they stay in memory, under paths of a temporary folder
-// that readers and child processes can open.
+// Files unpacked from a compressed file or an archive. Their bytes stay in memory; links in a temporary folder give
+// them paths that readers and child processes can open.
 #pragma once
 
 #include <cstddef>
@@ -25,14 +25,15 @@ struct UnpackedMember {
 
 class UnpackedFiles {
  public:
-  // Stores `content`, which has the members one after another, each as an anonymous file in memory. The temporary
-  // folder has a symbolic link to each, in the folders that the names state. Leaves out a folder that all have in
-  // common, and empty and hidden files. With `as_file` there has to be one member, which path() names; otherwise path()
-  // is the folder. `source` is the path of the packed file.
+  // Splits `content` into the members, which follow one another in it, and stores each as a file in memory
+  // (memfd_create). A temporary folder gets a symbolic link to each, in subfolders as their names state, without the
+  // leading folders that all names share. Leaves out empty files and, without `as_file`, hidden files. With `as_file`
+  // there has to be one member, and path() is its path; otherwise path() is the folder. `source` is the path of the
+  // packed file.
   //
-  // Fails with ErrorCode::input if no file is left, or for names that lead out of the archive or occur twice. Fails
-  // with ErrorCode::unavailable if the system has no memory of this kind, no further file to open, or no temporary
-  // folder; and as Context::reserve().
+  // Fails with ErrorCode::input if no file is left, if a name leads out of the archive, or if a name occurs twice.
+  // Fails with ErrorCode::unavailable if the system lacks memfd_create, if the process may not open more files, or if
+  // there is no writable temporary folder. Fails as Context::reserve() and Context::check() do.
   [[nodiscard]] static Result<std::shared_ptr<const UnpackedFiles>> make(const std::filesystem::path& source,
                                                                          std::span<const UnpackedMember> members,
                                                                          std::span<const std::byte> content,
@@ -54,13 +55,14 @@ class UnpackedFiles {
   Reservation memory_;
 };
 
-// Returns what was unpacked from a file in this context or an enclosing one; null if nothing was, or if the file has
-// changed since.
+// Returns the files that were unpacked from `file` in its context or an enclosing one; null if there are none, or if
+// the file has changed since.
 [[nodiscard]] std::shared_ptr<const UnpackedFiles> find_unpacked(const InputFile& file);
 // Keeps the files for as long as the context of `file` lives.
 void keep_unpacked(const InputFile& file, std::shared_ptr<const UnpackedFiles> unpacked);
 
-// Returns the file that was unpacked to `path`, or that has it as a member; `path` itself if it is no unpacked file.
+// Returns the packed file or archive that the unpacked file or folder `path` came from; `path` itself if it was not
+// unpacked.
 [[nodiscard]] std::filesystem::path packed_source(const std::filesystem::path& path);
 
 // Returns a file name without the ending of a compressed file (.gz, .xz, .zst, .bz2), so that the ending before it

@@ -1,5 +1,6 @@
-// Options and descriptions of particle formats, and the list of formats. A new format is a class in `formats`, derived
-// from ParticleFormat (detail/particle_source.hpp), and a line in the list in particle_format.cpp.
+// Options and descriptions of particle formats, and the list of formats. A new format needs a class in `formats`,
+// derived from ParticleFormat, the function that returns it (detail/particle_source.hpp), and a line in the list in
+// particle_format.cpp.
 #pragma once
 
 #include <array>
@@ -17,9 +18,10 @@ namespace isoextract::particle_io {
 
 // An attribute that a condition on the particles needs (points/selection_expression.hpp).
 struct AttributeOfCondition {
-  std::vector<std::string> names;  // reads the first one that exists
+  std::vector<std::string> names;  // alternative names; the reader takes the first that the file has
   bool required = true;            // false: ignored if missing
-  std::string place;               // lines to add to the hint if it is missing
+  // Lines for the hint if it is missing: the condition's text, with a caret below the name (SelectionName::mark).
+  std::string mark;
 
   friend bool operator==(const AttributeOfCondition&, const AttributeOfCondition&) = default;
 };
@@ -49,10 +51,11 @@ struct ParticleFormatDescription {
   bool has_columns = false;                  // ParticleReadOptions::columns may select the columns of x, y and z
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
   bool needs_extension = false;              // only the extension of the file name identifies the format
-  bool is_plugin = false;                    // a plug-in reads it, with `library`; the rest as in FormatDescription
-  std::string library = {};
-  std::string package = {};
-  std::string plugin = {};
+  bool is_plugin = false;                    // a plug-in reads it
+  // The same members as of volume_io::FormatDescription:
+  std::string library = {};  // the reader's library: "HDF5"; empty for the program's own code
+  std::string package = {};  // the Debian package that building the plug-in needs
+  std::string plugin = {};   // path of the plug-in; empty if it is missing
 };
 
 // Named data that a file has for each particle.

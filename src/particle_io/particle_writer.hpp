@@ -12,7 +12,8 @@
 
 namespace isoextract::particle_io {
 
-// Writes positions as float64 and attributes as float32, so that read_particles() returns the same numbers.
+// The formats. Files have positions as float64 and attributes as float32, so that read_particles() returns the same
+// numbers. "Words" are points::ParticleWords: one text per particle, such as its element.
 enum class ParticleFileFormat {
   ply,   // binary: x, y, z; NAME, or NAME_x, NAME_y, NAME_z for three components, or NAME_0, NAME_1, ...
   npy,   // structured array: position (3), and each attribute with its components
@@ -26,16 +27,17 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
                     Word{ParticleFileFormat::vtu, "vtu"}};
 }
 
-// Returns whether files of the format hold the words of particles, and the box of the simulation. The writer leaves out
-// what a format cannot hold.
+// Returns whether files of the format can hold words, and the simulation box. Where these functions return false,
+// write_particles() omits the words or the box. fit_to_file() removes the words that a file cannot hold for other
+// reasons.
 [[nodiscard]] constexpr bool stores_words(ParticleFileFormat format) {
   return format == ParticleFileFormat::xyz || format == ParticleFileFormat::bgeo;
 }
 [[nodiscard]] constexpr bool stores_box(ParticleFileFormat format) { return format == ParticleFileFormat::xyz; }
 
-// Makes particles fit into a file of the format. Renames attributes and words whose names write_particles() refuses.
-// Removes words that the file cannot hold: those of other formats, too many of them (ParticleWords::too_many), and in
-// XYZ words that are empty or have spaces. Returns a note about each change.
+// Changes particles so that write_particles() can write them in the format. Renames attributes and words whose names it
+// refuses. Removes words if stores_words() is false, if they are ParticleWords::too_many, and for XYZ if one of them is
+// empty or has spaces. Returns a note about each change.
 [[nodiscard]] Notes fit_to_file(points::ParticleSet& particles, ParticleFileFormat format);
 
 // Returns the format for a file's extension, ignoring case.

@@ -83,7 +83,7 @@ Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFil
     if (!total) return invalid();
   }
   if (*total != list.grids[0].dims[0]) return invalid();
-  if (*total == 0) return fail(ErrorCode::input, file.name() + ": expected content, found an empty file inside");
+  if (*total == 0) return fail(ErrorCode::input, file.name() + ": the compressed file or archive contains no data");
   const bool as_file = members.size() == 1;
   // The content of a compressed file has no name; a compressed tar archive has names, whatever its own is.
   if (as_file && members.front().name.empty()) members.front().name = name_of_content(file);

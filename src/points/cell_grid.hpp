@@ -1,12 +1,12 @@
 // Sorts points into the cells of a uniform grid to find the neighbors of a location. Stores only occupied cells, so
 // memory grows with the number of points, however far apart they are.
 //
-// A spot is one or, with Coinciding::merged, several points at the same position. In a cell with few points, coincident
-// points share a spot only if they are consecutive in index order; in a crowded cell all of them do. So a million
-// coincident points cost no more than one.
+// A spot is a position with its points: one point or, with Coinciding::merged, several coincident ones. In a cell with
+// more than 32 points, all points at one position share a spot; in other cells only if no other point of the cell has
+// an index between theirs. A search visits a million coincident points as one spot; memory and sorting still grow.
 //
-// The order depends on the points alone: by cell (x, then y, then z), then by index; with Coinciding::merged, in
-// crowded cells by position first.
+// The order depends on the points alone: by cell (x, then y, then z), then by index; with Coinciding::merged, in cells
+// with more than 32 points by position before index.
 #pragma once
 
 #include <algorithm>
@@ -63,8 +63,8 @@ class CellGrid {
 
   [[nodiscard]] glm::ivec3 cell_at(const glm::dvec3& place) const { return glm::ivec3(glm::floor(place / side_)); }
 
-  // Calls f(first, last) with ranges of cell numbers: the occupied cells in the box [low, high], one run along z after
-  // another, in order.
+  // Calls f(first, last) for the occupied cells in the box [low, high]: one call for each run along z, in order. The
+  // run has the cells first to last - 1.
   template <class F>
   void for_each_run(const glm::ivec3& low, const glm::ivec3& high, const F& f) const {
     const Column* const end = columns_.data() + column_count_;
@@ -83,7 +83,7 @@ class CellGrid {
     }
   }
 
-  // Calls f(first, last) with ranges of spots: those of all cells that intersect the box [low, high], in order.
+  // Calls f(first, last) for all spots first to last - 1 of the cells that intersect the box [low, high], in order.
   template <class F>
   void for_each_spot_run(const glm::dvec3& low, const glm::dvec3& high, const F& f) const {
     for_each_run(cell_at(low), cell_at(high), [&](std::size_t first, std::size_t last) {

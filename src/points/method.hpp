@@ -11,7 +11,7 @@
 namespace isoextract::points {
 
 enum class Method {
-  weight,       // each particle adds a fixed weight to the nearest samples
+  weight,       // each particle adds a fixed weight to the nearest sample or, shared, to eight samples (Deposit)
   sph,          // interpolation of smoothed particle hydrodynamics with a cubic spline kernel
   anisotropic,  // as sph, with an anisotropic kernel for each particle (Yu and Turk 2013)
   spheres,      // union of the particles' spheres, computed by OpenVDB
@@ -32,10 +32,10 @@ struct MethodInfo {
 
 // In the order of the enum. Sources of the defaults:
 //
-// weight: the weight 0.1 and the iso value 0.15 come from Suravikin and Korobitsyn (docs/papers.md); a sample is inside
-// if two particles add their weight to it (0.2 > 0.15). Samples are therefore two particle distances apart: eight
-// particles share a cell in the liquid. sph: splashsurf's documentation suggests this iso value and cell size. spheres,
-// smooth: a cell size of 0.5 makes the radius two samples long, which is above kMinSphereRadius.
+// weight: the weight 0.1 and the iso value 0.15 come from Suravikin and Korobitsyn (docs/papers.md). A cell of 4 radii
+// is two particle distances wide, so liquid has eight particles per sample: samples within it are 0.8, and the surface
+// is where the sum falls to that of 1.5 particles. sph: splashsurf's documentation suggests this iso value and cell
+// size. spheres, smooth: a cell size of 0.5 makes the radius two samples long, which is above kMinSphereRadius.
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::weight,
                .id = "weight",

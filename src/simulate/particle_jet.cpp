@@ -102,12 +102,14 @@ Result<void> check_sizes(const JetOptions& o, const JetPlan& plan) {
                 "use fewer or smaller particles, or a larger tank");
   }
   const double layer = layer_estimate(plan);
-  if (!(layer <= static_cast<double>(std::max<std::uint64_t>(o.count, kLeastLayer)))) {
+  const std::uint64_t most_at_once = std::max<std::uint64_t>(o.count, kLeastLayer);
+  if (!(layer <= static_cast<double>(most_at_once))) {
     return fail(
         ErrorCode::usage,
-        fmt::format("a nozzle of radius {} adds about {:.0f} particles of radius {} at once; expected no more than the "
-                    "{} particles of the simulation",
-                    plan.nozzle, layer, plan.spacing / 2, o.count),
+        fmt::format(
+            "a nozzle of radius {} adds about {:.0f} particles of radius {} at once; expected at most {}, for a "
+            "simulation of {} particles",
+            plan.nozzle, layer, plan.spacing / 2, most_at_once, o.count),
         "use a smaller nozzle or larger particles");
   }
   const double steps = 1 / (o.fps * longest_step(plan.top_speed, o.gravity, kCourant * plan.spacing));

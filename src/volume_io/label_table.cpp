@@ -92,8 +92,8 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
     auto entry = entry_of(line);
     if (!entry) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: line {}: expected a label as ITK-SNAP (number, red, green, blue, alpha, two flags, "
-                              "\"name\") or FreeSurfer (number, name, red, green, blue, alpha) write it, with colors "
+                  fmt::format("{}: line {}: expected a label line of ITK-SNAP (number, red, green, blue, alpha, two "
+                              "flags, \"name\") or of FreeSurfer (number, name, red, green, blue, alpha), with colors "
                               "from 0 to 255, found '{}'",
                               source, number, printable(line, kTableShown)));
     }

@@ -142,8 +142,8 @@ struct FormatDescription {
   bool takes_evening = false;   // samples may be spaced unevenly; uses ReadOptions::evens_out
   bool takes_slices = false;    // single pictures: a pattern or folder of them is one volume (detail/slice_stack.hpp)
   std::string library = {};     // the reader's library: "GDCM"; empty for the program's own code
-  std::string package = {};     // Debian's, with which a plug-in is built
-  std::string plugin = {};      // path of the plug-in that reads them, "" if none does or none is there
+  std::string package = {};     // the Debian package that building the plug-in needs
+  std::string plugin = {};      // path of the plug-in that reads the format; empty if it needs none or has none
   bool is_plugin = false;
 };
 

@@ -96,8 +96,8 @@ Result<Located> locate(const std::string& input, const ReadOptions& options, con
   std::string grid = input.substr(*inner + 1);
   if (options.grid && *options.grid != grid) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected one grid, found {} and the grid name {}", located.input, printable(grid),
-                            printable(*options.grid)),
+                fmt::format("{}: the input names the grid '{}', but the option names the grid '{}'", located.input,
+                            printable(grid), printable(*options.grid)),
                 {Remedy::leave_out, Setting::grid});
   }
   located.options.grid = std::move(grid);

@@ -208,7 +208,7 @@ class ArchiveTest(CompressedTest):
 
     def test_what_is_refused(self):
         self.archive("out.zip", {"../a.nrrd": nrrd()})
-        self.refused(2, "out.zip", said="expected names of files in the archive, found '../a.nrrd'")
+        self.refused(2, "out.zip", said="expected relative file names inside the archive's folder, found '../a.nrrd'")
         self.archive("two.zip", {"a.nrrd": nrrd(), "b.nrrd": nrrd()})
         self.refused(2, "two.zip", said="two.zip: expected a file")
         self.archive("none.tar", {"empty": b""})

@@ -187,7 +187,7 @@ class LabelsTest(ProgramTest):
         self.assertNotEqual((self.folder / "out.glb").read_bytes(), usual)
 
     def test_tables_that_are_none(self):
-        for text, words in (("1 a b\n", "line 1: expected a label as ITK-SNAP"), ("", ""),
+        for text, words in (("1 a b\n", "line 1: expected a label line of ITK-SNAP"), ("", ""),
                             ("1 a 1 2 3 0\n1 b 1 2 3 0\n", "expected each label once"),
                             ("#\n1 a 1 2 999 0\n", "line 2"), ("\x1b[2J\n", "\\x1b")):
             (self.folder / "bad.txt").write_text(text)

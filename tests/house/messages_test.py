@@ -24,6 +24,9 @@ Result<int> f() {
   // fail(ErrorCode::usage, "in a comment")
   if (c) throw DamagedMesh("expected a face");
   if (d) return refuse_usage("two of one", fmt::format("leave {} out", name));
+  if (e) return fail(ErrorCode::input, fmt::format("{}{} {} bad", a, b, n == 1 ? "is" : "are"),
+                     {{Remedy::leave_out, Setting::grid, "it has no name"}, {Remedy::set, Setting::mesh_format, names},
+                      {Remedy::leave_out, Setting::raw_layout}});
   return fail(ErrorCode::usage, text);
 }
 """
@@ -40,7 +43,9 @@ class Messages(unittest.TestCase):
                          [('…: no "voxel" above … of …', 2, {"give a smaller --iso V"}),
                           ("…: the disk is full", 4, {"free some space"}),
                           ("expected a face", 2, set()),
-                          ("two of one", 1, {"leave … out"})])
+                          ("two of one", 1, {"leave … out"}),
+                          # As step_words() of cli/remedies.cpp prints them.
+                          ("… are bad", 2, {"leave --grid out: it has no name; use --format …; leave out --dims and --dtype"})])
 
     def test_scan_misses_few_calls(self):
         # Calls whose message is a variable cannot be listed; the functions that make such texts are listed themselves.

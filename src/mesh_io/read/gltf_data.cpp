@@ -39,7 +39,7 @@ bool is_placeholder(const json& buffer) {
 const json& part_of(const json& sparse, const char* key) {
   const auto found = sparse.find(key);
   if (found == sparse.end() || !found->is_object()) {
-    throw DamagedMesh(fmt::format("expected '{}' of the sparse values of an accessor, found {}", key, shown(sparse)));
+    throw DamagedMesh(fmt::format("a sparse accessor needs an object '{}', found {}", key, shown(sparse)));
   }
   return *found;
 }
@@ -203,7 +203,7 @@ void GltfData::place(GltfView& view, const json& owner, std::uint64_t item) {
 // those of the buffer view, or zeros without one.
 GltfView GltfData::with_sparse(const GltfView& dense, const json& sparse, std::uint64_t item) {
   if (!sparse.is_object()) {
-    throw DamagedMesh(fmt::format("expected an object as 'sparse' of an accessor, found {}", shown(sparse)));
+    throw DamagedMesh(fmt::format("expected a JSON object as 'sparse' of an accessor, found {}", shown(sparse)));
   }
   GltfView values;
   values.count = whole(sparse, "count");
@@ -211,7 +211,8 @@ GltfView GltfData::with_sparse(const GltfView& dense, const json& sparse, std::u
   const json& index_part = part_of(sparse, "indices");
   indices.component = static_cast<int>(whole(index_part, "componentType"));
   if (!indices.has_whole_numbers()) {
-    throw DamagedMesh(fmt::format("expected indices of an unsigned type, found component type {}", indices.component));
+    throw DamagedMesh(
+        fmt::format("expected indices of component type 5121, 5123 or 5125, found {}", indices.component));
   }
   place(indices, index_part, size_of(indices.component));
   place(values, part_of(sparse, "values"), item);

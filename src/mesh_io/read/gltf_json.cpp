@@ -102,7 +102,9 @@ const json& entry(const json& model, const char* list, std::uint64_t index) {
   if (index >= size) {
     throw DamagedMesh(fmt::format("expected an index below {} into '{}', found {}", size, list, index));
   }
-  if (!(*found)[index].is_object()) throw DamagedMesh(fmt::format("expected an object in '{}' at {}", list, index));
+  if (const json& value = (*found)[index]; !value.is_object()) {
+    throw DamagedMesh(fmt::format("expected a JSON object as entry {} of '{}', found {}", index, list, shown(value)));
+  }
   return (*found)[index];
 }
 

@@ -226,7 +226,7 @@ class ModelReader {
     attribute.view = data_->view(index.get<std::uint64_t>(), type, kind.components);
     const auto component = gltf_component(attribute.view.component);
     if (!component) {
-      throw DamagedMesh(fmt::format("expected a component type from {} to {} of '{}', found {}", kGltfByte, kGltfFloat,
+      throw DamagedMesh(fmt::format("expected component type 5120, 5121, 5122, 5123, 5125 or 5126 of '{}', found {}",
                                     files::printable(semantic, 40), attribute.view.component));
     }
     kind.type = *component;
@@ -337,7 +337,9 @@ class ModelReader {
       throw DamagedMesh(fmt::format("expected a list 'primitives' in a mesh, found {}", shown(mesh)));
     }
     for (const json& primitive : *primitives) {
-      if (!primitive.is_object()) throw DamagedMesh(fmt::format("expected a primitive, found {}", shown(primitive)));
+      if (!primitive.is_object()) {
+        throw DamagedMesh(fmt::format("expected a JSON object as a primitive of a mesh, found {}", shown(primitive)));
+      }
       const std::uint64_t mode = whole(primitive, "mode", kTriangles);
       if (mode > kFan) throw DamagedMesh(fmt::format("expected a 'mode' from 0 to {}, found {}", kFan, mode));
       if (mode < kTriangles) {
@@ -422,7 +424,7 @@ class ModelReader {
   void add_indexed(const GltfView& indices, std::uint64_t mode, std::size_t first_vertex, std::uint64_t vertices) {
     if (!indices.has_whole_numbers()) {
       throw DamagedMesh(
-          fmt::format("expected indices of an unsigned type, found component type {}", indices.component));
+          fmt::format("expected indices of component type 5121, 5123 or 5125, found {}", indices.component));
     }
     const std::uint64_t triangles = triangle_count(mode, indices.count, "indices");
     const auto index_at = [&](std::uint64_t i) {

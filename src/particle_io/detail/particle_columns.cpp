@@ -164,7 +164,7 @@ void add_attribute_of_condition(const ParticleTable& table, const AttributeOfCon
   const std::string& name = asked.names.front();
   throw InvalidParticleFile(
       fmt::format("there is no attribute '{}'{}", printable(name, 80), did_you_mean(name, attribute_names(table))),
-      fmt::format("{}; {}", attribute_list(table, choice.position, true), asked.place));
+      fmt::format("{}; {}", attribute_list(table, choice.position, true), asked.mark));
 }
 
 // "x [mm]" -> "x " and "mm"; also "x (mm)".

@@ -60,10 +60,10 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   constexpr std::uint32_t kIndex = 4;  // index of a text
   constexpr std::uint32_t kVector = 5;
   if (type != kFloat && type != kInteger && type != kIndex && type != kVector) {
-    throw InvalidParticleFile(
-        fmt::format("expected floats, integers, texts or a vector as the attribute '{}', found type "
-                    "{}, whose size is unknown",
-                    printable(name, 80), type));
+    throw InvalidParticleFile(fmt::format(
+        "expected type 0 (float), 1 (integer), 4 (text) or 5 (vector) of the attribute '{}', found type {}, "
+        "whose size is unknown",
+        printable(name, 80), type));
   }
   if (bgeo.table.columns.size() + size > kMaxParticleColumns)
     throw InvalidParticleFile(fmt::format("expected at most {} numbers per particle, found more", kMaxParticleColumns));

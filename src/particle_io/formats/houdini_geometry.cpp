@@ -99,7 +99,7 @@ class AttributeSinks {
     if (index == -1) return sink.put_word(point, {});
     if (!(index >= 0 && index < static_cast<double>(texts_.texts.size()))) {
       throw InvalidParticleFile(
-          fmt::format("expected the index of one of {} texts, found {}", texts_.texts.size(), index));
+          fmt::format("expected a text index below {}, or -1 for none, found {}", texts_.texts.size(), index));
     }
     sink.put_word(point, texts_.texts[static_cast<std::size_t>(index)]);
   }

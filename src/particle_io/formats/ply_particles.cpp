@@ -159,8 +159,9 @@ ParticleTable ply_table(PlyFile& ply) {
 
 std::uint64_t list_length(const PlyProperty& property, double length) {
   if (!(length >= 0) || length != std::floor(length) || length > 4294967295.0) {
-    throw InvalidParticleFile(fmt::format("expected a whole number as the length of a list '{}', found {}",
-                                          printable(property.name, 80), length));
+    throw InvalidParticleFile(
+        fmt::format("expected a whole number up to 4294967295 as the length of a list '{}', found {}",
+                    printable(property.name, 80), length));
   }
   return static_cast<std::uint64_t>(length);
 }

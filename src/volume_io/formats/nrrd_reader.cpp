@@ -311,7 +311,7 @@ Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_
   const auto from_end = checked_sum(piece_bytes, behind);
   if (piece.gzip) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected encoding raw with 'byte skip' {}, found gzip", file.name(), state.byteSkip));
+                fmt::format("{}: 'byte skip' {} needs encoding raw, found gzip", file.name(), state.byteSkip));
   }
   if (!from_end || *from_end > file.size()) {
     return fail(ErrorCode::input,

@@ -111,10 +111,10 @@ void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
     grid.end_position = cursor.position();
   } catch (const UnsupportedVdb& unknown) {
     if (last) return;
-    throw UnsupportedVdb(fmt::format(
-        "grid '{}': {}; the file is a stream, in which the reader cannot find the grids after this one: load and save "
-        "it with OpenVDB",
-        printable(grid.name, 80), unknown.what()));
+    throw UnsupportedVdb(
+        fmt::format("grid '{}': {}; the file is a stream without the positions of its grids, so the reader cannot find "
+                    "the grids after this one: load and save it with OpenVDB",
+                    printable(grid.name, 80), unknown.what()));
   }
 }
 

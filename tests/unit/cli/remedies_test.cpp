@@ -31,9 +31,9 @@ std::vector<std::string> options_in(const std::string& text) {
 TEST(Remedies, HaveWordsForEverySettingAndNameOptionsOfTheProgram) {
   const std::vector<std::string> known = options_of_program();
   int setting = 1;
-  for (; !words_of(Hint(Remedy::use, Setting{setting})).empty(); ++setting) {
+  for (; !hint_text(Hint(Remedy::use, Setting{setting})).empty(); ++setting) {
     for (int remedy = 1; remedy <= static_cast<int>(Remedy::report); ++remedy) {
-      const std::string words = words_of(Hint(Remedy{remedy}, Setting{setting}, "text"));
+      const std::string words = hint_text(Hint(Remedy{remedy}, Setting{setting}, "text"));
       EXPECT_FALSE(words.empty()) << remedy << " " << setting;
       EXPECT_EQ(words.find("  "), std::string::npos) << words;
       for (const std::string& name : options_in(words)) {
@@ -46,7 +46,7 @@ TEST(Remedies, HaveWordsForEverySettingAndNameOptionsOfTheProgram) {
 
 TEST(Remedies, AreOneClauseAStep) {
   const auto words = [](Remedy remedy, Setting setting, const char* text = "") {
-    return words_of(Hint(remedy, setting, text));
+    return hint_text(Hint(remedy, setting, text));
   };
   EXPECT_EQ(words(Remedy::raise, Setting::memory_limit),
             "give a larger --memory-limit SIZE if the machine has the memory");
@@ -71,11 +71,11 @@ TEST(Remedies, AreOneClauseAStep) {
   EXPECT_EQ(words(Remedy::check, Setting::clip, "a reason"), "check --clip NX,NY,NZ,D: a reason");
   EXPECT_EQ(words(Remedy::check, Setting::raw_layout), "check --dims NX,NY,NZ and --dtype TYPE");
   EXPECT_EQ(words(Remedy::see, Setting::devices), "see 'isoextract devices'");
-  EXPECT_EQ(words(Remedy::report, Setting::devices), "please report it with 'isoextract devices'");
-  EXPECT_EQ(words_of(Hint{"try again", {Remedy::use, Setting::cpu_backend}}),
+  EXPECT_EQ(words(Remedy::report, Setting::devices), "please report it and include the output of 'isoextract devices'");
+  EXPECT_EQ(hint_text(Hint{"try again", {Remedy::use, Setting::cpu_backend}}),
             "try again; use --backend cpu, which needs no GPU");
-  EXPECT_EQ(words_of(Hint()), "");
-  EXPECT_EQ(words_of(Hint("")), "");
+  EXPECT_EQ(hint_text(Hint()), "");
+  EXPECT_EQ(hint_text(Hint("")), "");
 }
 
 TEST(Remedies, StepsAndOptionsThatTheCommandHasNotAreLeftOut) {
@@ -84,9 +84,9 @@ TEST(Remedies, StepsAndOptionsThatTheCommandHasNotAreLeftOut) {
                   {Remedy::use, Setting::cpu_backend},
                   {Remedy::give, Setting::spacing_and_origin},
                   "use --words as they are"};
-  EXPECT_EQ(words_of(hint),
+  EXPECT_EQ(hint_text(hint),
             "use --backend cpu, which needs no GPU; give --origin X,Y,Z to place the volume; use --words as they are");
-  EXPECT_EQ(words_of(Hint(Remedy::raise, Setting::memory_limit)), "");
+  EXPECT_EQ(hint_text(Hint(Remedy::raise, Setting::memory_limit)), "");
   set_options_of_hints(options_of_program());
 }
 

@@ -81,7 +81,7 @@ TEST(FramePattern, RefusesImpossibleWidths) {
   EXPECT_NE(pattern_refusal("{:99999999999999999999}"), "accepted");
   EXPECT_NE(pattern_refusal("%4294967300d"), "accepted");
   EXPECT_NE(pattern_refusal(std::string(100000, '#')), "accepted");
-  EXPECT_EQ(pattern_refusal("a{:x}.vdb"), "a{:x}.vdb: expected a number of digits as in {:04}, found '{:x}'");
+  EXPECT_EQ(pattern_refusal("a{:x}.vdb"), "a{:x}.vdb: expected digits after the colon, as in {:04}, found '{:x}'");
   EXPECT_NE(pattern_refusal("{:-4}"), "accepted");
   EXPECT_NE(pattern_refusal("{frame:04d}"), "accepted");
 }

@@ -214,7 +214,7 @@ TEST(ParticleJet, RejectsInvalidOptions) {
   EXPECT_NE(with([](JetOptions& o) { o.nozzle = 9; }).find("too small for a nozzle of radius 9"), std::string::npos);
   EXPECT_NE(with([](JetOptions& o) { o.radius = 1e-9; }).find("expected a particle radius of at least"),
             std::string::npos);
-  EXPECT_NE(with([](JetOptions& o) { o.radius = 1e-4; }).find("at once; expected no more than the 1500"),
+  EXPECT_NE(with([](JetOptions& o) { o.radius = 1e-4; }).find("at once; expected at most 1500, for"),
             std::string::npos);
   for (const auto& change : {+[](JetOptions& o) { o.fps = 1e-3; }, +[](JetOptions& o) { o.speed = 1e300; },
                              +[](JetOptions& o) { o.gravity = 1e308; }}) {

@@ -55,7 +55,7 @@ TEST(LabelTable, RejectsInvalidTables) {
     const auto table = LabelTable::parse("# first\n" + std::string(line) + "\n", "lut.txt");
     ASSERT_FALSE(table);
     EXPECT_EQ(table.error().code, ErrorCode::input);
-    EXPECT_TRUE(table.error().message.starts_with("lut.txt: line 2: expected a label as ITK-SNAP"));
+    EXPECT_TRUE(table.error().message.starts_with("lut.txt: line 2: expected a label line of ITK-SNAP"));
     EXPECT_EQ(table.error().message.find('\x1b'), std::string::npos);
   }
   EXPECT_FALSE(LabelTable::parse(std::string("1 a\0b 1 2 3 0", 13), "t"));

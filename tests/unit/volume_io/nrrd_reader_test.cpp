@@ -346,7 +346,7 @@ TEST(NrrdReaderBad, RejectsMalformedFiles) {
        {"bytes to skip from the end", nrrd("byte skip: -9223372036854775808\n", kSamples),
         "needs a file of at least 9223372036854775867 bytes"},
        {"skip from the end in gzip", nrrd("encoding: gzip\nbyte skip: -1\n", packed),
-        "expected encoding raw with 'byte skip' -1, found gzip"},
+        "'byte skip' -1 needs encoding raw, found gzip"},
        {"binary header", "NRRD0004\n" + std::string(100, '\0') + "\n\n", "binary data"},
        {"gzip cut", nrrd("encoding: gzip\n", packed.substr(0, packed.size() - 3)), "damaged or cut off"},
        {"gzip cut early", nrrd("encoding: gzip\n", packed.substr(0, packed.size() / 2)), "damaged or cut off"},
