@@ -31,6 +31,7 @@
 #include "convert/picture_file.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/stages/mesh_relax.hpp"
+#include "convert/stages/mesh_touching.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "convert/verification.hpp"
 #include "extract/voxels.hpp"
@@ -75,6 +76,7 @@ class Conversion {
     if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.volume_hint.empty()) {
       events_.note({NoteId::volume_changed, *text + extras_.volume_hint});
     }
+    if (const auto text = note_of_touching(outcome_.reports)) events_.note({NoteId::moved_apart, *text});
     if (wants_source()) collector_->source = std::move(source_);
     return {};
   }
@@ -216,7 +218,8 @@ class Conversion {
                     .id = surface.id,
                     .mesh = std::move(pieces[i]),
                     .end = surface.end,
-                    .counts_open_edges = surface.counts_open_edges};
+                    .counts_open_edges = surface.counts_open_edges,
+                    .distinct_positions = surface.distinct_positions};
       TRY(run_stage(stage_info(StageName::normals), {job_, source_, facts(), context_}, events_, piece));
       if (!into_files) {
         TRY(add(std::move(piece), file));

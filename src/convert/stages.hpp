@@ -40,6 +40,7 @@ enum class StageName {
   bodies,
   smooth,
   simplify,
+  touching,
   color,
   normals,
   error,
@@ -59,7 +60,8 @@ EditSurface measure_relaxing;  // runs while all vertices are still where relaxi
 EditSurface mark_bodies;       // assigns shells to bodies; runs before later stages may move one shell through another
 EditSurface smooth_surface;
 EditSurface simplify_surface;
-EditSurface color_surface;  // runs when the vertices are final
+EditSurface separate_touching;  // runs when no later stage moves vertices
+EditSurface color_surface;      // runs when the vertices are final
 // Runs after all edits that change the mesh: it duplicates vertices for their normals, which makes boundary edges
 EditSurface shade_surface;
 EditSurface measure_error;
@@ -147,6 +149,11 @@ inline constexpr std::array kStages{
               .is_listed = true,
               .edit = simplify_surface,
               .done = "simplified"},
+    StageInfo{.name = StageName::touching,
+              .word = "touching",
+              .section = "touching",
+              .asked = [](const ConversionJob& job) { return job.edits.touching == Touching::apart; },
+              .edit = separate_touching},
     StageInfo{.name = StageName::color,
               .word = "color",
               .section = "colours",

@@ -23,6 +23,7 @@ namespace {
 constexpr double kFloatSteps = 8;
 // A vertex moves off the planes of its triangles by at least so many steps of float32 numbers, against rounding.
 constexpr double kStepsOffPlanes = 2;
+constexpr double kLastSlope = 1e-6;  // without regard to rounding, if the vertices would stay together otherwise
 constexpr double kMostTimesDistance = 20;
 
 // A vertex at the position of others, and where it moves.
@@ -57,17 +58,22 @@ double float_step_at(const glm::dvec3& position) {
 
 class Separation {
  public:
-  Separation(const mesh::Mesh& mesh, double distance)
-      : mesh_(mesh), distance_(distance), adjacency_(mesh.triangles.span(), mesh.positions.size()) {}
+  Separation(const mesh::Mesh& mesh, double voxels, const glm::dmat3& voxel)
+      : mesh_(mesh), voxels_(voxels), adjacency_(mesh.triangles.span(), mesh.positions.size()) {
+    if (!(std::abs(glm::determinant(voxel)) > 0)) return;
+    voxel_ = voxel;
+    to_voxels_ = glm::inverse(voxel);
+    shortest_edge_ = std::min({glm::length(voxel[0]), glm::length(voxel[1]), glm::length(voxel[2])});
+  }
 
   // Finds where the vertices of one position move to.
   void separate(std::span<TouchingVertex> together) const {
-    const double step = float_step_at(mesh_.position(together.front().vertex));
-    const double move = std::max(distance_, kFloatSteps * step);
+    const double step = float_step_at(mesh_.position(together.front().vertex)) / shortest_edge_;
+    const double move = std::max(voxels_, kFloatSteps * step);
     const double least_slope = kStepsOffPlanes * step / move;
-    if (!(move <= kMostTimesDistance * distance_)) return;
+    if (!(move <= kMostTimesDistance * voxels_)) return;
     std::vector<VertexCone> cones;
-    for (const TouchingVertex& t : together) cones.emplace_back(mesh_, adjacency_.corners(t.vertex));
+    for (const TouchingVertex& t : together) cones.emplace_back(mesh_, adjacency_.corners(t.vertex), to_voxels_);
     std::vector<double> signs;
     std::size_t staying = 0;
     std::vector<std::optional<glm::dvec3>> ways;
@@ -77,8 +83,11 @@ class Separation {
       staying += ways[i] ? 0 : 1;
     }
     for (std::size_t i = 0; i < cones.size(); ++i) {
-      if (!ways[i] && staying > 1 && signs[i] != 0) ways[i] = cones[i].way_off(signs[i], least_slope, cones);
-      if (ways[i]) together[i].to = glm::vec3(glm::dvec3(together[i].to) + move * *ways[i]);
+      if (!ways[i] && staying > 1 && signs[i] != 0) {
+        ways[i] = cones[i].way_off(signs[i], least_slope, cones);
+        if (!ways[i]) ways[i] = cones[i].way_off(signs[i], kLastSlope);
+      }
+      if (ways[i]) together[i].to = glm::vec3(glm::dvec3(together[i].to) + voxel_ * (move * *ways[i]));
     }
   }
 
@@ -96,11 +105,14 @@ class Separation {
   }
 
   const mesh::Mesh& mesh_;
-  double distance_;
+  double voxels_;
+  glm::dmat3 voxel_{1.0};
+  glm::dmat3 to_voxels_{1.0};
+  double shortest_edge_ = 1;
   mesh::Adjacency adjacency_;
 };
 
-SeparationFigures move_apart(mesh::Mesh& mesh, double distance, std::vector<TouchingVertex>& touching,
+SeparationFigures move_apart(mesh::Mesh& mesh, const Separation& separation, std::vector<TouchingVertex>& touching,
                              const Context& context) {
   std::vector<std::span<TouchingVertex>> groups;
   for (std::size_t begin = 0; begin < touching.size();) {
@@ -109,7 +121,6 @@ SeparationFigures move_apart(mesh::Mesh& mesh, double distance, std::vector<Touc
     groups.push_back(std::span(touching).subspan(begin, end - begin));
     begin = end;
   }
-  const Separation separation(mesh, distance);
   constexpr std::size_t kGroupsAtATime = 64;
   for_each_index(
       groups.size(),
@@ -132,7 +143,8 @@ SeparationFigures move_apart(mesh::Mesh& mesh, double distance, std::vector<Touc
 
 }  // namespace
 
-Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double distance, const Context& context) {
+Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double voxels, const glm::dmat3& voxel,
+                                                     const Context& context) {
   const std::string what = mesh.name + ": the vertices at equal positions";
   const std::uint64_t vertices = mesh.positions.size();
   try {
@@ -146,7 +158,7 @@ Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double di
         TRY(context.reserve(mesh::Adjacency::bytes(mesh.triangles.size(), vertices) +
                                 touching.size() * (sizeof(TouchingVertex) + sizeof(std::span<TouchingVertex>)),
                             what));
-    const SeparationFigures figures = move_apart(mesh, distance, touching, context);
+    const SeparationFigures figures = move_apart(mesh, Separation(mesh, voxels, voxel), touching, context);
     TRY(context.check());
     return figures;
   } catch (const std::bad_alloc&) {

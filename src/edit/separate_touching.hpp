@@ -8,9 +8,12 @@
 // between the old ones and the sheet's own side, and cannot meet the other sheets. The cone of a vertex may be so bent
 // that it has no such direction, or it may have sheets on both sides: this vertex stays, and the others move away.
 // If two vertices at one position are bent, they move away from the triangles at the edges that the sheets share.
+// Directions are found in voxel coordinates, where the sheets are not stretched.
 #pragma once
 
 #include <cstdint>
+
+#include <glm/glm.hpp>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
@@ -26,11 +29,12 @@ struct SeparationFigures {
   double volume_after = 0;
 };
 
-// Moves each vertex by about `distance`, in the mesh's units, if float32 is fine enough there; else by eight steps of
-// float32 numbers at its world position, or not at all if these exceed 20 times the distance. Triangles, attributes and
-// the order of vertices stay. Positions must be finite. The result does not depend on the number of threads. Fails
-// with ErrorCode::out_of_memory or cancelled.
-[[nodiscard]] Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double distance,
-                                                                   const Context& context);
+// Moves each vertex by `voxels` if float32 is fine enough there; else by eight steps of float32 numbers at its world
+// position, or not at all if these exceed 20 times the distance. The columns of `voxel` are the edges of a voxel in the
+// mesh's units; if they have no volume, a voxel is a cube as large as the unit. Triangles, attributes and the order of
+// vertices stay. Positions must be finite. The result does not depend on the number of threads. Fails with
+// ErrorCode::out_of_memory or cancelled.
+[[nodiscard]] Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double voxels,
+                                                                   const glm::dmat3& voxel, const Context& context);
 
 }  // namespace isoextract::edit

@@ -26,13 +26,13 @@ glm::dvec3 shortest_in_hull(std::span<const glm::dvec3> vectors, glm::dvec3 star
 
 }  // namespace
 
-VertexCone::VertexCone(const mesh::Mesh& mesh, std::span<const mesh::Corner> corners) {
+VertexCone::VertexCone(const mesh::Mesh& mesh, std::span<const mesh::Corner> corners, const glm::dmat3& to_metric) {
   for (const mesh::Corner corner : corners) {
     const glm::uvec3& t = mesh.triangles[mesh::triangle_of(corner)];
     const int at = static_cast<int>(corner % 3);
     const glm::dvec3 apex(mesh.positions[t[at]]);
-    const glm::dvec3 first = glm::dvec3(mesh.positions[t[(at + 1) % 3]]) - apex;
-    const glm::dvec3 second = glm::dvec3(mesh.positions[t[(at + 2) % 3]]) - apex;
+    const glm::dvec3 first = to_metric * (glm::dvec3(mesh.positions[t[(at + 1) % 3]]) - apex);
+    const glm::dvec3 second = to_metric * (glm::dvec3(mesh.positions[t[(at + 2) % 3]]) - apex);
     const glm::dvec3 normal = glm::cross(first, second);
     const double area = glm::length(normal);
     if (!(area > 0)) continue;

@@ -15,8 +15,9 @@ namespace isoextract::edit {
 
 class VertexCone {
  public:
-  // `corners` are the corners of the vertex. Triangles without area are left out.
-  VertexCone(const mesh::Mesh& mesh, std::span<const mesh::Corner> corners);
+  // `corners` are the corners of the vertex. Directions and normals are those after the linear map `to_metric`.
+  // Triangles without area are left out.
+  VertexCone(const mesh::Mesh& mesh, std::span<const mesh::Corner> corners, const glm::dmat3& to_metric);
 
   [[nodiscard]] bool empty() const { return sectors_.empty(); }
 
@@ -26,9 +27,9 @@ class VertexCone {
   // the angle weighted pseudonormal. IEEE TVCG 11(3), 2005.
   [[nodiscard]] double side_of(const VertexCone& other) const;
 
-  // Returns a direction (of unit length) on the outer side of all triangles if `sign` is 1, on their inner side if -1;
-  // null if the sine of its angle to one of their planes is below `least_slope`. With `others`, only triangles count
-  // that have an edge in common with another of these cones.
+  // Returns a direction of unit length on the outer side of all triangles if `sign` is 1, on their inner side if -1.
+  // Returns null if the sine of its angle to one of their planes is below `least_slope`. With `others`, only triangles
+  // count that have an edge in common with another of these cones.
   [[nodiscard]] std::optional<glm::dvec3> way_off(double sign, double least_slope,
                                                   std::span<const VertexCone> others = {}) const;
 

@@ -51,7 +51,7 @@ mesh::Mesh copy_of(const mesh::Mesh& mesh) {
 std::uint64_t expect_separated(mesh::Mesh mesh) {
   const mesh::Mesh before = copy_of(mesh);
   const auto checked_before = check::check_mesh(before, Context());
-  const auto figures = separate_touching_vertices(mesh, kDistance, Context());
+  const auto figures = separate_touching_vertices(mesh, kDistance, glm::dmat3(1.0), Context());
   EXPECT_TRUE(figures);
   const auto checked = check::check_mesh(mesh, Context());
   EXPECT_TRUE(checked->topology.is_closed_oriented_manifold());
@@ -81,7 +81,7 @@ test::VoxelPattern padded(unsigned bits, bool solid_around) {
   return pattern;
 }
 
-// All contacts of the eight voxels around a corner, alone and as the only hollows of a solid.
+// All contacts of the eight voxels around a corner, alone and as the only cavities of a solid.
 TEST(SeparateTouching, AllPatternsOfEightVoxels) {
   std::uint64_t touching = 0;
   for (const Way& way : ways()) {
@@ -111,21 +111,37 @@ TEST(SeparateTouching, MovesTowardTheOwnSide) {
   const auto moved_mesh = [](unsigned bits, bool solid_around) {
     mesh::Mesh mesh = test::extract(test::field_of(padded(bits, solid_around)), test::voxel_options()).mesh;
     const double before = mesh::measure_size(mesh).volume;
-    EXPECT_TRUE(separate_touching_vertices(mesh, kDistance, Context()));
+    EXPECT_TRUE(separate_touching_vertices(mesh, kDistance, glm::dmat3(1.0), Context()));
     return mesh::measure_size(mesh).volume - before;
   };
   EXPECT_LT(moved_mesh(0b10000001, false), -1e-5);  // two solids at a corner
   EXPECT_LT(moved_mesh(0b00001001, false), -1e-5);  // at an edge
-  EXPECT_GT(moved_mesh(0b01111110, true), 1e-5);    // two hollows at a corner
+  EXPECT_GT(moved_mesh(0b01111110, true), 1e-5);    // two cavities at a corner
 }
 
 TEST(SeparateTouching, KeepsMeshesWithoutContacts) {
   mesh::Mesh mesh = test::extract(test::field_of(padded(0b00001111, false)), test::voxel_options()).mesh;
   const mesh::Mesh before = copy_of(mesh);
-  const auto figures = separate_touching_vertices(mesh, kDistance, Context());
+  const auto figures = separate_touching_vertices(mesh, kDistance, glm::dmat3(1.0), Context());
   EXPECT_EQ(figures->touching, 0U);
   EXPECT_EQ(figures->moved, 0U);
   EXPECT_EQ(test::triangle_set(mesh), test::triangle_set(before));
+}
+
+// Long, skewed and mirrored voxels: the sheets move as in voxel coordinates.
+TEST(SeparateTouching, StretchedVoxels) {
+  const auto field = test::field_of(test::random_pattern({9, 9, 9}, 4, 30));
+  const glm::dmat3 voxel(glm::dvec3(0.2, 0, 0), glm::dvec3(0.1, -0.7, 0), glm::dvec3(0, 0.3, 5));
+  for (const Way& way : ways()) {
+    SCOPED_TRACE(way.name);
+    mesh::Mesh mesh = test::extract(field, way.options).mesh;
+    for (glm::vec3& p : mesh.positions) p = glm::vec3(voxel * glm::dvec3(p));
+    for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    const std::uint64_t before = check::find_self_intersections(mesh, {}, Context())->pairs;
+    EXPECT_GT(separate_touching_vertices(mesh, kDistance, voxel, Context())->touching, 100U);
+    EXPECT_LE(check::find_self_intersections(mesh, {}, Context())->pairs, before);
+    EXPECT_TRUE(welded_topology(std::move(mesh)).is_closed_oriented_manifold());
+  }
 }
 
 // The move exceeds the steps of float32 numbers at the world position; where these are too coarse, nothing moves.
@@ -134,7 +150,7 @@ TEST(SeparateTouching, FarFromTheOrigin) {
     SCOPED_TRACE(away);
     mesh::Mesh mesh = test::extract(test::field_of(padded(0b00001001, false)), test::voxel_options()).mesh;
     mesh.origin = {away, 0, 0};
-    const auto figures = separate_touching_vertices(mesh, kDistance, Context());
+    const auto figures = separate_touching_vertices(mesh, kDistance, glm::dmat3(1.0), Context());
     EXPECT_EQ(figures->touching, 4U);
     EXPECT_EQ(figures->moved, away < 1e6 ? 4U : 0U);
     EXPECT_LE(figures->greatest_move, 8.1 * 0x1p-23 * away + kDistance);
