@@ -218,8 +218,7 @@ class Conversion {
                     .id = surface.id,
                     .mesh = std::move(pieces[i]),
                     .end = surface.end,
-                    .counts_open_edges = surface.counts_open_edges,
-                    .distinct_positions = surface.distinct_positions};
+                    .counts_open_edges = surface.counts_open_edges};
       TRY(run_stage(stage_info(StageName::normals), {job_, source_, facts(), context_}, events_, piece));
       if (!into_files) {
         TRY(add(std::move(piece), file));
