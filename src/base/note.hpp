@@ -72,6 +72,7 @@ enum class NoteId {
   iso_chosen,
   labels_part,  // an edit changes each label's mesh separately, so neighbors no longer share their faces
   many_components,
+  moved_apart,
   no_surface,
   open_components_kept,
   open_mesh,
@@ -158,6 +159,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::iso_chosen, "iso-chosen"},
       Word{NoteId::labels_part, "labels-part"},
       Word{NoteId::many_components, "many-components"},
+      Word{NoteId::moved_apart, "moved-apart"},
       Word{NoteId::no_surface, "no-surface"},
       Word{NoteId::open_components_kept, "open-components-kept"},
       Word{NoteId::open_mesh, "open-mesh"},

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/allocation_error.hpp"
-#include "check/detail/coincident_vertices.hpp"
+#include "mesh/coincident_vertices.hpp"
 #include "mesh/components.hpp"
 
 namespace isoextract::check {
@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kPlacesText = "the vertices at equal positions";
 
 // Copies positions and name; the triangles refer to the first vertex at each place.
-mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const CoincidentVertices& places) {
+mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const mesh::CoincidentVertices& places) {
   mesh::Mesh joined;
   joined.name = mesh.name;
   joined.positions = Buffer<glm::vec3>(mesh.positions.size());
@@ -29,8 +29,8 @@ mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const CoincidentVertice
 
 Result<void> find_coincident_vertices(const mesh::Mesh& mesh, const Context& context, MeshCheck& check) {
   const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
-  auto memory = TRY(context.reserve(CoincidentVertices::bytes(mesh.positions.size()), what));
-  const CoincidentVertices places(mesh.positions.span());
+  auto memory = TRY(context.reserve(mesh::CoincidentVertices::bytes(mesh.positions.size()), what));
+  const mesh::CoincidentVertices places(mesh.positions.span());
   check.repeated_vertices = places.repeated();
   if (check.repeated_vertices == 0 || check.topology.open_edges == 0) return {};
   const auto copy = TRY(context.reserve(mesh.positions.size_bytes() + mesh.triangles.size_bytes(), what));
@@ -146,9 +146,10 @@ Result<void> weld_coincident_vertices(mesh::Mesh& mesh, const Context& context) 
   const std::string what = fmt::format("{}: {}", mesh.name, kPlacesText);
   const std::uint64_t vertices = mesh.positions.size();
   const auto memory = TRY(context.reserve(
-      CoincidentVertices::bytes(vertices) + vertices * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)), what));
+      mesh::CoincidentVertices::bytes(vertices) + vertices * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)),
+      what));
   try {
-    const CoincidentVertices places(mesh.positions.span());
+    const mesh::CoincidentVertices places(mesh.positions.span());
     if (places.repeated() == 0) return {};
     std::vector<std::uint32_t> old_of_new;
     old_of_new.reserve(vertices);

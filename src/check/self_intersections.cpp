@@ -10,9 +10,9 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "base/allocation_error.hpp"
-#include "check/detail/coincident_vertices.hpp"
 #include "check/detail/triangle_boxes.hpp"
 #include "check/detail/triangle_overlap.hpp"
+#include "check/detail/unique_triangles.hpp"
 
 namespace isoextract::check {
 namespace {
@@ -50,7 +50,7 @@ class IntersectionSearch {
   // Returns the peak memory.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& mesh) {
     const std::uint64_t triangles = mesh.triangles.size();
-    return CoincidentVertices::bytes(mesh.positions.size()) + CrowdedStars::bytes(mesh.positions.size()) +
+    return mesh::CoincidentVertices::bytes(mesh.positions.size()) + CrowdedStars::bytes(mesh.positions.size()) +
            std::max(distinct_triangle_bytes(triangles),
                     triangles * (2 * sizeof(std::uint32_t) + 1) + TriangleBoxes::bytes(triangles));
   }
@@ -156,7 +156,7 @@ class IntersectionSearch {
   const mesh::Mesh& mesh_;
   const IntersectionOptions& options_;
   const Context& context_;
-  CoincidentVertices places_;
+  mesh::CoincidentVertices places_;
   UniqueTriangles distinct_;
   Buffer<std::uint8_t> met_;  // 1: the triangle is in a pair
   std::atomic<bool> stopped_{false};

@@ -10,13 +10,25 @@
 #include <fmt/ranges.h>
 
 namespace isoextract::cli {
+namespace {
+
+// Returns "not manifold: ..." if readers weld sheets that touch, else an empty text.
+std::string welded_defects_text(const convert::WeldedDefects& welded, const convert::ConversionJob& job) {
+  if (welded.nonmanifold_edges == 0 && welded.nonmanifold_vertices == 0) return {};
+  return fmt::format("not manifold: readers weld touching sheets at {} edges and {} vertices{}",
+                     welded.nonmanifold_edges, welded.nonmanifold_vertices,
+                     job.edits.touching == convert::Touching::keep ? " (--touching apart separates them)" : "");
+}
+
+}  // namespace
 
 std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job) {
   if (output.triangles == 0) return "empty";
   std::vector<std::string> at_boundary;
   bool at_clip = false;
   bool is_periodic = false;
-  bool closed = output.open_edges.value_or(0) == 0;
+  const bool rectangles = job.surface.voxel_faces == extract::VoxelFaces::rectangles;
+  bool closed = output.open_edges.value_or(0) == 0 && (output.welded.open_edges == 0 || rectangles);
   std::uint64_t hole_cells = 0;
   // Keyed by field and iso value, since the components of a surface can be several meshes.
   std::map<std::pair<std::string, convert::SurfaceId>, convert::OpenBoundary> surfaces;
@@ -33,7 +45,8 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
     is_periodic = is_periodic || end.periodic;
     hole_cells += end.hole_cells;
   }
-  std::string text = closed ? "closed" : "open";
+  const std::string defects = welded_defects_text(output.welded, job);
+  std::string text = !closed ? "open" : defects.empty() ? "closed" : defects;
   if (!closed && !at_boundary.empty()) {
     const std::string_view box = " at the faces of the periodic box";
     text += job.source.roi ? " at the boundary of --roi" : is_periodic ? box : " at the data boundary";
@@ -46,7 +59,7 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
   const bool is_terrain = job.surface.heights && !at_clip;
   if (!closed && (at_clip || !at_boundary.empty())) text += is_terrain ? " (--base H closes it)" : " (--cap closes it)";
   if (hole_cells > 0) text += fmt::format("; without {} cells around NaN samples", hole_cells);
-  const bool rectangles = job.surface.voxel_faces == extract::VoxelFaces::rectangles;
+  if (!closed && !defects.empty()) text += "; " + defects;
   return closed && rectangles ? text + ", except for T-junctions along edges (--t-junctions)" : text;
 }
 

@@ -9,8 +9,9 @@
 
 namespace isoextract::cli {
 
-// Returns "empty" without triangles, "closed", or "open" with the location of the boundary and, for the data boundary
-// and clip planes, the option that closes it. Adds the number of cells left out around NaN samples.
+// Returns "not manifold: ..." if readers of the file weld sheets that touch. Else returns "empty" without
+// triangles, "closed", or "open" with the location of the boundary and, for the data boundary and clip planes, the
+// option that closes it. Adds the number of cells left out around NaN samples.
 [[nodiscard]] std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

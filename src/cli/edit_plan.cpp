@@ -23,6 +23,9 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
   job.source.blurs = flags.surface.blurs;
   job.edits = edits.chosen();
   if (flags.simplify || flags.triangles) job.edits.simplify = convert::SimplifyChoice{flags.simplify, flags.triangles};
+  const auto* const file = job.writes<convert::MeshFileOptions>();
+  const bool readers_weld = file != nullptr && mesh_io::mesh_format_info(file->format).readers_weld;
+  job.edits.touching = flags.touching.value_or(readers_weld ? convert::Touching::apart : convert::Touching::keep);
   return {};
 }
 

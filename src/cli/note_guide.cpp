@@ -146,6 +146,8 @@ constexpr std::array kGuide{
               "Smooth with --relax, which moves shared vertices together."},
     NoteGuide{many_components, "Each component keeps a few triangles, so many components limit the simplification.",
               "Remove small components with --drop-components MIN."},
+    NoteGuide{moved_apart, "Sheets of the surface touch, and readers of STL would join them, so they moved apart.",
+              "Give --touching keep for exact positions, or write ply, obj or glb."},
     NoteGuide{no_surface, "An iso value or label has no surface, so it has no mesh.",
               "'isoextract info' shows the range of the samples."},
     NoteGuide{open_components_kept, "Open components have no volume, so a filter by volume keeps them.",

@@ -31,6 +31,7 @@
 #include "convert/picture_file.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/stages/mesh_relax.hpp"
+#include "convert/stages/mesh_touching.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "convert/verification.hpp"
 #include "extract/voxels.hpp"
@@ -76,6 +77,7 @@ class Conversion {
       events_.note({NoteId::volume_changed, *text + extras_.volume_hint});
     }
     if (collector_ != nullptr) collector_->front = front_azimuth(source_.field, source_.placement);
+    if (const auto text = note_of_touching(outcome_.reports)) events_.note({NoteId::moved_apart, *text});
     if (wants_source()) collector_->source = std::move(source_);
     return {};
   }

@@ -14,6 +14,7 @@
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/stages/mesh_facts.hpp"
+#include "convert/stages/mesh_touching.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/shading_normals.hpp"
@@ -138,6 +139,7 @@ bool copies_vertices(const ConversionJob& job) {
 }
 
 Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
+  surface.welded = TRY(topology_as_read(surface, stage.job, stage.context));
   if (stage.facts.recorded) {
     // For reports only: finding components and open edges takes longer than extracting the mesh.
     const Stopwatch watch;

@@ -46,7 +46,7 @@ namespace isoextract::convert {
   NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
   NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) NAME(length_unit) \
   NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) NAME(mean_weight) NAME(measured) \
-  NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
+  NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
   NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
   NAME(outside) NAME(outside_region) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) NAME(periodic) \
@@ -54,7 +54,7 @@ namespace isoextract::convert {
   NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
   NAME(samples) NAME(scale) NAME(simulation_box) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \
   NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(to_unit) \
-  NAME(too_small) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \
+  NAME(too_small) NAME(touching) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \
   NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) NAME(unreached) NAME(upper) \
   NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) NAME(wall_seconds) \
   NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
@@ -163,6 +163,13 @@ struct OpenBoundary {
   std::uint64_t hole_cells = 0;  // cells left out because of NaN samples
 };
 
+// Defects that a reader finds who welds the vertices of a file by position.
+struct WeldedDefects {
+  std::uint64_t open_edges = 0;
+  std::uint64_t nonmanifold_edges = 0;
+  std::uint64_t nonmanifold_vertices = 0;
+};
+
 // An output that was written, or that was skipped because none of its surfaces has triangles (then `surfaces` and
 // `samples` are empty).
 struct WrittenOutput {
@@ -178,6 +185,7 @@ struct WrittenOutput {
   std::uint64_t vertices = 0;
   std::uint64_t bytes = 0;
   std::optional<std::uint64_t> open_edges;  // boundary edges of its meshes, if they were counted
+  WeldedDefects welded;                     // zeros, too, if readers of the format keep all vertices apart
 };
 
 struct StageReport {

@@ -41,6 +41,7 @@ enum class StageName {
   bodies,
   smooth,
   simplify,
+  touching,
   color,
   normals,
   error,
@@ -63,6 +64,7 @@ EditSurface simplify_surface;
 // Sets the mesh's material, colors the vertices by an attribute if the job asks for it, and then maps attributes to
 // output coordinates. Runs when the vertices are final.
 EditSurface color_surface;
+EditSurface separate_touching;  // runs when no later stage moves vertices
 // Runs after all edits that change the mesh: it duplicates vertices for their normals, which makes boundary edges
 EditSurface shade_surface;
 EditSurface measure_error;
@@ -151,6 +153,11 @@ inline constexpr std::array kStages{
               .is_listed = true,
               .edit = simplify_surface,
               .done = "simplified"},
+    StageInfo{.name = StageName::touching,
+              .word = "touching",
+              .section = "touching",
+              .asked = [](const ConversionJob& job) { return job.edits.touching == Touching::apart; },
+              .edit = separate_touching},
     StageInfo{.name = StageName::color,
               .word = "color",
               .section = "colours",

@@ -93,14 +93,24 @@ struct SmoothChoice {
   friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
 };
 
+// Vertices at equal positions, where sheets of a surface touch (edit/separate_touching.hpp).
+enum class Touching {
+  apart,  // moves them apart
+  keep,
+};
+constexpr auto words_of(Touching /*type*/) {
+  return std::array{Word{Touching::apart, "apart"}, Word{Touching::keep, "keep"}};
+}
+
 // Edits of a surface, in the order in which they run. PieceChoice::split is an exception: it takes effect after all
 // others.
 struct SurfaceEdits {
-  static constexpr std::array kMembers{"pieces", "smooth", "simplify"};
+  static constexpr std::array kMembers{"pieces", "smooth", "simplify", "touching"};
 
   PieceChoice pieces;
   std::optional<SmoothChoice> smooth;
   std::optional<SimplifyChoice> simplify;
+  Touching touching = Touching::keep;
 
   friend bool operator==(const SurfaceEdits&, const SurfaceEdits&) = default;
 };

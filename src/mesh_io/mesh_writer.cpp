@@ -20,13 +20,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kFormats = {
-    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true, false},
+    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true, false, false},
     MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true,
+                   false, false},
+    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true, false,
                    false},
-    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true, false},
-    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false, false},
-    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false, true},
-    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true, true},
+    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false, false, false},
+    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false, true, true},
+    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true, true, false},
 };
 
 std::string names_of_formats(bool MeshFormatInfo::*property) {

@@ -43,6 +43,7 @@ struct MeshFormatInfo {
   // True: the format rounds world positions to float32. False: it keeps more precision by a separate origin, doubles or
   // decimal text.
   bool stores_float32_world;
+  bool readers_weld;  // the file has no vertex indices, so readers weld vertices at equal positions
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
 // Returns ".glb, .gltf, .ply, .obj, .stl or .drc".

@@ -132,6 +132,12 @@ struct ConvertFlags : OptionSet {
                    "Draw each merged rectangle with two triangles. With --method voxels. These are the fewest "
                    "triangles, but corners lie on edges of others, and the mesh is not closed edge by edge.",
                    About::surface | About::voxel_faces};
+  Value<convert::Touching> touching{
+      in(OptionGroup::surface), "--touching",
+      "Move touching sheets of a surface apart, or keep them. apart: vertices at equal positions, where sheets touch, "
+      "move 0.001 voxels to their own side, so that programs that weld vertices by position find a closed 2-manifold; "
+      "keep: no vertex moves. Default: apart for stl, whose readers weld, else keep.",
+      About::surface};
   Value<convert::Normals> normals{
       only_convert(OptionGroup::surface), "--normals",
       "Normals to store. none; flat, one per triangle; smooth, the gradient of the field at each vertex; area, the "

@@ -37,6 +37,11 @@ struct OutputMeshes {
     written.surfaces.push_back({label, surface.id, surface.end});
     written.triangles += surface.mesh.triangles.size();
     written.vertices += surface.mesh.positions.size();
+    if (surface.welded) {
+      written.welded.open_edges += surface.welded->open_edges;
+      written.welded.nonmanifold_edges += surface.welded->nonmanifold_edges;
+      written.welded.nonmanifold_vertices += surface.welded->nonmanifold_vertices;
+    }
     if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
   }
 

@@ -64,17 +64,18 @@ Result<Figures> mesh_facts(const Surface& surface, const Context& context) {
   const Figures components = TRY(component_table(mesh, context));
   const mesh::MeshSize size = mesh::measure_size(mesh);
   const mesh::Bounds bounds = mesh::measure_bounds(mesh);
-  const bool closed = topology.is_closed_oriented_manifold();
+  const mesh::Topology& as_read = surface.welded ? *surface.welded : topology;
+  const bool closed = as_read.is_closed_oriented_manifold();
   return Figures{{Key::iso, surface.id.figure()},
                  {Key::file, ""},
                  {Key::name, mesh.name},
                  {Key::vertices, mesh.positions.size()},
                  {Key::triangles, mesh.triangles.size()},
                  {Key::closed, closed},
-                 {Key::open_edges, topology.open_edges},
-                 {Key::nonmanifold_edges, topology.nonmanifold_edges},
-                 {Key::misoriented_edges, topology.misoriented_edges},
-                 {Key::nonmanifold_vertices, topology.nonmanifold_vertices},
+                 {Key::open_edges, as_read.open_edges},
+                 {Key::nonmanifold_edges, as_read.nonmanifold_edges},
+                 {Key::misoriented_edges, as_read.misoriented_edges},
+                 {Key::nonmanifold_vertices, as_read.nonmanifold_vertices},
                  {Key::components, topology.components},
                  {Key::genus, closed ? Value(topology.genus()) : Value()},
                  {Key::area, size.area},

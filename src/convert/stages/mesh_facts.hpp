@@ -11,7 +11,8 @@
 
 namespace isoextract::convert {
 
-// Returns the figures. Fails if memory runs out.
+// Returns the figures. Edges and vertices are those that readers of the file find (Surface::welded); components are
+// those of the indices. Fails if memory runs out.
 [[nodiscard]] Result<Figures> mesh_facts(const Surface& surface, const Context& context);
 
 // Adds the figures known only when the mesh is written: file, mesh name, number of vertices in the file, the error if

@@ -13,6 +13,7 @@
 #include "convert/source.hpp"
 #include "convert/stages.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/topology.hpp"
 
 namespace isoextract::convert {
 
@@ -26,6 +27,8 @@ struct Surface {
   std::optional<Figures> facts = {};             // set if requested; of the mesh before vertices were duplicated
   StageTime looking = {};                        // time for `facts`
   std::optional<std::uint64_t> open_edges = {};  // set if counted, before vertices were duplicated
+  std::optional<mesh::Topology> welded = {};     // as readers of the file find it (topology_as_read())
+  bool distinct_positions = false;               // no two vertices coincide in a file of float32; false: unknown
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
 };
 

@@ -1,1 +1,1 @@
-target_link_libraries(test_edit PRIVATE isoextract_extract isoextract_accuracy)
+target_link_libraries(test_edit PRIVATE isoextract_extract isoextract_accuracy isoextract_check)

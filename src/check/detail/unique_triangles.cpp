@@ -1,4 +1,4 @@
-#include "check/detail/coincident_vertices.hpp"
+#include "check/detail/unique_triangles.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -11,12 +11,6 @@
 
 namespace isoextract::check {
 namespace {
-
-struct SortedVertex {
-  glm::vec3 at;
-  std::uint32_t vertex;
-  [[nodiscard]] auto key() const { return std::tie(at.x, at.y, at.z, vertex); }
-};
 
 // The corners of a triangle, sorted.
 struct CornerKey {
@@ -46,28 +40,8 @@ bool has_area(std::span<const glm::vec3> positions, const glm::uvec3& t) {
 
 }  // namespace
 
-CoincidentVertices::CoincidentVertices(std::span<const glm::vec3> positions) : first_(positions.size()) {
-  Buffer<SortedVertex> vertices(positions.size());
-  for_each_number(positions.size(), [&](std::size_t v) {
-    vertices[v] = {positions[v] + 0.0F, static_cast<std::uint32_t>(v)};  // the sum turns -0 into 0
-  });
-  tbb::parallel_sort(vertices.begin(), vertices.end(),
-                     [](const SortedVertex& a, const SortedVertex& b) { return a.key() < b.key(); });
-  std::uint32_t first = 0;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const bool again = i > 0 && vertices[i].at == vertices[i - 1].at;
-    if (!again) first = vertices[i].vertex;
-    repeated_ += again ? 1 : 0;
-    first_[vertices[i].vertex] = first;
-  }
-}
-
-std::uint64_t CoincidentVertices::bytes(std::uint64_t vertices) {
-  return vertices * (sizeof(SortedVertex) + sizeof(std::uint32_t));
-}
-
 UniqueTriangles find_unique_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                                      const CoincidentVertices& places) {
+                                      const mesh::CoincidentVertices& places) {
   constexpr std::uint32_t kNowhere = ~std::uint32_t{0};  // no vertex: a mesh has fewer
   Buffer<CornerKey> keys(triangles.size());
   for_each_number(triangles.size(), [&](std::size_t t) {

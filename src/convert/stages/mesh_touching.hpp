@@ -1,0 +1,25 @@
+// Sheets of a surface that touch, in files whose readers weld vertices by position.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/stage_report.hpp"
+#include "convert/stages/surface_stages.hpp"
+
+namespace isoextract::convert {
+
+// Returns the topology that a reader of the job's file finds, who welds vertices by their float32 positions in the
+// file. Returns nullopt if readers of this format keep the vertices apart, or if no two vertices have one position.
+// Fails with ErrorCode::out_of_memory.
+[[nodiscard]] Result<std::optional<mesh::Topology>> topology_as_read(const Surface& surface, const ConversionJob& job,
+                                                                     const Context& context);
+
+// Returns a note that counts the vertices that were moved apart, with the distance and the change of the volume, and
+// those that still touch; nullopt if no sheets touched. `reports` are those of one conversion.
+[[nodiscard]] std::optional<std::string> note_of_touching(std::span<const StageReport> reports);
+
+}  // namespace isoextract::convert
