@@ -70,6 +70,7 @@ enum class NoteId {
   error_not_measured,
   faces_not_merged,
   iso_chosen,
+  iso_of_labels,
   labels_part,  // an edit changes each label's mesh separately, so neighbors no longer share their faces
   many_components,
   moved_apart,
@@ -157,6 +158,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::error_not_measured, "error-not-measured"},
       Word{NoteId::faces_not_merged, "faces-not-merged"},
       Word{NoteId::iso_chosen, "iso-chosen"},
+      Word{NoteId::iso_of_labels, "iso-of-labels"},
       Word{NoteId::labels_part, "labels-part"},
       Word{NoteId::many_components, "many-components"},
       Word{NoteId::moved_apart, "moved-apart"},

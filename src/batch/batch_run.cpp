@@ -225,7 +225,7 @@ Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
 
 RunResult BatchRun::State::run(RunEvents& the_events) {
   events = &the_events;
-  options.scheduler.extras.field_note = [this](const field::ScalarField& field) { return events->field_note(field); };
+  options.scheduler.extras.field_notes = [this](const field::ScalarField& field) { return events->field_notes(field); };
   const std::vector<std::size_t> others = keep_finished_frames();
   batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
   mesh_io::MeshWriteResult animated;

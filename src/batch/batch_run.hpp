@@ -41,7 +41,7 @@ struct RunOptions {
   bool keeps_records = true;                // keep records in the manifest, for later runs
   // Keep figures, outputs and errors of converted frames in RunResult::rows, which takes memory for each frame.
   bool keeps_figures = true;
-  // BatchRun sets extras.field_note and extras.hash_files. Without extras.read it renames no old meshes.
+  // BatchRun sets extras.field_notes and extras.hash_files. Without extras.read it renames no old meshes.
   SchedulerOptions scheduler = {};
 };
 
@@ -53,8 +53,8 @@ class RunEvents {
 
   // Called before a frame is converted; see FrameEvents::started().
   [[nodiscard]] virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
-  // Returns a note about the field of a frame (convert::ConversionOptions).
-  [[nodiscard]] virtual std::optional<Note> field_note(const field::ScalarField& /*field*/) { return std::nullopt; }
+  // Returns notes about the field of a frame (convert::ConversionOptions).
+  [[nodiscard]] virtual Notes field_notes(const field::ScalarField& /*field*/) { return {}; }
   // Returns whether the report of a frame, as write_report() writes it, exists. ResumePolicy::keep_unchanged does not
   // keep a frame without one.
   [[nodiscard]] virtual bool has_report(std::size_t /*frame*/) { return true; }

@@ -22,6 +22,7 @@
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/html_page.hpp"
+#include "cli/iso_of_labels_note.hpp"
 #include "cli/messages.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
@@ -60,11 +61,16 @@ class FramePrinter final : public batch::RunEvents {
                HtmlPage& page)
       : plan_(plan), arguments_(arguments), progress_(progress), page_(page) {}
 
-  std::optional<Note> field_note(const field::ScalarField& field) override {
-    if (!plan_.common.on_side_text) return std::nullopt;
-    auto note = up_axis_note(field, plan_.common.job.source.placement.up, *plan_.common.on_side_text);
-    if (note) progress_.print_note_once(*note);
-    return note;
+  Notes field_notes(const field::ScalarField& field) override {
+    Notes notes;
+    // The frames differ in input, output and iso values only.
+    if (const auto note = iso_of_labels_note(field, plan_.batch.frames.front().job)) notes.push_back(*note);
+    if (plan_.common.on_side_text) {
+      const auto note = up_axis_note(field, plan_.common.job.source.placement.up, *plan_.common.on_side_text);
+      if (note) notes.push_back(*note);
+    }
+    for (const Note& note : notes) progress_.print_note_once(note);
+    return notes;
   }
 
   bool has_report(std::size_t frame) override { return plan_.reports.empty() || files::is_there(plan_.reports[frame]); }

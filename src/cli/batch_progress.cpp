@@ -83,7 +83,7 @@ void BatchProgress::detail(const std::string& text) {
 
 void BatchProgress::print_note_once(const Note& note) {
   const std::lock_guard lock(mutex_);
-  if (std::exchange(noted_, true) || style_ == ProgressStyle::json) return;
+  if (!noted_.insert(note.id).second || style_ == ProgressStyle::json) return;
   bar_->above([&] { messages_.note(note); });
 }
 

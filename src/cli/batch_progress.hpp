@@ -64,7 +64,7 @@ class BatchProgress {
   const Messages& messages_;
   std::uint64_t frames_;
   std::uint64_t over_ = 0;
-  bool noted_ = false;
+  std::set<NoteId> noted_;
   Stopwatch watch_;
   Progress progress_;
   std::mutex mutex_;

@@ -24,6 +24,7 @@
 #include "cli/config_file.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/foreign_options.hpp"
+#include "cli/iso_of_labels_note.hpp"
 #include "cli/messages.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
@@ -227,11 +228,15 @@ class Conversion final : public batch::RunEvents {
     bar_.emplace(context.progress(), messages_.verbosity() != Verbosity::quiet);
     return &narrator_.emplace(plan_, messages_, *bar_);
   }
-  std::optional<Note> field_note(const field::ScalarField& field) override {
-    if (!plan_.on_side_text || printed_axis_note_) return std::nullopt;
-    auto note = up_axis_note(field, plan_.job.source.placement.up, *plan_.on_side_text);
-    printed_axis_note_ = note.has_value();  // once, even if there are several grids
-    return note;
+  Notes field_notes(const field::ScalarField& field) override {
+    Notes notes;
+    if (const auto note = iso_of_labels_note(field, plan_.job)) notes.push_back(*note);
+    if (!plan_.on_side_text || printed_axis_note_) return notes;
+    if (const auto note = up_axis_note(field, plan_.job.source.placement.up, *plan_.on_side_text)) {
+      printed_axis_note_ = true;  // once, even if there are several grids
+      notes.push_back(*note);
+    }
+    return notes;
   }
   void over(std::size_t /*frame*/, const batch::FrameRow& /*row*/, const convert::Outcome* outcome,
             const Error* /*error*/) override {

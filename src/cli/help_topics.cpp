@@ -98,6 +98,39 @@ HelpTopic coordinates_topic() {
         {}}}};
 }
 
+HelpTopic labels_topic() {
+  return {
+      "labels",
+      "Label maps",
+      "Meshes of the labels of a segmentation.",
+      {{"A label map has a whole number at each voxel: the label of the organ, cell or grain there, or 0 for none. "
+        "'isoextract info' tells whether a file is one, and lists its labels with names, voxels and volumes. --labels "
+        "makes a mesh of each label; neighbors share their boundary exactly.",
+        {{"isoextract info seg.nii.gz", "lists the labels"},
+         {"isoextract seg.nii.gz --labels all -o organs.glb", "an object for each label in one file"},
+         {"isoextract seg.nii.gz --labels 1,4 -o 'organ_{iso}.stl'", "a file for each of two labels"}}},
+       {"An iso value has no meaning here: labels have no order, so the surface at an iso value joins all labels above "
+        "it. --relax N sets how smooth the meshes are, --label-names FILE gives names and colors. Segmentations of 3D "
+        "Slicer (.seg.nrrd) have names of their own and need no --labels.",
+        {}}}};
+}
+
+HelpTopic masks_topic() {
+  return {
+      "masks",
+      "Binary masks",
+      "Meshes of a mask that has two values.",
+      {{"A mask has one value inside and another outside, such as 1 and 0, or 255 and 0. A surface at an iso value "
+        "between them keeps the steps of the voxels, because a mask has no values to interpolate. Surface nets make it "
+        "smooth: a mask is a label map with one label.",
+        {{"isoextract mask.nii.gz --labels 1 -o mask.stl", "a smooth closed surface; --labels 255 if 255 is inside"},
+         {"isoextract mask.nii.gz --labels 1 --relax 100 -o smooth.stl", "smoother, and takes longer"},
+         {"isoextract mask.nii.gz --labels 1 --method voxels -o steps.stl", "the voxels as they are"}}},
+       {"Thin parts shrink when they are relaxed; a note tells the volume if it changes by more than 5 %. --relax 0 "
+        "moves nothing.",
+        {}}}};
+}
+
 HelpTopic exit_codes_topic() {
   return {"exit-codes",
           "Exit codes",
@@ -174,7 +207,9 @@ std::string help_of_group(const Command& program, const Word<OptionGroup>& group
 
 }  // namespace
 
-std::vector<HelpTopic> help_topics() { return {demo_topic(), coordinates_topic(), exit_codes_topic(), notes_topic()}; }
+std::vector<HelpTopic> help_topics() {
+  return {demo_topic(), labels_topic(), masks_topic(), coordinates_topic(), exit_codes_topic(), notes_topic()};
+}
 
 std::span<const Example> examples() { return kExamples; }
 

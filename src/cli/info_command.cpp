@@ -33,8 +33,9 @@ struct Described {
   std::optional<volume_io::ComponentChoice> component;
 };
 
-std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described, double iso,
-                            bool has_nan, std::string_view creator) {
+// `surfaces` are the options that choose them: "--iso 0.5".
+std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described,
+                            const std::string& surfaces, bool has_nan, std::string_view creator) {
   std::string arguments;
   for (const std::string& argument : plan.input_arguments) arguments += " " + argument;
   if (!plan.read.volume && described.volume) arguments += fmt::format(" --volume {}", *described.volume);
@@ -44,7 +45,7 @@ std::string example_command(const InfoPlan& plan, const std::string& input, cons
   // With --nodata such samples are outside by default.
   if (has_nan && !plan.read.no_data) arguments += " --nan outside";
   if (const auto up = convert::up_axis_of(creator)) arguments += fmt::format(" --up {}", word_of(*up));
-  return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
+  return fmt::format("isoextract {}{} {} -o {}", shell_quoted(input), arguments, surfaces,
                      shell_quoted(batch::template_of(batch::stem_of(input)) + ".glb"));
 }
 
@@ -57,16 +58,19 @@ bool fits_one_mesh(const field::ScalarField& field) {
   return stored.empty() || extract::output_placement(field, options, stored, stored).fits_float32();
 }
 
-// Completes the report of a field whose iso value is suggested.
+// Completes the report of a field whose iso value or labels are suggested.
 FieldReport report_of(const InfoPlan& plan, const std::string& input, const Described& described, FieldReport report) {
-  const bool separates = report.suggestion.separates;
+  const bool separates = report.suggestion.separates && !report.labels;
   report.size =
       separates ? convert::size_of(report.field, report.suggestion.iso) : convert::size_of_samples(report.field);
+  // Surface nets have about a vertex and two triangles for each face of a voxel.
+  if (report.labels) report.size.vertices = report.labels->map.faces;
   report.bytes = convert::estimated_bytes(report.size);
   report.fits_one_mesh = fits_one_mesh(report.field);
-  if (separates && report.fits_one_mesh) {
-    report.command =
-        example_command(plan, input, described, report.suggestion.iso, report.statistics.nan > 0, report.field.creator);
+  if ((separates || report.labels) && report.fits_one_mesh) {
+    const std::string surfaces =
+        report.labels ? std::string(kAllLabels) : fmt::format("--iso {}", report.suggestion.iso);
+    report.command = example_command(plan, input, described, surfaces, report.statistics.nan > 0, report.field.creator);
   }
   return report;
 }
@@ -85,6 +89,8 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   report.field = std::move(*field);
   report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
+  report.ct = field::suggest_ct_isos(report.field, report.statistics);
+  report.labels = report_labels(input, described.volume, context, report.field);
   return report_of(plan, input, described, std::move(report));
 }
 

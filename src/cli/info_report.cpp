@@ -110,11 +110,13 @@ std::string hex_of(const glm::dvec3& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", channel(color.x), channel(color.y), channel(color.z));
 }
 
-// Lists the labels that the file names.
+// Lists the labels that the file names, unless the list of labels with voxels has their names.
 void add_labels(NamedLines& lines, const InputReport& report) {
   constexpr std::size_t kMostShown = 64;
+  const bool are_listed = report.grids.size() == 1 && report.field && report.field->labels;
   for (const volume_io::GridInfo& grid : report.grids) {
-    if (grid.labels.empty()) continue;
+    const bool has_layers = std::ranges::any_of(grid.labels, [](const auto& label) { return label.layer.has_value(); });
+    if (grid.labels.empty() || (are_listed && !has_layers)) continue;
     const std::string of_grid = report.grids.size() > 1 ? " of " + grid.label : "";
     const bool shows = grid.labels.size() <= kMostShown;
     lines.add("labels", fmt::format("{} names{}{}", grid.labels.size(), of_grid, shows ? "" : "; --json lists them"));
@@ -202,30 +204,50 @@ void add_distinct(NamedLines& lines, const field::FieldStatistics& statistics) {
   }
 }
 
+void add_percentiles(NamedLines& lines, const field::FieldStatistics& statistics) {
+  std::array<std::string, 2> percentiles;  // two lines
+  for (std::size_t i = 0; i < statistics.percentiles.size(); ++i) {
+    percentiles[i / 4] += fmt::format("{}{} %: {:.4g}", i % 4 == 0 ? "" : "   ", field::FieldStatistics::kPercents[i],
+                                      statistics.percentiles[i]);
+  }
+  lines.add("percentiles", percentiles[0]);
+  lines.add("", percentiles[1]);
+}
+
 void add_values(NamedLines& lines, const FieldReport& report) {
   const field::FieldStatistics& statistics = report.statistics;
   if (statistics.samples > 0) {
     lines.add("values", fmt::format("{:.6g} .. {:.6g}, mean {:.6g}", statistics.min, statistics.max, statistics.mean));
-    std::array<std::string, 2> percentiles;  // two lines
-    for (std::size_t i = 0; i < statistics.percentiles.size(); ++i) {
-      percentiles[i / 4] += fmt::format("{}{} %: {:.4g}", i % 4 == 0 ? "" : "   ", field::FieldStatistics::kPercents[i],
-                                        statistics.percentiles[i]);
-    }
-    lines.add("percentiles", percentiles[0]);
-    lines.add("", percentiles[1]);
+    if (!report.labels) add_percentiles(lines, statistics);
   } else if (statistics.nan + statistics.infinite == 0) {
     lines.add("values", "only the background");
   }
   if (statistics.nan + statistics.infinite > 0) {
     lines.add("not finite", fmt::format("{} NaN, {} infinite", statistics.nan, statistics.infinite));
   }
+  if (report.labels) return;  // their list is instead of the histogram
   add_distinct(lines, statistics);
   add_histogram(lines, statistics);
+}
+
+constexpr std::string_view kCtMethod = "multi-Otsu: three classes of the histogram";
+
+// Adds what the suggested conversion takes, and its command.
+void add_cost(NamedLines& lines, const FieldReport& report) {
+  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
+                            convert::estimated_triangles(report.size), format_byte_size(report.bytes)));
+  if (!report.fits_one_mesh) lines.add("", "the voxels lie too far apart for one mesh: extract regions with --roi");
+  if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
 
 void add_advice(NamedLines& lines, const FieldReport& report) {
   lines.add("memory", fmt::format("{} of samples", format_byte_size(report.size.sample_bytes)));
   const field::IsoSuggestion& suggestion = report.suggestion;
+  if (report.labels) {
+    lines.add("suggestion", fmt::format("{}: {}", kAllLabels, surfaces_text(*report.labels)));
+    add_cost(lines, report);
+    return;
+  }
   if (report.statistics.samples == 0 && !suggestion.separates) return;
   if (!suggestion.separates) {
     const bool constant = report.statistics.min == report.statistics.max;
@@ -233,11 +255,12 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
                                      : fmt::format("none: no surface at {}, {}", suggestion.iso, suggestion.method));
     return;
   }
+  if (report.ct) {
+    lines.add("CT scan",
+              fmt::format("--iso {}: skin; --iso {}: bone ({})", report.ct->skin, report.ct->bone, kCtMethod));
+  }
   lines.add("suggestion", fmt::format("--iso {}: {}", suggestion.iso, suggestion.method));
-  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
-                            convert::estimated_triangles(report.size), format_byte_size(report.bytes)));
-  if (!report.fits_one_mesh) lines.add("", "the voxels lie too far apart for one mesh: extract regions with --roi");
-  if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
+  add_cost(lines, report);
 }
 
 convert::Json json_of(const volume_io::GridInfo& grid) {
@@ -307,13 +330,20 @@ convert::Json json_of(const FieldReport& report) {
   json["length_unit"] = field.length_unit;
   json["creator"] = field.creator;
   json["values"] = json_of_values(report);
+  json["label_map"] = report.labels ? json_of(*report.labels, field) : convert::Json(nullptr);
   json["suggestion"] = nullptr;
-  if (report.suggestion.separates) {
+  if (report.suggestion.separates || report.labels) {
     json["suggestion"] = {{"iso", report.suggestion.iso},
+                          {"labels", nullptr},
                           {"method", report.suggestion.method},
                           {"triangles", convert::estimated_triangles(report.size)},
                           {"command", report.command}};
+    if (report.labels) {
+      json["suggestion"].update({{"iso", nullptr}, {"labels", "all"}, {"method", surfaces_text(*report.labels)}});
+    }
   }
+  json["ct"] = nullptr;
+  if (report.ct) json["ct"] = {{"skin", report.ct->skin}, {"bone", report.ct->bone}, {"method", kCtMethod}};
   json["memory"] = {{"samples", report.size.sample_bytes}, {"conversion", report.bytes}};
   json["notes"] = convert::json_of_notes(field.notes);
   return json;
@@ -356,6 +386,7 @@ std::string text_of(const InputReport& report) {
     }
   } else if (report.field) {
     add_shape(lines, *report.field);
+    if (report.field->labels) add_label_map(lines, *report.field->labels, report.field->field);
     add_values(lines, *report.field);
     add_advice(lines, *report.field);
   } else if (has_choice(report.grids)) {

@@ -5,9 +5,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
+#include "cli/label_report.hpp"
 #include "cli/particle_report.hpp"
 #include "convert/conversion_size.hpp"
 #include "convert/json_type.hpp"
@@ -17,11 +19,16 @@
 
 namespace isoextract::cli {
 
+// The option that `info` suggests for label maps and masks.
+inline constexpr std::string_view kAllLabels = "--labels all";
+
 // The results for the field that was read.
 struct FieldReport {
   field::ScalarField field;
   field::FieldStatistics statistics;
-  field::IsoSuggestion suggestion;
+  field::IsoSuggestion suggestion;    // not shown for a label map or mask
+  std::optional<field::CtIsos> ct;    // of a CT scan, besides the suggestion
+  std::optional<LabelReport> labels;  // of a label map or mask
   convert::ConversionSize size;
   std::uint64_t bytes = 0;    // estimated memory of a conversion
   bool fits_one_mesh = true;  // otherwise only regions of the field fit one mesh

@@ -47,7 +47,8 @@ std::optional<std::pair<double, double>> range_of(const SequenceReport& report,
   return range;
 }
 
-std::string example_of(const SequenceReport& report, double iso) {
+// `surfaces` are the options that choose them: "--iso 0.5".
+std::string example_of(const SequenceReport& report, const std::string& surfaces) {
   const std::string name_of_input = report.input.substr(0, report.input.find_last_not_of('/') + 1);
   std::string stem = batch::stem_of(name_of_input);
   if (stem.empty() || stem.front() == '.') stem = "frame";
@@ -55,14 +56,23 @@ std::string example_of(const SequenceReport& report, double iso) {
   const std::string name = pattern && pattern->has_value() ? stem : batch::template_of(stem) + "_{:04}";
   std::string arguments;
   for (const std::string& argument : report.arguments) arguments += " " + argument;
-  return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(report.input), arguments, iso,
+  return fmt::format("isoextract {}{} {} -o {}", shell_quoted(report.input), arguments, surfaces,
                      shell_quoted(name + ".glb"));
+}
+
+std::string iso_option(double iso) { return fmt::format("--iso {}", iso); }
+
+// Returns the number of frames that are label maps or masks, if labels are the suggestion: no frame has an iso value.
+std::size_t frames_of_labels(const SequenceReport& report) {
+  if (std::ranges::any_of(report.frames, [](const FrameSummary& frame) { return frame.iso.has_value(); })) return 0;
+  return static_cast<std::size_t>(std::ranges::count(report.frames, true, &FrameSummary::has_labels));
 }
 
 std::string frame_text(const FrameSummary& frame) {
   std::string text = fmt::format("{:>6}  {}", frame.frame, printable(frame.input));
   if (frame.min && frame.max) text += fmt::format("  {:.6g} to {:.6g}", *frame.min, *frame.max);
   if (frame.iso) text += fmt::format("  iso {:.6g}", *frame.iso);
+  if (frame.has_labels) text += "  labels";
   if (frame.error) text += "  unreadable";
   return text;
 }
@@ -80,7 +90,8 @@ FrameSummary summary_of(std::int64_t frame, const InputReport& report) {
     summary.max = report.field->statistics.max;
   }
   summary.passed = field::surface_range(report.field->field, report.field->statistics);
-  if (report.field->suggestion.separates) {
+  summary.has_labels = report.field->labels.has_value();
+  if (report.field->suggestion.separates && !summary.has_labels) {
     summary.iso = report.field->suggestion.iso;
     summary.method = report.field->suggestion.method;
   }
@@ -121,7 +132,11 @@ std::string text_of(const SequenceReport& report) {
               fmt::format("{:.6g}, the median of the frames' suggestions ({:.6g} to {:.6g}); a surface in {} of {} "
                           "frames",
                           iso->iso, isos->first, isos->second, iso->separates, count));
-    lines.add("command", example_of(report, iso->iso));
+    lines.add("command", example_of(report, iso_option(iso->iso)));
+  }
+  if (const std::size_t labels = frames_of_labels(report); labels > 0) {
+    lines.add("labels", fmt::format("{} of {} frames are label maps or masks", labels, count));
+    lines.add("command", example_of(report, std::string(kAllLabels)));
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (i == kShownFrames && count > 2 * kShownFrames) {
@@ -159,7 +174,15 @@ convert::Json json_of(const SequenceReport& report) {
                      {"first", report.first_json}};
   if (report.radius) json["radius"] = {{"radius", report.radius->radius}, {"frame", report.radius->frame}};
   if (iso) {
-    json["suggestion"] = {{"iso", iso->iso}, {"frames", iso->separates}, {"command", example_of(report, iso->iso)}};
+    json["suggestion"] = {{"iso", iso->iso},
+                          {"labels", nullptr},
+                          {"frames", iso->separates},
+                          {"command", example_of(report, iso_option(iso->iso))}};
+  } else if (const std::size_t labels = frames_of_labels(report); labels > 0) {
+    json["suggestion"] = {{"iso", nullptr},
+                          {"labels", "all"},
+                          {"frames", labels},
+                          {"command", example_of(report, std::string(kAllLabels))}};
   }
   return json;
 }

@@ -23,6 +23,7 @@ struct FrameSummary {
   std::optional<field::SurfaceRange> passed;  // the values that the surface can pass, background included
   std::optional<double> iso;                  // the suggested value, if it separates inside from outside
   std::string method;                         // name of the method that found `iso`
+  bool has_labels = false;                    // a label map or mask, which has no `iso`
   std::optional<Error> error;
 };
 

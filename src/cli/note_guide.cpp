@@ -141,6 +141,8 @@ constexpr std::array kGuide{
               ""},
     NoteGuide{iso_chosen, "The program chose the iso value, or the value differs between frames.",
               "Give --iso V, the same for all frames."},
+    NoteGuide{iso_of_labels, "The samples look like labels or a mask, which have nothing between their values.",
+              "Use --labels all for labels, --method surface-nets for a mask; see 'isoextract help labels'."},
     NoteGuide{labels_part,
               "The edit changes the mesh of each label on its own, so neighbors no longer share their boundary.",
               "Smooth with --relax, which moves shared vertices together."},

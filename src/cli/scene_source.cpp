@@ -120,16 +120,19 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   remove_volume();
   convert::ConversionJob job = plan_->job;
   job.source.input = input;
-  const auto field_note = [&](const field::ScalarField& field) -> std::optional<Note> {
-    if (plan_->up || printed_up_axis_note_) return std::nullopt;
-    auto note = up_axis_note(field, convert::UpAxis::z, "the picture shows it on its side");
-    printed_up_axis_note_ = note.has_value();
-    return note;
+  const auto field_notes = [&](const field::ScalarField& field) {
+    Notes notes;
+    if (plan_->up || printed_up_axis_note_) return notes;
+    if (const auto note = up_axis_note(field, convert::UpAxis::z, "the picture shows it on its side")) {
+      printed_up_axis_note_ = true;
+      notes.push_back(*note);
+    }
+    return notes;
   };
   if (!plan_->isos.empty()) {
     convert::MeshCollector collected{.wants_source = plan_->draws_volume};
     job.outputs = {{output, plan_->isos}};
-    convert::Outcome outcome = convert::run(job, context, events, {.field_note = field_note}, nullptr, &collected);
+    convert::Outcome outcome = convert::run(job, context, events, {.field_notes = field_notes}, nullptr, &collected);
     if (outcome.error) {  // in a sequence, frames without a surface still show the volume
       const bool shows_volume = plan_->is_sequence && plan_->draws_volume;
       const bool goes_on = shows_volume && outcome.error->code == ErrorCode::no_surface;
@@ -143,7 +146,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   if (plan_->draws_volume && !source_) {
     source_ = TRY(convert::open_source(job.source, {}, context, events));
     front_ = convert::front_azimuth(source_->field, source_->placement);
-    if (const auto note = field_note(source_->field)) events.note(*note);
+    for (const Note& note : field_notes(source_->field)) events.note(note);
   }
   if (plan_->shading == render::Shading::smooth) {
     for (mesh::Mesh& mesh : surfaces_) {

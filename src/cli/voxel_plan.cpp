@@ -14,7 +14,6 @@
 #include "extract/method.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
-#include "volume_io/label_table.hpp"
 #include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
@@ -105,27 +104,34 @@ Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job)
   return {};
 }
 
-Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context, Notes& notes,
-                              convert::ConversionJob& job) {
-  if (!flags.labels || flags.label_names || input.starts_with(field::kDemoPrefix) || files::is_standard_input(input)) {
-    return {};
-  }
+std::optional<TableBeside> read_table_beside(const std::string& input, const Context& context, Notes& notes) {
+  if (input.starts_with(field::kDemoPrefix) || files::is_standard_input(input)) return std::nullopt;
   const auto path = volume_io::find_label_table(input);
-  if (!path || names_labels(input, job.source.read, context)) return {};
-  const std::string name = printable(path->string());
-  const auto table = volume_io::LabelTable::read(path->string(), context.beside());
+  if (!path) return std::nullopt;
+  auto table = volume_io::LabelTable::read(path->string(), context.beside());
   if (!table) {
     notes.push_back({NoteId::label_table, fmt::format("{} lies beside the input and has the name of a label table, but "
                                                       "isoextract does not use it: {}",
-                                                      name, table.error().message)});
-    return {};
+                                                      printable(path->string()), table.error().message)});
+    return std::nullopt;
   }
-  job.label_names = convert::LabelTableFile{path->string(), table->hash()};
+  return TableBeside{path->string(), std::move(*table)};
+}
+
+Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context, Notes& notes,
+                              convert::ConversionJob& job) {
+  if (!flags.labels || flags.label_names) return {};
+  Notes unusable;
+  const auto found = read_table_beside(input, context, unusable);
+  if ((!found && unusable.empty()) || names_labels(input, job.source.read, context)) return {};
+  notes.insert(notes.end(), unusable.begin(), unusable.end());
+  if (!found) return {};
+  job.label_names = convert::LabelTableFile{found->path, found->table.hash()};
   notes.push_back(
       {NoteId::label_table,
        fmt::format("names and colors of labels come from {}, which lies beside the input (--label-names none: from no "
                    "table)",
-                   name)});
+                   printable(found->path))});
   return {};
 }
 

@@ -1,6 +1,7 @@
 // Plans the options of voxels and labels.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "base/note.hpp"
 #include "cli/options.hpp"
 #include "convert/conversion_job.hpp"
+#include "volume_io/label_table.hpp"
 
 namespace isoextract::cli {
 
@@ -23,9 +25,19 @@ namespace isoextract::cli {
 [[nodiscard]] Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input,
                                                      const Context& context);
 
+// A table of labels beside an input.
+struct TableBeside {
+  std::string path;
+  volume_io::LabelTable table;
+};
+
+// Reads the table that lies beside `input` (volume_io::find_label_table()). Returns nothing if there is none, or if
+// `input` is no file. A file beside the input that is no label table only adds a note.
+[[nodiscard]] std::optional<TableBeside> read_table_beside(const std::string& input, const Context& context,
+                                                           Notes& notes);
+
 // Sets the label table of `job` to the one beside `input` (volume_io::find_label_table()) and adds a note about it.
-// Does nothing without labels, if --label-names is given, or if the file names its labels. A file beside the input that
-// is no label table only adds a note.
+// Does nothing without labels, if --label-names is given, or if the file names its labels.
 [[nodiscard]] Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context,
                                             Notes& notes, convert::ConversionJob& job);
 

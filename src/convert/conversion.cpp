@@ -144,7 +144,7 @@ class Conversion {
     opened_.emplace(grid, volume);
     const field::ScalarField& field = source_.field;
     if (!job_.source.more_grids.empty()) events_.name_grid(field.grid.empty() ? field.name : field.grid);
-    if (const auto text = extras_.field_note ? extras_.field_note(field) : std::nullopt) events_.note(*text);
+    for (const Note& note : extras_.field_notes ? extras_.field_notes(field) : Notes()) events_.note(note);
     events_.end_reading();
     TRY(find_labels());
     all_ids_.clear();

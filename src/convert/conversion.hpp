@@ -20,9 +20,9 @@ namespace isoextract::convert {
 struct ConversionOptions {
   // Measures each written mesh (StageName::mesh_facts): components, open edges, sizes. Takes longer than extraction.
   bool mesh_facts = false;
-  // Returns a note about the field to extract (after filters, blur and resampling), worded by the caller, or nullopt.
-  // Null: no such note. Every converting thread may call it.
-  std::function<std::optional<Note>(const field::ScalarField&)> field_note = nullptr;
+  // Returns notes about the field to extract (after filters, blur and resampling), worded by the caller. Null: no such
+  // notes. Every converting thread may call it.
+  std::function<Notes(const field::ScalarField&)> field_notes = nullptr;
   // Caller's advice how to keep the volumes of surface nets; ends the note that relaxing changed them. Empty: no note.
   std::string volume_hint = {};
   // Hashes mesh files while writing them (mesh_io::WrittenFile).

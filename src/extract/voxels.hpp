@@ -35,7 +35,7 @@ class LabelVoxels {
   // nets it also finds the common smoothed corners of the faces of all labels, chosen or not, so that the choice
   // changes no mesh. The object keeps its memory reserved as long as it lives. Floating-point samples are labels if all
   // samples of the region, and the background and all tiles of a sparse field, are whole numbers of at most
-  // largest_label() (detail/label_samples.hpp) in absolute value. With NanPolicy::outside, NaN samples have no label.
+  // largest_label() (field/label_value.hpp) in absolute value. With NanPolicy::outside, NaN samples have no label.
   // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
   // field. Fails with ErrorCode::input if a sample is no label, if the transform is singular or not finite, or if
   // options.region contains no sample. Fails with ErrorCode::input if there are more of these corners than 32-bit

@@ -253,6 +253,46 @@ double otsu_position(const std::vector<std::uint64_t>& histogram) {
   return 0.5 * static_cast<double>(first + last) / static_cast<double>(histogram.size());
 }
 
+// Returns the two cuts between bins that maximize the variance between three classes, as otsu_position() does for two;
+// nothing if fewer than three bins from `start` on have samples.
+std::optional<std::pair<double, double>> multi_otsu_positions(const std::vector<std::uint64_t>& histogram,
+                                                              std::size_t start) {
+  const std::size_t bins = histogram.size();
+  std::vector<double> counts(bins + 1);  // of the bins from `start` up to each
+  std::vector<double> moments(bins + 1);
+  for (std::size_t i = start; i < bins; ++i) {
+    counts[i + 1] = counts[i] + static_cast<double>(histogram[i]);
+    moments[i + 1] = moments[i] + static_cast<double>(histogram[i]) * static_cast<double>(i);
+  }
+  // The sum of these over the classes is largest where the variance between them is.
+  const auto spread = [&](std::size_t from, std::size_t to) {
+    const double count = counts[to] - counts[from];
+    const double moment = moments[to] - moments[from];
+    return count > 0 ? moment * moment / count : -1;
+  };
+  double best = -1;
+  std::pair<std::size_t, std::size_t> first;
+  std::pair<std::size_t, std::size_t> last;
+  for (std::size_t low = start + 1; low + 1 < bins; ++low) {  // classes: bins < low, bins < high, bins >= high
+    const double below = spread(start, low);
+    if (below < 0) continue;
+    for (std::size_t high = low + 1; high < bins; ++high) {
+      const double middle = spread(low, high);
+      const double above = spread(high, bins);
+      if (middle < 0 || above < 0) continue;
+      const double sum = below + middle + above;
+      if (sum > best) first = {low, high};
+      if (sum >= best) last = {low, high};
+      best = std::max(best, sum);
+    }
+  }
+  if (best < 0) return std::nullopt;
+  const auto position = [&](std::size_t a, std::size_t b) {
+    return 0.5 * static_cast<double>(a + b) / static_cast<double>(bins);
+  };
+  return std::pair{position(first.first, last.first), position(first.second, last.second)};
+}
+
 // Rounds `value` to the digits that the width of a histogram bin justifies.
 double rounded_to_bin(double value, double bin_width) {
   if (!std::isfinite(bin_width) || bin_width < std::numeric_limits<double>::min()) return value;
@@ -366,6 +406,30 @@ IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& stati
   const double iso = interpolate(statistics.min, statistics.max, otsu_position(statistics.histogram));
   const double bin_width = (statistics.max / kBins - statistics.min / kBins);
   return suggestion(rounded_to_bin(iso, bin_width), "Otsu's threshold (1979) of the histogram");
+}
+
+std::optional<CtIsos> suggest_ct_isos(const ScalarField& field, const FieldStatistics& statistics) {
+  constexpr double kLowestAir = -1100;
+  constexpr double kHighestAir = -900;
+  constexpr std::uint64_t kAirShare = 100;
+  const bool is_16_bits = field.type() == SampleType::i16 || field.type() == SampleType::u16;
+  if (!is_16_bits || field.kind != FieldKind::density || default_iso(field)) return std::nullopt;
+  if (statistics.samples == 0 || statistics.min > kHighestAir || statistics.max <= 1000) return std::nullopt;
+  const double bin_width = (statistics.max - statistics.min) / kBins;
+  const auto bin_at = [&](double value) {
+    return static_cast<std::size_t>(std::clamp((value - statistics.min) / bin_width, 0.0, kBins - 1.0));
+  };
+  const auto from = statistics.histogram.begin() + static_cast<std::ptrdiff_t>(bin_at(-1200));
+  const auto to = statistics.histogram.begin() + static_cast<std::ptrdiff_t>(bin_at(-500));
+  const auto air = std::max_element(from, to);
+  const double value = statistics.min + bin_width * (0.5 + static_cast<double>(air - statistics.histogram.begin()));
+  if (value < kLowestAir || value > kHighestAir || *air * kAirShare < statistics.samples) return std::nullopt;
+  const auto cuts = multi_otsu_positions(statistics.histogram, bin_at(kLowestAir));
+  if (!cuts) return std::nullopt;
+  const auto iso_at = [&](double position) {
+    return rounded_to_bin(interpolate(statistics.min, statistics.max, position), bin_width);
+  };
+  return CtIsos{iso_at(cuts->first), iso_at(cuts->second)};
 }
 
 }  // namespace isoextract::field

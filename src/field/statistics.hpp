@@ -77,4 +77,17 @@ struct DefaultIso {
 // `field`; percentiles are not needed.
 [[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
 
+// The iso values of skin and bone in a CT scan, in Hounsfield units.
+struct CtIsos {
+  double skin = 0;
+  double bone = 0;
+};
+
+// Returns the two thresholds of Otsu's method for three classes (multi-Otsu; Otsu 1979, section IV) of the histogram
+// from -1100 up: scanners write lower values outside their circle of view. Returns nothing if no two thresholds
+// separate three classes, and for fields that are no CT scans. A CT scan is a density with 16-bit integer samples and
+// values above 1000. Its air is the fullest bin of the histogram between -1200 and -500, which lies between -1100 and
+// -900 and has at least 1 % of the samples. `statistics` must be of `field`; percentiles are not needed.
+[[nodiscard]] std::optional<CtIsos> suggest_ct_isos(const ScalarField& field, const FieldStatistics& statistics);
+
 }  // namespace isoextract::field

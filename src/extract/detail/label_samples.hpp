@@ -1,40 +1,19 @@
-// Which samples are labels: all integers, and floating-point samples that are whole numbers.
+// Samples of a label map that are no labels.
 #pragma once
-
-#include <cmath>
-#include <cstdint>
-#include <limits>
-#include <type_traits>
 
 #include <glm/glm.hpp>
 
-#include "field/sample_type.hpp"
+#include "field/label_value.hpp"
 
 namespace isoextract::extract {
+
+using field::is_label;
+using field::largest_label;
 
 // A sample that is not a label.
 struct NonLabelSample {
   double value = 0;
   glm::ivec3 at{0};
 };
-
-// Returns the largest label that a floating-point type T can hold. Beyond 2^digits, its numbers are farther apart than
-// 1, so two labels may have become one when the file was written.
-template <class T>
-[[nodiscard]] constexpr double largest_label() {
-  if constexpr (std::is_same_v<T, field::Half>) return 0x1p11;
-  if constexpr (std::is_same_v<T, float>) return 0x1p24;
-  return 0x1p53;
-}
-
-template <class T>
-[[nodiscard]] bool is_label(T sample) {
-  if constexpr (field::is_floating_sample<T>) {
-    const auto value = static_cast<double>(sample);
-    return std::abs(value) <= largest_label<T>() && value == std::floor(value);
-  } else {
-    return true;
-  }
-}
 
 }  // namespace isoextract::extract

@@ -241,6 +241,86 @@ TEST(Statistics, CountsBlocksAndTilesButNotBackground) {
   EXPECT_EQ(statistics.histogram.back(), 1U);
 }
 
+// A scan with air, soft tissue and some bone, in Hounsfield units.
+std::vector<std::int16_t> scan_samples(double air = -1000, double bone = 1000) {
+  std::mt19937 random(4);
+  std::vector<std::int16_t> samples;
+  const auto add = [&](int count, double mean, double deviation) {
+    std::normal_distribution<double> normal(mean, deviation);
+    for (int n = 0; n < count; ++n) samples.push_back(static_cast<std::int16_t>(std::lround(normal(random))));
+  };
+  add(6000, air, 15);
+  add(3500, 40, 40);
+  add(500, bone, 180);
+  return samples;
+}
+
+TEST(Statistics, ThreeClassesSeparateAirSoftTissueAndBone) {
+  const ScalarField scan = dense_field(scan_samples());
+  const FieldStatistics statistics = measure_statistics(scan);
+  const auto isos = suggest_ct_isos(scan, statistics);
+  ASSERT_TRUE(isos);
+  // The variance between the classes by its definition, for all pairs of cuts.
+  const auto& bins = statistics.histogram;
+  const auto mean_of = [&](std::size_t from, std::size_t to) {
+    double count = 0;
+    double sum = 0;
+    for (std::size_t i = from; i < to; ++i) {
+      count += static_cast<double>(bins[i]);
+      sum += static_cast<double>(bins[i] * i);
+    }
+    return std::pair(count, count > 0 ? sum / count : 0.0);
+  };
+  const double mean = mean_of(0, bins.size()).second;
+  const auto variance = [&](std::size_t low, std::size_t high) {
+    double sum = 0;
+    for (const auto& [from, to] :
+         {std::pair{std::size_t{0}, low}, std::pair{low, high}, std::pair{high, bins.size()}}) {
+      const auto [count, of_class] = mean_of(from, to);
+      sum += count * (of_class - mean) * (of_class - mean);
+    }
+    return sum;
+  };
+  const double width = (statistics.max - statistics.min) / static_cast<double>(bins.size());
+  const auto cut_at = [&](double iso) { return static_cast<std::size_t>(std::lround((iso - statistics.min) / width)); };
+  const double found = variance(cut_at(isos->skin), cut_at(isos->bone));
+  double best = 0;
+  for (std::size_t low = 1; low + 1 < bins.size(); low += 3) {
+    for (std::size_t high = low + 1; high < bins.size(); high += 3) best = std::max(best, variance(low, high));
+  }
+  EXPECT_GE(found, 0.99999 * best);
+  EXPECT_NEAR(isos->skin, -500, 60);
+  EXPECT_NEAR(isos->bone, 400, 100);
+}
+
+TEST(Statistics, OnlyCtScansGetIsosOfSkinAndBone) {
+  const auto is_scan = [](const ScalarField& field) {
+    return suggest_ct_isos(field, measure_statistics(field)).has_value();
+  };
+  EXPECT_TRUE(is_scan(dense_field(scan_samples())));
+  EXPECT_FALSE(is_scan(dense_field(scan_samples(-700)))) << "no peak near -1000";
+  EXPECT_FALSE(is_scan(dense_field(scan_samples(-1000, 300)))) << "no value above 1000";
+  std::vector<float> floats;
+  std::vector<std::uint16_t> raised;
+  for (const std::int16_t sample : scan_samples()) {
+    floats.push_back(sample);
+    raised.push_back(static_cast<std::uint16_t>(sample + 1100));
+  }
+  EXPECT_FALSE(is_scan(dense_field(floats)));
+  ScalarField scaled = dense_field(raised);
+  EXPECT_FALSE(is_scan(scaled));
+  scaled.scale = {1, -1100};
+  EXPECT_TRUE(is_scan(scaled));
+  // Padding outside the circle of view changes nothing.
+  std::vector<std::int16_t> padded = scan_samples();
+  const ScalarField plain = dense_field(scan_samples());
+  padded.insert(padded.end(), 5000, -2000);
+  const ScalarField with_padding = dense_field(padded);
+  const auto isos = suggest_ct_isos(with_padding, measure_statistics(with_padding));
+  ASSERT_TRUE(isos);
+  EXPECT_NEAR(isos->bone, suggest_ct_isos(plain, measure_statistics(plain))->bone, 10);
+}
+
 // A row of eight voxels, within one block or across two: the stored values differ, the field does not.
 TEST(Statistics, DoesNotDependOnSparseBlockBoundaries) {
   const auto row_from = [](int start) {

@@ -1,0 +1,40 @@
+// The labels that `info` lists for a label map or mask: their figures, names and colors.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/context.hpp"
+#include "cli/layout.hpp"
+#include "convert/json_type.hpp"
+#include "field/label_map.hpp"
+#include "field/scalar_field.hpp"
+
+namespace isoextract::cli {
+
+struct LabelReport {
+  field::LabelMap map;
+  std::vector<field::LabelName> names;  // of the described volume, in ascending order of label
+  std::string table;                    // path of the table beside the file that has the names; may be empty
+
+  // Returns the entry with the name and color of a label, or null.
+  [[nodiscard]] const field::LabelName* find(std::int64_t label) const;
+};
+
+// Returns the labels of `field`, which was read from `input`, or nothing if it is neither label map nor mask. Takes the
+// names from the field for `volume`, else from a table beside the input; adds a note to the field if that is unusable.
+[[nodiscard]] std::optional<LabelReport> report_labels(const std::string& input, std::optional<std::int64_t> volume,
+                                                       const Context& context, field::ScalarField& field);
+
+// Adds what the field is, and the first labels with voxels, volume, bounds and names.
+void add_label_map(NamedLines& lines, const LabelReport& report, const field::ScalarField& field);
+
+// Returns what --labels all makes of it.
+[[nodiscard]] std::string surfaces_text(const LabelReport& report);
+
+// Returns kind, background and all labels.
+[[nodiscard]] convert::Json json_of(const LabelReport& report, const field::ScalarField& field);
+
+}  // namespace isoextract::cli
