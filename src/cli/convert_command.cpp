@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <type_traits>
+#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -64,8 +65,9 @@ std::string_view surface_word(const convert::ConversionJob& job) {
 template <class T>
 std::vector<T> without_repeats(const std::vector<T>& values) {
   std::vector<T> once;
+  std::unordered_set<T> seen;
   for (const T& value : values) {
-    if (std::ranges::find(once, value) == once.end()) once.push_back(value);
+    if (seen.insert(value).second) once.push_back(value);
   }
   return once;
 }

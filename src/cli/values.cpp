@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -127,12 +128,13 @@ Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text) {
   constexpr std::string_view kExpected = "all, or whole numbers with commas between them";
   if (text == "all") return std::vector{convert::IsoChoice::all_labels()};
   std::vector<convert::IsoChoice> labels;
+  std::set<std::int64_t> found;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const auto number = whole_text_as<std::int64_t>(text.substr(begin, end - begin));
     if (!number) return expected_found(kExpected, text);
     const auto label = convert::IsoChoice::label(*number);
-    if (std::ranges::find(labels, label) != labels.end()) return expected_found("each label once", text);
+    if (!found.insert(*number).second) return expected_found("each label once", text);
     labels.push_back(label);
     begin = end + 1;
   }

@@ -143,9 +143,10 @@ class Conversion {
     if (const auto text = extras_.field_note ? extras_.field_note(field) : std::nullopt) events_.note(*text);
     events_.end_reading();
     TRY(find_labels());
-    all_ids_.clear();
+    std::vector<SurfaceId> ids;
     for (const ResolvedIso& iso : labels_ ? expand_labels(source_.isos, labels_->labels()) : source_.isos)
-      all_ids_.push_back(iso.id);
+      ids.push_back(iso.id);
+    all_ = SurfaceList(std::move(ids));
     return check_error_memory(job_, source_, context_);
   }
 
@@ -270,7 +271,7 @@ class Conversion {
 
   // Returns nullopt if the surface is empty and the job skips empty surfaces.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
-    source_.set_inside_side(asked.id.figure());
+    source_.set_inside_side(asked.id.iso_or_zero());
     Surface surface = TRY(extract(asked));
     if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
@@ -286,13 +287,13 @@ class Conversion {
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
   [[nodiscard]] SurfaceFacts facts() const {
-    return {all_ids_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
+    return {all_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
   }
 
   // Extracts the surface, compares it with the other backend if the job verifies, and clips it.
   Result<Surface> extract(const ResolvedIso& asked) {
     const Stopwatch watch;
-    const extract::ExtractOptions options = extract_options_of(job_, source_, asked.id.figure());
+    const extract::ExtractOptions options = extract_options_of(job_, source_, asked.id.iso_or_zero());
     auto extraction = extract_field(asked, options);
     if (!extraction && fall_back_to_cpu(extraction.error()))
       extraction = extractor_->extract(source_.field, options, context_);
@@ -458,7 +459,7 @@ class Conversion {
   std::optional<OpenedVolume> opened_;
   std::optional<std::int64_t> layer_;           // the volume, if the job takes each layer of a label map
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
-  std::vector<SurfaceId> all_ids_;              // surfaces of the current grid
+  SurfaceList all_;                             // surfaces of the current grid
   LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output
   std::size_t located_ = 0;                     // entries of Outcome::written whose files are known

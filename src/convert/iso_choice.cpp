@@ -32,6 +32,12 @@ std::string file_name_part(const IsoChoice& choice) {
   return choice.kind == IsoChoice::Kind::known ? choice.id.text() : text_of(choice);
 }
 
+Json json_of(const SurfaceId& id) { return id.is_label() ? Json(id.label()) : Json(id.iso()); }
+
+SurfaceId surface_id_of(const Json& json) {
+  return json.is_number_integer() ? SurfaceId(Label{json.get<std::int64_t>()}) : SurfaceId(json.get<double>());
+}
+
 Json json_of(const IsoChoice& choice) { return choice.is_number() ? Json(choice.id.iso()) : Json(text_of(choice)); }
 
 std::optional<IsoChoice> iso_choice_of(std::string_view word) {

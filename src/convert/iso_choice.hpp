@@ -26,8 +26,10 @@ class SurfaceId {
   // iso() and label() throw std::bad_variant_access if this is the other kind.
   [[nodiscard]] double iso() const { return std::get<double>(of_); }
   [[nodiscard]] std::int64_t label() const { return static_cast<std::int64_t>(std::get<Label>(of_)); }
-  // Returns the iso value, or the label as a number, as reports list it.
-  [[nodiscard]] double figure() const { return is_label() ? static_cast<double>(label()) : iso(); }
+  // Returns the iso value, or 0 for a label, where extraction options need a number that has no effect on labels.
+  [[nodiscard]] double iso_or_zero() const { return is_label() ? 0 : iso(); }
+  // Returns the iso value or the label, rounded if a double cannot hold it: for colors, not to identify a surface.
+  [[nodiscard]] double rounded() const { return is_label() ? static_cast<double>(label()) : iso(); }
   [[nodiscard]] std::string text() const;  // "0.3", "5"
   [[nodiscard]] std::string name() const;  // "iso 0.3", "label 5"
 
@@ -80,6 +82,11 @@ struct IsoChoice {
 
 // Returns text_of() as part of a file name; for a label its number alone.
 [[nodiscard]] std::string file_name_part(const IsoChoice& choice);
+
+// Returns a floating-point number for an iso value, an integer for a label.
+[[nodiscard]] Json json_of(const SurfaceId& id);
+// Inverts it: a number without fraction is a label only if it is an integer in the JSON text.
+[[nodiscard]] SurfaceId surface_id_of(const Json& json);
 
 // Returns a number for an iso value, else the text.
 [[nodiscard]] Json json_of(const IsoChoice& choice);

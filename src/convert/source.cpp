@@ -163,7 +163,7 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   for (const ResolvedIso& iso : source.isos) {
     report.entries.push_back(
         {{Key::asked, iso.asked.is_number() ? Value(iso.asked.id.iso()) : Value(text_of(iso.asked))},
-         {Key::iso, iso.id.figure()},
+         {Key::iso, iso.id},
          {Key::found_by, iso.asked.is_found() ? Value(iso.found_by) : Value()}});
   }
   events.end(report);

@@ -94,6 +94,7 @@ class Value {
   Value(const field::IndexBox& box);  // null if the box is empty
   Value(const field::Affine& map);    // three rows of four numbers: linear part, then offset
   Value(const StageTime& time);
+  Value(const SurfaceId& id);  // a number for an iso value, an integer for a label
   template <class T>
   Value(const std::optional<T>& value) {
     if (value) *this = Value(*value);
@@ -146,6 +147,9 @@ template <class T>
   const Value* const found = find(figures, path);
   return found != nullptr ? std::optional<T>(found->as<T>()) : std::nullopt;
 }
+
+// Returns the surface that Key::iso names; the figures must have it.
+[[nodiscard]] SurfaceId surface_id_at(const Figures& figures);
 
 // Replaces the value of the figure `key`, if it exists.
 void set(Figures& figures, Key key, Value value);

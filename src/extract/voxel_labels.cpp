@@ -58,14 +58,16 @@ class LabelFilter {
  public:
   // `around`: the background label of a sparse field.
   LabelFilter(const LabelChoice& choice, bool net, std::optional<std::int64_t> around)
-      : values_(choice.all ? std::vector<std::int64_t>() : choice.values), all_(choice.all || net), around_(around) {}
+      : values_(choice.all ? std::vector<std::int64_t>() : choice.values), all_(choice.all || net), around_(around) {
+    std::ranges::sort(values_);
+  }
 
   [[nodiscard]] bool operator()(std::int64_t label) const {
-    return (all_ && label != 0 && label != around_) || std::ranges::find(values_, label) != values_.end();
+    return (all_ && label != 0 && label != around_) || std::ranges::binary_search(values_, label);
   }
 
  private:
-  std::vector<std::int64_t> values_;  // the chosen labels; if all_, labels to add even if 0 or background
+  std::vector<std::int64_t> values_;  // the chosen labels, sorted; if all_, labels to add even if 0 or background
   bool all_;                          // a net needs all labels, whichever are chosen
   std::optional<std::int64_t> around_;
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "base/context.hpp"
@@ -40,7 +41,12 @@ class LabelAppearance {
   [[nodiscard]] const field::LabelName* find(std::int64_t label) const;
   [[nodiscard]] bool is_here(const field::LabelName& entry) const { return !entry.layer || entry.layer == layer_; }
 
-  std::vector<field::LabelName> labels_;  // with names, of all layers
+  // Sets the index of the names. Names of 100,000 labels are looked up once for each label.
+  void index();
+
+  std::vector<field::LabelName> labels_;                   // with names, of all layers
+  std::unordered_map<std::int64_t, std::size_t> by_label_;  // index in labels_ of the first entry of this layer
+  std::unordered_map<std::string, std::size_t> shared_by_;  // number of entries with a name, of all layers
   std::optional<std::int64_t> layer_;
   bool has_table_ = false;  // a table may name any number of labels besides those of the map
 };

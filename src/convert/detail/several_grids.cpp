@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -88,17 +89,14 @@ std::vector<ResolvedIso> surfaces_of(const field::ScalarField& field, std::span<
   const bool is_list = std::ranges::all_of(asked, [](const ResolvedIso& iso) { return iso.id.is_label(); });
   if (!layer || !is_list) return surfaces;
   std::optional<std::int64_t> first;
+  std::unordered_map<std::int64_t, bool> named_here;  // for each label with a name: whether it is in this layer
   for (const field::LabelName& label : field.labels) {
     if (label.layer) first = std::min(first.value_or(*label.layer), *label.layer);
+    named_here[label.label] |= label.layer == layer;
   }
   std::erase_if(surfaces, [&](const ResolvedIso& iso) {
-    bool is_named = false;
-    for (const field::LabelName& label : field.labels) {
-      if (label.label != iso.id.label()) continue;
-      if (label.layer == layer) return false;
-      is_named = true;
-    }
-    return is_named || first != layer;
+    const auto named = named_here.find(iso.id.label());
+    return named != named_here.end() ? !named->second : first != layer;
   });
   return surfaces;
 }

@@ -65,7 +65,7 @@ Result<Figures> mesh_facts(const Surface& surface, const Context& context) {
   const mesh::MeshSize size = mesh::measure_size(mesh);
   const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   const bool closed = topology.is_closed_oriented_manifold();
-  return Figures{{Key::iso, surface.id.figure()},
+  return Figures{{Key::iso, surface.id},
                  {Key::file, ""},
                  {Key::name, mesh.name},
                  {Key::vertices, mesh.positions.size()},
