@@ -24,6 +24,7 @@ std::string text_of(const IsoChoice& choice) {
     case IsoChoice::Kind::zero: return std::string(kZero);
     case IsoChoice::Kind::percentile: return kPercentile + choice.percent.text();
     case IsoChoice::Kind::all_labels: return std::string(kAllLabels);
+    case IsoChoice::Kind::selected_labels: return "labels " + choice.selection;
   }
   return choice.id.is_label() ? choice.id.name() : choice.id.text();
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 #include "convert/json_type.hpp"
@@ -47,11 +48,13 @@ struct IsoChoice {
     suggested,   // field::suggest_iso(); for particles the default value of their method
     zero,        // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
     percentile,  // of all samples that were read, whatever region or resampled grid is extracted from
-    all_labels,  // each label of a label map
+    all_labels,       // each label of a label map
+    selected_labels,  // those that a LabelSelection contains
   };
   Kind kind = Kind::known;
   SurfaceId id;            // of Kind::known; an iso value is finite
   field::Percent percent;  // of Kind::percentile
+  std::string selection;   // of Kind::selected_labels: a text that LabelSelection::parse() takes
 
   IsoChoice() = default;
   IsoChoice(double iso) : id(iso) {}  // NOLINT(google-explicit-constructor): numbers are the rule
@@ -61,8 +64,16 @@ struct IsoChoice {
   [[nodiscard]] static IsoChoice label(std::int64_t number) { return IsoChoice(Kind::known, Label{number}); }
   [[nodiscard]] static IsoChoice all_labels() { return IsoChoice(Kind::all_labels); }
 
+  [[nodiscard]] static IsoChoice selected_labels(std::string selection) {
+    IsoChoice choice(Kind::selected_labels);
+    choice.selection = std::move(selection);
+    return choice;
+  }
+
   [[nodiscard]] bool is_number() const { return kind == Kind::known && !id.is_label(); }
-  [[nodiscard]] bool is_label() const { return kind == Kind::all_labels || id.is_label(); }
+  [[nodiscard]] bool is_label() const { return is_label_set() || id.is_label(); }
+  // Returns whether only the label map tells which labels these are.
+  [[nodiscard]] bool is_label_set() const { return kind == Kind::all_labels || kind == Kind::selected_labels; }
   // Returns whether the iso value has to be found in the field.
   [[nodiscard]] bool is_found() const {
     return kind == Kind::suggested || kind == Kind::zero || kind == Kind::percentile;
@@ -77,7 +88,7 @@ struct IsoChoice {
       : kind(chosen), id(known), percent(share) {}
 };
 
-// Returns the shortest text: "0.3", "auto", "zero", "p99.9", "label 5", "all labels".
+// Returns the shortest text: "0.3", "auto", "zero", "p99.9", "label 5", "all labels", "labels 1-9,!3".
 [[nodiscard]] std::string text_of(const IsoChoice& choice);
 
 // Returns text_of() as part of a file name; for a label its number alone.

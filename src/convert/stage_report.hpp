@@ -181,6 +181,7 @@ struct WrittenOutput {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::uint64_t bytes = 0;
+  std::size_t files = 0;
   std::optional<std::uint64_t> open_edges;  // boundary edges of its meshes, if they were counted
 };
 

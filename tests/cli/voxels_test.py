@@ -143,7 +143,7 @@ class VoxelsTest(ProgramTest):
             self.assertIn(f"{option} does not work with marching cubes", self.refused(SPHERE, "--iso", "0", option))
         run = self.run_program(*self.labels, "--labels", "all", "-o", "x.stl")
         self.assert_fails(1, run, "one stl file holds one surface, but all labels can give several",
-                          "list the labels, which 'isoextract info' shows, and put {iso} into the name")
+                          "put {label} or {name} into the name to get a file for each, or write all into a glb")
         self.assertIn("one stl file holds one surface, found 2 labels", self.run_program(*self.labels, "--labels", "1,5", "-o", "x.stl").err)
 
     def test_the_gpu_does_not_have_it(self):

@@ -57,14 +57,19 @@ std::string LabelAppearance::name(const std::string& field, std::int64_t label) 
   return shared_by_.at(entry->name) > 1 ? fmt::format("{} label {}", entry->name, label) : entry->name;
 }
 
+std::string LabelAppearance::given_name(std::int64_t label) const {
+  const field::LabelName* entry = find(label);
+  return entry != nullptr ? entry->name : std::string();
+}
+
 std::optional<Note> LabelAppearance::note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
-                                                     bool in_region) const {
+                                                     std::int64_t background, bool in_region) const {
   if (has_table_) return std::nullopt;
   const std::unordered_set<std::int64_t> here(found.begin(), found.end());
   std::vector<std::string> missing;
   std::size_t named = 0;
   for (const field::LabelName& entry : labels_) {
-    if (entry.label == 0 || !is_here(entry)) continue;
+    if (entry.label == background || !is_here(entry)) continue;
     ++named;
     if (!here.contains(entry.label)) missing.push_back(printable(entry.name, kMaxName));
   }

@@ -26,10 +26,13 @@ class LabelAppearance {
   // Returns the label's name, with the number if several labels share it; else the field's name and the number.
   [[nodiscard]] std::string name(const std::string& field, std::int64_t label) const;
 
+  // Returns the name that the table or the file gives the label, or an empty text.
+  [[nodiscard]] std::string given_name(std::int64_t label) const;
+
   // Returns a note about the labels with names, of this layer, that are not among those `found` in the samples: of the
-  // region if `in_region`. Returns nothing if there are none. The label 0 does not count. `source` starts the text.
+  // region if `in_region`. Returns nothing if there are none. The background does not count. `source` starts the text.
   [[nodiscard]] std::optional<Note> note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
-                                                    bool in_region) const;
+                                                    std::int64_t background, bool in_region) const;
 
   // Sets the label's color, from its names or a default: in glTF as a material, in PLY as vertex colors if the
   // labels have names. Does nothing for other formats, or if the job colors by something else. Fails with

@@ -72,8 +72,9 @@ Result<std::vector<std::optional<std::int64_t>>> volumes_of(const SourceOptions&
   return std::vector<std::optional<std::int64_t>>(layers.begin(), layers.end());
 }
 
-std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos) {
+std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos, std::int64_t background) {
   extract::LabelChoice choice;
+  choice.background = background;
   for (const ResolvedIso& iso : isos) {
     if (!iso.asked.is_label()) return std::nullopt;
     choice.all = choice.all || !iso.id.is_label();
