@@ -133,9 +133,7 @@ Result<void> plan_found_table(const ConvertFlags& flags, const std::string& inpu
   return {};
 }
 
-bool has_all_labels(const ConvertFlags& flags) {
-  return flags.labels && flags.labels->front().is_label_set();
-}
+bool has_all_labels(const ConvertFlags& flags) { return flags.labels && flags.labels->front().is_label_set(); }
 
 Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::SurfaceOptions& surface) {
   const extract::MethodInfo& method = extract::method_info(surface.method);

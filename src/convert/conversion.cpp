@@ -14,6 +14,7 @@
 
 #include "base/allocation_error.hpp"
 #include "base/machine.hpp"
+#include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/error_memory.hpp"
@@ -102,8 +103,8 @@ class Conversion {
 
   Result<void> write_samples(const OutputFileJob& output) {
     TRY(context_.check());
-    const bool is_left_out = source_.empty && job_.empty != EmptyPolicy::write;
-    if (is_left_out) return leave_out_empty(source_, job_, output, context_, events_);
+    if (source_.empty && job_.empty != EmptyPolicy::write)
+      return leave_out_empty(source_, job_, output, context_, events_);
     outcome_.files.push_back(TRY(write_field(source_, job_, output, context_, events_)));
     return {};
   }
@@ -170,8 +171,8 @@ class Conversion {
         const std::size_t before = file->written.surfaces.size();
         const auto asked =
             std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
-        const auto isos = chosen_.large_enough(
-            surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
+        const auto isos =
+            chosen_.large_enough(surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
         const Notes repeated = repeated_notes(source_.label, asked, files::output_label(output.path));
         for (const Note& text : repeated) events_.note(text);
         TRY(add_surfaces(isos, *file, in_pieces));
@@ -198,6 +199,7 @@ class Conversion {
         TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
       }
       begin += count;
+      if (count > 1) release_free_memory();  // the reports of surfaces stay, between what their meshes took
     }
     return {};
   }
@@ -213,8 +215,8 @@ class Conversion {
     if (!labels_ || collector_ != nullptr || !file.label_names.in_use()) {
       return add_surface(std::move(*surface), iso, file, in_pieces);
     }
-    const std::string name = looks_.given_name(iso.id.label());
-    const OutputFileJob own_job{file.label_names.next(iso.id.label(), name), {iso.asked}};
+    const std::int64_t label = iso.id.label();
+    const OutputFileJob own_job{file.label_names.next(label, looks_.given_name(label)), {iso.asked}};
     TRY(check_mesh_files(own_job, meshes_.format, read()));
     OutputMeshes own = open(own_job);
     TRY(add_surface(std::move(*surface), iso, own, in_pieces));
@@ -225,18 +227,17 @@ class Conversion {
     return {};
   }
 
-  Result<void> add_surface(Surface made, const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
-    std::optional<Surface> surface = std::move(made);
-    mesh::Mesh& mesh = surface->mesh;
+  Result<void> add_surface(Surface surface, const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
+    mesh::Mesh& mesh = surface.mesh;
     if (!events_.grid().empty()) mesh.name = events_.grid();
     if (labels_) {
       mesh.name = looks_.name(mesh.name, iso.id.label());
     } else if (file.job.isos.size() > 1) {
       mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
     }
-    if (!job_.edits.pieces.split) return add(std::move(*surface), file);
+    if (!job_.edits.pieces.split) return add(std::move(surface), file);
     in_pieces = true;
-    return add_pieces(std::move(*surface), iso, file);
+    return add_pieces(std::move(surface), iso, file);
   }
 
   [[nodiscard]] OutputMeshes open(const OutputFileJob& output) const {
@@ -301,8 +302,8 @@ class Conversion {
     TRY(volume_io::check_mapping_intact(source_.field));
     labels_ = std::move(found);
     for (const Note& note : labels_->notes()) events_.note(note);
-    const auto missing = looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background,
-                                                job_.source.roi.has_value());
+    const auto missing =
+        looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background, job_.source.roi.has_value());
     const bool asks_for_all = source_.isos.front().asked.kind == IsoChoice::Kind::all_labels;
     if (asks_for_all && missing) events_.note(*missing);
     chosen_ = choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, source_.label);
@@ -315,15 +316,8 @@ class Conversion {
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
   [[nodiscard]] SurfaceMaker maker() const {
-    return {job_,
-            source_,
-            *extractor_,
-            other_extractor_.get(),
-            labels_ ? &*labels_ : nullptr,
-            looks_,
-            all_,
-            extras_.mesh_facts,
-            context_};
+    const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
+    return {job_, source_, *extractor_, other_extractor_.get(), labels, looks_, all_, extras_.mesh_facts, context_};
   }
 
   // Falls back to the CPU, with a note, if automatic chose a GPU that cannot do the work; never when verifying.

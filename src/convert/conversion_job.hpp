@@ -160,7 +160,7 @@ struct SurfaceOptions {
   bool cap = false;
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
   std::uint64_t relaxations = extract::kDefaultRelaxations;
-  std::int64_t background = 0;      // of a label map: the label without a mesh, unless it is listed
+  std::int64_t background = 0;     // of a label map: the label without a mesh, unless it is listed
   std::uint64_t least_voxels = 0;  // labels with fewer voxels get no mesh; those without any are not counted
   // Makes terrain of heights (extract/height_field.hpp) instead of an isosurface; read.flat is set then.
   std::optional<extract::HeightOptions> heights = {};

@@ -44,12 +44,12 @@ class SurfaceId {
 
 struct IsoChoice {
   enum class Kind {
-    known,       // a given iso value or label
-    suggested,   // field::suggest_iso(); for particles the default value of their method
-    zero,        // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
-    percentile,  // of all samples that were read, whatever region or resampled grid is extracted from
+    known,            // a given iso value or label
+    suggested,        // field::suggest_iso(); for particles the default value of their method
+    zero,             // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
+    percentile,       // of all samples that were read, whatever region or resampled grid is extracted from
     all_labels,       // each label of a label map
-    selected_labels,  // those that a LabelSelection contains
+    selected_labels,  // the labels that a LabelSelection contains
   };
   Kind kind = Kind::known;
   SurfaceId id;            // of Kind::known; an iso value is finite

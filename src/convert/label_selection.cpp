@@ -83,7 +83,8 @@ bool LabelSelection::contains(std::int64_t label, std::string_view name) {
   bool excluded = false;
   for (Term& term : terms_) {
     const std::string_view pattern = std::string_view(term.text).substr(term.excludes ? 1 : 0);
-    const bool is_it = term.is_name ? matches(pattern, name) && !name.empty() : term.first <= label && label <= term.last;
+    const bool is_it =
+        term.is_name ? matches(pattern, name) && !name.empty() : term.first <= label && label <= term.last;
     if (!is_it) continue;
     term.matched = true;
     (term.excludes ? excluded : chosen) = true;

@@ -118,14 +118,14 @@ struct LabelVoxels::Found {
   field::IndexBox region;
   OutputPlacement frame;
   ExtractStats stats;
-  std::optional<field::SparseLookup> lookup;                 // of sparse fields
+  std::optional<field::SparseLookup> lookup;              // of sparse fields
   const std::vector<field::SparseTile>* tiles = nullptr;  // of the field in find(); used there only
   std::vector<Reservation> memory;
   std::vector<ReservedList<LabelPart>> tasks;
-  std::vector<std::optional<NonLabelSample>> wrong;             // the first one of each task
-  std::vector<std::uint64_t> nan_samples;                       // of each task
-  std::vector<const LabelPart*> parts;                          // sorted by label, those of a label in chunk_order()
-  std::vector<Entry> entries;                                   // one for each label with parts, by rising id
+  std::vector<std::optional<NonLabelSample>> wrong;  // the first one of each task
+  std::vector<std::uint64_t> nan_samples;            // of each task
+  std::vector<const LabelPart*> parts;               // sorted by label, those of a label in chunk_order()
+  std::vector<Entry> entries;                        // one for each label with parts, by rising id
 
   // Fills `tasks` in parallel: calls add(labels, begin, end, list) for portions of the `count` chunks.
   template <class Add>
@@ -258,9 +258,9 @@ struct LabelVoxels::Found {
   }
 
   static void add(FoundLabel& label, std::uint64_t voxels, const field::IndexBox& box) {
-    label.bounds = label.voxels == 0 ? box
-                                     : field::IndexBox{glm::min(label.bounds.min, box.min),
-                                                       glm::max(label.bounds.max, box.max)};
+    label.bounds = label.voxels == 0
+                       ? box
+                       : field::IndexBox{glm::min(label.bounds.min, box.min), glm::max(label.bounds.max, box.max)};
     label.voxels += voxels;
   }
 
@@ -335,8 +335,8 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
     region = reach.region;
   }
   const OutputPlacement frame = voxel_placement(field, options, stored, options.region ? region : stored);
-  auto found = std::make_shared<Found>(field.source + ": the voxels with labels", region, frame,
-                                       LabelIds(field.label_ids));
+  auto found =
+      std::make_shared<Found>(field.source + ": the voxels with labels", region, frame, LabelIds(field.label_ids));
   const bool nets = options.method == Method::surface_nets;
   found->filter.emplace(choice, nets, label_around(sparse), found->ids);
   found->nan = options.nan;

@@ -47,8 +47,8 @@ struct LabelName {
   friend bool operator==(const LabelName&, const LabelName&) = default;
 };
 
-// The distinct ids of a label map, which its samples index: 0, then the others in ascending order. Null: the samples are
-// the ids. 64-bit ids are not stored as double, which cannot hold all of them.
+// The distinct ids of a label map, which its samples index: 0, then the others in ascending order. Null: the samples
+// are the ids. 64-bit ids are not stored as double, which cannot hold all of them.
 using LabelIdTable = std::shared_ptr<const std::vector<std::int64_t>>;
 
 // Chunks, slices or files of which a reader needed only some.

@@ -132,7 +132,7 @@ class VoxelsTest(ProgramTest):
     def test_what_is_refused(self):
         self.assertIn("--labels does not work with marching cubes", self.refused("labels.raw", "--labels", "all", "--method", "mc"))
         self.assertIn("--labels and --iso exclude each other", self.refused(*self.labels, "--labels", "1", "--iso", "0"))
-        self.assertIn("expected all, or whole numbers", self.refused(*self.labels, "--labels", "1,x"))
+        self.assertIn("expected all, or numbers, ranges and names", self.refused(*self.labels, "--labels", "1,,5"))
         self.assertIn("each label once", self.refused(*self.labels, "--labels", "1,1"))
         self.assertIn("whole numbers from -16777216 to 16777216 (sample type f32), found ",
                       self.refused(SPHERE, *VOXELS, "--labels", "all", code=2))

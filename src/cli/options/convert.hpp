@@ -219,8 +219,9 @@ struct ConvertFlags : OptionSet {
       "input from stdin needs a name. - is stdout and needs --format. .vdb, .nrrd, .npy and .vti write the "
       "field itself, resampled and filtered: it needs no --iso and takes no options of surfaces. .bgeo, .vtu and .xyz "
       "write the chosen particles with their attributes. .png draws the surfaces. "
-      "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file; {label} and "
-      "{name} for the number and the name of a label, {piece} for the number of a body, with --split-components. {step} stands for the time step that a file of particles states. A "
+      "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file. {label} and "
+      "{name} stand for the number and the name of a label, {piece} for the number of a body, with "
+      "--split-components. {step} stands for the time step that a file of particles states. A "
       "file gets its name when it is complete. A killed run may leave a "
       "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};
   Value<OutputFormat> format{only_convert(OptionGroup::output), "--format", output_formats(),

@@ -16,11 +16,13 @@ namespace {
 void select(const std::string& text, const LabelAppearance& looks, const std::string& source, ChosenLabels& chosen) {
   auto selection = LabelSelection::parse(text);
   if (!selection) return;  // a job's selections are valid
-  std::erase_if(chosen.labels, [&](std::int64_t label) { return !selection->contains(label, looks.given_name(label)); });
+  std::erase_if(chosen.labels,
+                [&](std::int64_t label) { return !selection->contains(label, looks.given_name(label)); });
   std::vector<std::string> unmatched = selection->unmatched();
   if (unmatched.empty()) return;
   for (std::string& term : unmatched) term = fmt::format("'{}'", printable(term));
-  chosen.notes.push_back({NoteId::labels_unmatched, fmt::format("{}: no label is {}", source, fmt::join(unmatched, " or "))});
+  chosen.notes.push_back(
+      {NoteId::labels_unmatched, fmt::format("{}: no label is {}", source, fmt::join(unmatched, " or "))});
 }
 
 void drop_small(const extract::LabelVoxels& found, std::uint64_t least, const std::string& source,
@@ -39,8 +41,8 @@ void drop_small(const extract::LabelVoxels& found, std::uint64_t least, const st
   const std::size_t told = std::min(small.size(), kMostTold);
   chosen.notes.push_back(
       {NoteId::labels_small,
-       fmt::format("{}: no mesh for {} of {} labels ({}{}): they have fewer than {} voxels", source, small.size(), before,
-                   fmt::join(std::span(small).first(told), ", "), told < small.size() ? ", ..." : "", least)});
+       fmt::format("{}: no mesh for {} of {} labels ({}{}): they have fewer than {} voxels", source, small.size(),
+                   before, fmt::join(std::span(small).first(told), ", "), told < small.size() ? ", ..." : "", least)});
 }
 
 }  // namespace

@@ -16,13 +16,14 @@
 namespace isoextract::convert {
 
 struct ChosenLabels {
-  std::vector<std::int64_t> labels;           // in the order of a list, rising for a set (IsoChoice::is_label_set())
-  std::unordered_set<std::int64_t> too_small;  // those with fewer voxels than required, which get no mesh
+  std::vector<std::int64_t> labels;            // in the order of a list, rising for a set (IsoChoice::is_label_set())
+  std::unordered_set<std::int64_t> too_small;  // labels with fewer voxels than required, without a mesh
   Notes notes;
 
   // Returns the surfaces without those of labels that are too small.
   [[nodiscard]] std::vector<ResolvedIso> large_enough(std::vector<ResolvedIso> surfaces) const {
-    std::erase_if(surfaces, [&](const ResolvedIso& iso) { return iso.id.is_label() && too_small.contains(iso.id.label()); });
+    std::erase_if(surfaces,
+                  [&](const ResolvedIso& iso) { return iso.id.is_label() && too_small.contains(iso.id.label()); });
     return surfaces;
   }
 };

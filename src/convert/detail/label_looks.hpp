@@ -47,7 +47,7 @@ class LabelAppearance {
   // Sets the index of the names. Names of 100,000 labels are looked up once for each label.
   void index();
 
-  std::vector<field::LabelName> labels_;                   // with names, of all layers
+  std::vector<field::LabelName> labels_;                    // with names, of all layers
   std::unordered_map<std::int64_t, std::size_t> by_label_;  // index in labels_ of the first entry of this layer
   std::unordered_map<std::string, std::size_t> shared_by_;  // number of entries with a name, of all layers
   std::optional<std::int64_t> layer_;

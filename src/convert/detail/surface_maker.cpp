@@ -43,9 +43,8 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   if (stats.device) made.bytes_uploaded = stats.device->bytes_uploaded;
   made.events.end(extraction_report(stats, options, surface, stage, watch.elapsed()));
   if (maker.other != nullptr) {
-    const auto record =
-        TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method), surface.mesh,
-                             maker.extractor, *maker.other, maker.context));
+    const auto record = TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method),
+                                             surface.mesh, maker.extractor, *maker.other, maker.context));
     TRY(volume_io::check_mapping_intact(source.field));
     surface.mesh.edges = {};  // only the comparison needs them
     TRY(tell(convert::report_of(record, source.label), made.events));

@@ -23,7 +23,7 @@ namespace isoextract::convert {
 struct MadeSurface {
   Result<std::optional<Surface>> surface;  // nullopt if it is empty and the job skips empty surfaces
   HeldEvents events;
-  bool open = false;              // it may have boundary edges
+  bool open = false;              // the surface may have boundary edges
   std::vector<LostSurface> lost;  // the surface, if a step removed all of it
   std::uint64_t bytes_uploaded = 0;
   std::optional<mesh::Bounds> cut_away;  // bounds before clipping left nothing of it
@@ -48,7 +48,6 @@ struct SurfaceMaker {
   [[nodiscard]] SurfaceFacts facts(bool open) const {
     return {all, open, mesh_facts, labels != nullptr ? &looks : nullptr};
   }
-
 };
 
 }  // namespace isoextract::convert

@@ -40,9 +40,8 @@ double opacity_of(const ConversionJob& job, const SurfaceList& all, const Surfac
   std::vector<SurfaceId> same_side;
   if (job.source.away_from_zero) {
     const bool above = kind == field::FieldKind::density;
-    std::ranges::copy_if(all.rising, std::back_inserter(same_side), [&](const SurfaceId& other) {
-      return other == id || (above ? other > 0.0 : other < 0.0);
-    });
+    std::ranges::copy_if(all.rising, std::back_inserter(same_side),
+                         [&](const SurfaceId& other) { return other == id || (above ? other > 0.0 : other < 0.0); });
     around = same_side;
   }
   return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, id, kind);
@@ -107,8 +106,7 @@ std::optional<mesh::Material> material_of(const ConversionJob& job, const Surfac
   const double least = all.rising.front().rounded();
   const double greatest = all.rising.back().rounded();
   const glm::dvec3 color = edit::color_at(
-      job.color->map,
-      edit::place_in(job.color->range.value_or(edit::ValueRange{least, greatest}), id.rounded()));
+      job.color->map, edit::place_in(job.color->range.value_or(edit::ValueRange{least, greatest}), id.rounded()));
   material.color = glm::dvec3(srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z));
   return material;
 }

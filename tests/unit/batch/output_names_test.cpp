@@ -40,8 +40,9 @@ TEST(OutputTemplate, ExpandsWordsAndNumbers) {
 }
 
 TEST(OutputTemplate, RefusesUnknownWords) {
-  EXPECT_EQ(expanded_name("{name}.glb", {}),
-            "{names}.glb: expected {stem}, {frame}, {frame:04}, {step}, {grid}, {iso}, {label}, {name} or {piece}, found '{names}'");
+  EXPECT_EQ(expanded_name("{names}.glb", {}),
+            "{names}.glb: expected {stem}, {frame}, {frame:04}, {step}, {grid}, {iso}, {label}, {name} or {piece}, "
+            "found '{names}'");
   for (const char* name : {"{Stem}.glb", "{iso:.2f}.glb", "{stem:04}", "{step:x}", "{ iso}", "{frame:x}", "{frame:040}",
                            "{:040}", "{1}"}) {
     const auto parsed = OutputTemplate::parse(name);
@@ -71,7 +72,7 @@ TEST(SafeInFileNames, ReturnsOneVisibleName) {
   EXPECT_EQ(files::safe_file_name(std::string("a\0b", 3)), "a_b");
   EXPECT_EQ(files::safe_file_name("\xe9t\xe9"), "_t_");  // Latin-1, no valid UTF-8
   EXPECT_EQ(files::safe_file_name("x\xe2\x80\xae"
-                           "y"),
+                                  "y"),
             "x___y");  // changes the writing direction
   EXPECT_EQ(files::safe_file_name("a\xc3"), "a_");
   EXPECT_EQ(files::safe_file_name("\xc3/b"), "__b");

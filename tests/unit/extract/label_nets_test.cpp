@@ -416,8 +416,9 @@ TEST(LabelNets, CountsVoxelsAndFindsBounds) {
       for (int x = 3; x <= 68; ++x) {
         FoundLabel& label = expected[at(x, y, z)];
         const glm::ivec3 p(x, y, z);
-        label.bounds = label.voxels == 0 ? field::IndexBox{p, p}
-                                         : field::IndexBox{glm::min(label.bounds.min, p), glm::max(label.bounds.max, p)};
+        label.bounds = label.voxels == 0
+                           ? field::IndexBox{p, p}
+                           : field::IndexBox{glm::min(label.bounds.min, p), glm::max(label.bounds.max, p)};
         ++label.voxels;
       }
     }
@@ -444,7 +445,9 @@ TEST(LabelNets, KeepsIdsThatDoublesCannot) {
   const auto index = [](int x, int y, int z) { return (x / 3 + 2 * (y / 4) + z / 3) % 4; };
   field::ScalarField indexed = test::dense_field<std::uint32_t>(dims, index);
   indexed.label_ids = std::make_shared<const std::vector<std::int64_t>>(ids);
-  const auto small = [&](int x, int y, int z) { return std::array{0, -9, 4, 5}[static_cast<std::size_t>(index(x, y, z))]; };
+  const auto small = [&](int x, int y, int z) {
+    return std::array{0, -9, 4, 5}[static_cast<std::size_t>(index(x, y, z))];
+  };
   const Labels expected = nets_of(test::dense_field<std::int16_t>(dims, small));
   const Labels meshes = nets_of(indexed);
   ASSERT_EQ(meshes.size(), 3U);
