@@ -51,6 +51,8 @@ enum class NoteId {
   labels_assumed,
   labels_empty,
   labels_lost,
+  labels_small,
+  labels_unmatched,
   level_set_interpolated,
   means_not_possible,  // the volume is too large to resample by averages, so the program interpolates
   nan_attribute,
@@ -140,6 +142,8 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::labels_assumed, "labels-assumed"},
       Word{NoteId::labels_empty, "labels-empty"},
       Word{NoteId::labels_lost, "labels-lost"},
+      Word{NoteId::labels_small, "labels-small"},
+      Word{NoteId::labels_unmatched, "labels-unmatched"},
       Word{NoteId::level_set_interpolated, "level-set-interpolated"},
       Word{NoteId::means_not_possible, "means-not-possible"},
       Word{NoteId::nan_attribute, "nan-attribute"},

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include <malloc.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -16,5 +17,7 @@ void release_pages(const void* begin, std::size_t bytes) {
   // Only advice: if the system ignores it, the pages stay. The read-only mapping itself does not change.
   static_cast<void>(::madvise(static_cast<char*>(const_cast<void*>(begin)) + lead, whole, MADV_DONTNEED));
 }
+
+void release_free_memory() { static_cast<void>(::malloc_trim(0)); }
 
 }  // namespace isoextract

@@ -1,4 +1,4 @@
-// Memory pages of mapped files.
+// Memory pages of mapped files and of the allocator.
 #pragma once
 
 #include <cstddef>
@@ -9,5 +9,9 @@ namespace isoextract {
 // next access. Only for read-only file mappings (DenseSamples::file_backed): other memory would lose its contents. Safe
 // while other threads read the same pages.
 void release_pages(const void* begin, std::size_t bytes);
+
+// Gives the allocator's free pages back to the system. Call it now and then while many short-lived blocks and a few
+// that stay are allocated on several threads: the free space between those that stay otherwise adds up.
+void release_free_memory();
 
 }  // namespace isoextract

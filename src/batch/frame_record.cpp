@@ -1,6 +1,7 @@
 #include "batch/frame_record.hpp"
 
 #include <algorithm>
+#include <map>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
@@ -117,7 +118,7 @@ std::vector<FileRecord> files_of(const Json& json) {
 Json json_of(const std::vector<SurfaceFigures>& list) {
   Json surfaces = Json::array();
   for (const SurfaceFigures& surface : list) {
-    surfaces.push_back({{"iso", surface.iso},
+    surfaces.push_back({{"iso", json_of(surface.id)},
                         {"asked", surface.asked},
                         {"triangles", surface.triangles},
                         {"vertices", convert::optional_json(surface.vertices)},
@@ -151,7 +152,7 @@ Json json_of(const FrameFigures& figures) {
 std::vector<SurfaceFigures> surfaces_of(const Json& json) {
   std::vector<SurfaceFigures> surfaces;
   for (const Json& surface : json) {
-    surfaces.push_back({surface.at("iso").get<double>(), surface.value("asked", std::string()),
+    surfaces.push_back({convert::surface_id_of(surface.at("iso")), surface.value("asked", std::string()),
                         surface.at("triangles").get<std::uint64_t>(), optional_of<std::uint64_t>(surface, "vertices"),
                         optional_of<std::uint64_t>(surface, "components"), optional_of<bool>(surface, "closed"),
                         optional_of<double>(surface, "area"), optional_of<double>(surface, "volume"),
@@ -176,24 +177,51 @@ FrameFigures figures_of(const Json& json) {
   return figures;
 }
 
-// Returns whether the value belongs to the surface.
-bool is_of(double iso, const std::string& grid, const SurfaceFigures& surface) {
-  return iso == surface.iso && grid == surface.grid;
-}
-bool is_of(const convert::WrittenSurface& written, const SurfaceFigures& surface) {
-  return is_of(written.id.figure(), written.grid, surface);
-}
-bool is_of(const Figures& mesh, const SurfaceFigures& surface) {
-  return is_of(*value_at<double>(mesh, {Key::iso}), value_at<std::string>(mesh, {Key::grid}).value_or(""), surface);
-}
+// The parts of an outcome that belong to one surface, in the outcome's order.
+struct SurfaceParts {
+  std::vector<const convert::WrittenSurface*> written;
+  std::vector<const Figures*> meshes;
+  const Figures* error = nullptr;  // of its first measurement
+};
+
+// Sorts the parts of an outcome by their surface in one pass, because a label map may have 100,000 surfaces.
+class PartsBySurface {
+ public:
+  explicit PartsBySurface(const convert::Outcome& outcome) {
+    for (const convert::WrittenSurface& written : outcome.written) {
+      parts_[{written.id, written.grid}].written.push_back(&written);
+    }
+    for (const StageReport& report : outcome.reports) {
+      if (report.stage == StageName::error) {
+        SurfaceParts& parts = parts_[{*report.id, report.grid}];
+        if (parts.error == nullptr) parts.error = &report.entries.front();
+      }
+      if (report.stage != StageName::mesh_facts) continue;
+      for (const Figures& mesh : report.entries) {
+        parts_[{surface_id_at(mesh), value_at<std::string>(mesh, {Key::grid}).value_or("")}].meshes.push_back(&mesh);
+        mesh_of_file_.emplace(*value_at<std::string>(mesh, {Key::file}), &mesh);
+      }
+    }
+  }
+
+  [[nodiscard]] const SurfaceParts& of(const SurfaceFigures& surface) { return parts_[{surface.id, surface.grid}]; }
+
+  // Returns the first mesh in a file, or null.
+  [[nodiscard]] const Figures* mesh_of_file(const std::string& file) const {
+    const auto found = mesh_of_file_.find(file);
+    return found != mesh_of_file_.end() ? found->second : nullptr;
+  }
+
+ private:
+  std::map<std::pair<convert::SurfaceId, std::string>, SurfaceParts> parts_;  // by surface and grid
+  std::unordered_map<std::string, const Figures*> mesh_of_file_;
+};
 
 // Adds the figures of the files of a surface. Counts only its first output: another output may repeat the surface.
-void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
-  const auto first =
-      std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, figures); });
+void add_written(const convert::Outcome& outcome, const SurfaceParts& parts, SurfaceFigures& figures) {
   std::size_t counted = 0;  // files before this index are in the sum
-  for (auto surface = first; surface != outcome.written.end(); ++surface) {
-    if (!is_of(*surface, figures) || surface->output != first->output) continue;
+  for (const convert::WrittenSurface* surface : parts.written) {
+    if (surface->output != parts.written.front()->output) continue;
     figures.triangles += surface->triangles;
     const std::size_t end = std::min(surface->first_file + surface->files, outcome.files.size());
     for (std::size_t file = std::max(counted, surface->first_file); file < end; ++file) {
@@ -204,26 +232,13 @@ void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
   }
 }
 
-void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
-  const auto error = std::ranges::find_if(outcome.reports, [&](const StageReport& report) {
-    return report.stage == StageName::error && is_of(report.id->figure(), report.grid, figures);
-  });
-  if (error == outcome.reports.end()) return;
-  const Figures& found = error->entries.front();
+void add_error(const SurfaceParts& parts, SurfaceFigures& figures) {
+  if (parts.error == nullptr) return;
+  const Figures& found = *parts.error;
   figures.error_rms = value_at<double>(found, {Key::interior, Key::rms, Key::voxels});
   figures.error_max = value_at<double>(found, {Key::interior, Key::max, Key::voxels});
   figures.coverage_rms = value_at<double>(found, {Key::coverage, Key::distances, Key::rms, Key::voxels});
   figures.coverage_max = value_at<double>(found, {Key::coverage, Key::distances, Key::max, Key::voxels});
-}
-
-// Returns the figures of all written meshes.
-std::vector<const Figures*> meshes_of(const convert::Outcome& outcome) {
-  std::vector<const Figures*> meshes;
-  for (const StageReport& report : outcome.reports) {
-    if (report.stage != StageName::mesh_facts) continue;
-    for (const Figures& mesh : report.entries) meshes.push_back(&mesh);
-  }
-  return meshes;
 }
 
 void add_mesh(const Figures& mesh, SurfaceFigures& surface) {
@@ -236,11 +251,10 @@ void add_mesh(const Figures& mesh, SurfaceFigures& surface) {
 }
 
 // Adds the figures of the meshes of a surface: several if its bodies are separate meshes.
-void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
+void add_meshes(const SurfaceParts& parts, SurfaceFigures& surface) {
   // A second output may repeat the surface: count each mesh name from one file only. Bodies have names of their own.
   std::unordered_map<std::string, std::string> file_of_name;
-  for (const Figures* mesh : meshes_of(outcome)) {
-    if (!is_of(*mesh, surface)) continue;
+  for (const Figures* mesh : parts.meshes) {
     const std::string file = *value_at<std::string>(*mesh, {Key::file});
     if (file_of_name.try_emplace(*value_at<std::string>(*mesh, {Key::name}), file).first->second != file) continue;
     add_mesh(*mesh, surface);
@@ -249,15 +263,12 @@ void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
 }
 
 // Adds the figures of each file of a surface whose bodies have files of their own.
-void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
-  const auto first =
-      std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, surface); });
-  std::unordered_map<std::string, const Figures*> mesh_of_file;
-  for (const Figures* mesh : meshes_of(outcome)) mesh_of_file.emplace(*value_at<std::string>(*mesh, {Key::file}), mesh);
+void add_files(const convert::Outcome& outcome, const SurfaceParts& parts, const PartsBySurface& all,
+               SurfaceFigures& surface) {
   std::vector<SurfaceFigures> files;
   std::size_t end = 0;  // end of the files counted so far
-  for (auto piece = first; piece != outcome.written.end(); ++piece) {
-    if (!is_of(*piece, surface) || piece->output != first->output) continue;
+  for (const convert::WrittenSurface* piece : parts.written) {
+    if (piece->output != parts.written.front()->output) continue;
     if (piece->files == 0 || piece->first_file + piece->files > outcome.files.size()) continue;
     if (!files.empty() && piece->first_file < end) return;  // the bodies share a file
     end = piece->first_file + piece->files;
@@ -271,7 +282,7 @@ void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
     file.closed.reset();
     file.area.reset();
     file.volume.reset();
-    if (const auto mesh = mesh_of_file.find(file.output); mesh != mesh_of_file.end()) add_mesh(*mesh->second, file);
+    if (const Figures* mesh = all.mesh_of_file(file.output); mesh != nullptr) add_mesh(*mesh, file);
     if (!file.closed.value_or(false)) file.volume.reset();
   }
   if (files.size() > 1) surface.files = std::move(files);
@@ -294,17 +305,19 @@ std::string text_at(const convert::Outcome& outcome, StageName stage, Key key) {
 
 FrameFigures figures_of(const convert::Outcome& outcome) {
   FrameFigures figures;
+  PartsBySurface all(outcome);
   for (const StageReport& report : outcome.reports) {
     if (report.stage == StageName::read_attributes) add_missing_attributes(report, figures.lacked_attributes);
     if (report.stage != StageName::extract) continue;
     SurfaceFigures& surface = figures.surfaces.emplace_back();
-    surface.iso = report.id->figure();
+    surface.id = *report.id;
     surface.grid = report.grid;
     surface.asked = value_at<std::string>(report.entries.front(), {Key::asked}).value_or("");
-    add_written(outcome, surface);
-    add_meshes(outcome, surface);
-    add_error(outcome, surface);
-    add_files(outcome, surface);
+    const SurfaceParts& parts = all.of(surface);
+    add_written(outcome, parts, surface);
+    add_meshes(parts, surface);
+    add_error(parts, surface);
+    add_files(outcome, parts, all, surface);
   }
   if (const StageReport* const particles = outcome.first(StageName::particles_to_field)) {
     const Figures& made = particles->entries.front();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "batch/batch_job.hpp"
+#include "convert/iso_choice.hpp"
 #include "convert/json_type.hpp"
 #include "convert/outcome.hpp"
 #include "files/content_hash.hpp"
@@ -16,7 +17,7 @@
 namespace isoextract::batch {
 
 struct SurfaceFigures {
-  double iso = 0;
+  convert::SurfaceId id;
   std::string asked;  // "p99"; empty if a number was given
   std::uint64_t triangles = 0;
   // Set if mesh statistics were requested (ConversionOptions::mesh_facts).

@@ -55,7 +55,7 @@ std::string table_csv(std::span<const FrameRow> rows) {
           csv_cell(output_of(row, surface)),
           std::string(
               word_of(surface != nullptr && known && surface->triangles == 0 ? FrameStatus::empty : row.status)),
-          surface != nullptr ? fmt::format("{}", figures.iso) : std::string(),
+          surface != nullptr ? figures.id.text() : std::string(),
           figures.asked,
           surface != nullptr ? fmt::format("{}", figures.triangles) : std::string(),
           cell(figures.vertices),
@@ -88,7 +88,7 @@ Json row_json(const FrameRow& row) {
   Json surfaces = Json::array();
   for (const SurfaceFigures* figures : rows_of(row.figures)) {
     const SurfaceFigures& surface = *figures;
-    surfaces.push_back({{"iso", surface.iso},
+    surfaces.push_back({{"iso", json_of(surface.id)},
                         {"asked", surface.asked.empty() ? Json(nullptr) : Json(surface.asked)},
                         {"triangles", surface.triangles},
                         {"vertices", convert::optional_json(surface.vertices)},

@@ -152,8 +152,17 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "put {frame} or {stem} into the name instead");
   }
   const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
-  const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
-  if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !names.uses(OutputWord::iso)) {
+  const bool are_labels = !source.isos.empty() && source.isos.front().is_label();
+  const bool all_labels = are_labels && source.isos.front().is_label_set();
+  const bool by_label = names.uses(OutputWord::label) || names.uses(OutputWord::name);
+  if (by_label && !are_labels) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: expected labels for {{label}} or {{name}} in the output name, found none",
+                            label_of_source(source)),
+                "put {iso} into the name instead");
+  }
+  const bool tells_apart = by_label || names.uses(OutputWord::iso);
+  if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !tells_apart) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: bodies of several surfaces would have the same file names", label_of_source(source)),
                 "put {iso} into the name as well");
@@ -163,7 +172,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 fmt::format("{}: {{iso}} in the output name does not work with all labels: the run chooses the file "
                             "names before it reads the labels",
                             label_of_source(source)),
-                "list the labels, which 'isoextract info' shows, or write all into a glb");
+                "put {label} or {name} into the name instead, or write all into a glb");
   }
   if (info.can_hold_several_meshes) return {};
   if (!source.more_grids.empty() && !names.uses(OutputWord::grid)) {
@@ -172,12 +181,12 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                             source.more_grids.size() + 1),
                 "put {grid} into the name to get a file for each, or write all into a glb");
   }
-  if ((source.isos.size() < 2 && !all_labels) || names.uses(OutputWord::iso)) return {};
+  if ((source.isos.size() < 2 && !all_labels) || tells_apart) return {};
   if (all_labels) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: one {} file holds one surface, but all labels can give several",
                             label_of_source(source), info.name),
-                "write all into a glb, or list the labels, which 'isoextract info' shows, and put {iso} into the name");
+                "put {label} or {name} into the name to get a file for each, or write all into a glb");
   }
   std::vector<std::string_view> others;
   for (const mesh_io::MeshFormatInfo& other : mesh_io::mesh_formats()) {

@@ -61,8 +61,9 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 //   - the template is invalid, or `output` is empty;
 //   - the name contains {grid}, but a source has no grid name;
 //   - the name contains {step}, but a source has no step;
-//   - the name contains {iso}, and all labels are requested;
-//   - the name contains {piece} but not {iso}, for several iso values or for all labels;
+//   - the name contains {iso}, and the labels are a set (IsoChoice::is_label_set());
+//   - the name contains {label} or {name}, and the surfaces are no labels;
+//   - the name contains {piece} but none of {iso}, {label} and {name}, for several iso values or for all labels;
 //   - several iso values, labels or grids share a file of a format that holds one mesh.
 // Fails as check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,

@@ -25,7 +25,8 @@ Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
       return fail(
           ErrorCode::usage,
           fmt::format(
-              "{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{step}}, {{grid}}, {{iso}} or {{piece}}, found '{}'",
+              "{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{step}}, {{grid}}, {{iso}}, {{label}}, {{name}} or "
+              "{{piece}}, found '{}'",
               printable(name), printable(part.text)),
           "write {{ and }} for braces");
     }
@@ -43,11 +44,13 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
   for (const Part& part : parts_) {
     name += part.text;
     switch (part.word) {
-      case OutputWord::stem: name += safe_file_name(words.stem); break;
+      case OutputWord::stem: name += files::safe_file_name(words.stem); break;
       case OutputWord::frame: name += files::frame_digits(words.frame, part.width); break;
       case OutputWord::step: name += files::frame_digits(words.step, part.width); break;
-      case OutputWord::grid: name += safe_file_name(words.grid); break;
+      case OutputWord::grid: name += files::safe_file_name(words.grid); break;
       case OutputWord::iso: name += words.iso; break;
+      case OutputWord::label: name += convert::kLabelPlaceholder; break;
+      case OutputWord::name: name += convert::kNamePlaceholder; break;
       case OutputWord::piece: name += convert::kPiecePlaceholder; break;
     }
   }
@@ -55,23 +58,5 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
 }
 
 std::string template_of(std::string_view name) { return files::escaped_name(name); }
-
-std::string safe_file_name(std::string_view text) {
-  constexpr std::string_view kUnsafe = "/\\:*?\"<>|";
-  std::string safe;
-  for (std::size_t at = 0; at < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[at]);
-    const std::size_t bytes = lead < 0xc0 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
-    const std::string_view character = text.substr(at, bytes);
-    const bool fits = kUnsafe.find(text[at]) == std::string_view::npos && printable(character) == character;
-    safe += fits ? character : "_";
-    at += fits ? character.size() : 1;  // replaces every byte of an invalid character
-  }
-  for (char& c : safe) {
-    if (c != '.') break;
-    c = '_';
-  }
-  return safe;
-}
 
 }  // namespace isoextract::batch

@@ -12,10 +12,11 @@
 
 namespace isoextract::batch {
 
-enum class OutputWord { stem, frame, step, grid, iso, piece };
+enum class OutputWord { stem, frame, step, grid, iso, label, name, piece };
 constexpr auto words_of(OutputWord /*type*/) {
   return std::array{Word{OutputWord::stem, "stem"}, Word{OutputWord::frame, "frame"}, Word{OutputWord::step, "step"},
-                    Word{OutputWord::grid, "grid"}, Word{OutputWord::iso, "iso"},     Word{OutputWord::piece, "piece"}};
+                    Word{OutputWord::grid, "grid"}, Word{OutputWord::iso, "iso"},     Word{OutputWord::label, "label"},
+                    Word{OutputWord::name, "name"}, Word{OutputWord::piece, "piece"}};
 }
 
 // Values of the words.
@@ -37,8 +38,9 @@ class OutputTemplate {
 
   [[nodiscard]] bool uses(OutputWord word) const;
 
-  // Returns the name. Stem and grid are made safe by safe_file_name(). {piece} stays as convert::kPiecePlaceholder,
-  // because the numbers of bodies are known only when the bodies exist.
+  // Returns the name. Stem and grid are made safe by files::safe_file_name(). {piece}, {label} and {name} stay as
+  // convert::kPiecePlaceholder, kLabelPlaceholder and kNamePlaceholder, because bodies and labels are known only once
+  // they are found.
   [[nodiscard]] std::string expand(const OutputWords& words) const;
 
  private:
@@ -53,10 +55,5 @@ class OutputTemplate {
 
 // Returns a template that expands to exactly this name.
 [[nodiscard]] std::string template_of(std::string_view name);
-
-// Makes a text from a file safe as part of one file name, visible and valid on other systems, too. Replaces these by _:
-// slashes, backslashes, any of : * ? " < > |, control characters, invalid UTF-8, characters that change the writing
-// direction, and leading dots.
-[[nodiscard]] std::string safe_file_name(std::string_view text);
 
 }  // namespace isoextract::batch

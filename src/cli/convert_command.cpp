@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <type_traits>
+#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -65,8 +66,9 @@ std::string_view surface_word(const convert::ConversionJob& job) {
 template <class T>
 std::vector<T> without_repeats(const std::vector<T>& values) {
   std::vector<T> once;
+  std::unordered_set<T> seen;
   for (const T& value : values) {
-    if (std::ranges::find(once, value) == once.end()) once.push_back(value);
+    if (seen.insert(value).second) once.push_back(value);
   }
   return once;
 }
@@ -120,15 +122,11 @@ class ConversionPrinter final : public convert::Events {
       line = fmt::format("{} -> {}: {}; {}; {:.2f} s", report.label, path, output.samples, bytes, seconds);
     } else if (!output.surfaces.empty()) {
       std::vector<std::string> labels;
-      std::vector<std::string> ids;
-      for (const convert::WrittenOutput::Part& part : output.surfaces) {
-        labels.push_back(part.label);
-        ids.push_back(part.id.text());
-      }
-      line = fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
-                         fmt::join(without_repeats(labels), ", "), word_, fmt::join(without_repeats(ids), ", "), path,
-                         output.triangles, output.vertices, bytes, closed_or_open_text(output, plan_.job),
-                         output.placement, seconds);
+      for (const convert::WrittenOutput::Part& part : output.surfaces) labels.push_back(part.label);
+      line = fmt::format("{} {} -> {}{}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
+                         fmt::join(without_repeats(labels), ", "), surfaces_text(output), path,
+                         output.files > 2 ? fmt::format(" ({} files)", output.files) : "", output.triangles,
+                         output.vertices, bytes, closed_or_open_text(output, plan_.job), output.placement, seconds);
     }
     std::ranges::stable_sort(lines_, {}, &Line::rank);
     if (!line.empty()) {
@@ -139,6 +137,19 @@ class ConversionPrinter final : public convert::Events {
     }
     lines_.clear();
     watch_.restart();
+  }
+
+  // Returns "iso 0.3, 0.5", or "3000 labels from 1 to 3000" if there are more labels than a reader takes in.
+  [[nodiscard]] std::string surfaces_text(const convert::WrittenOutput& output) const {
+    constexpr std::size_t kMostListed = 20;
+    std::vector<std::string> ids;
+    for (const convert::WrittenOutput::Part& part : output.surfaces) ids.push_back(part.id.text());
+    ids = without_repeats(ids);
+    if (ids.size() <= kMostListed || !output.surfaces.front().id.is_label()) {
+      return fmt::format("{} {}", word_, fmt::join(ids, ", "));
+    }
+    const auto [least, greatest] = std::ranges::minmax(output.surfaces, {}, &convert::WrittenOutput::Part::id);
+    return fmt::format("{} labels from {} to {}", ids.size(), least.id.text(), greatest.id.text());
   }
 
   struct Line {

@@ -46,10 +46,13 @@ Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& p
                     printable(batch::template_of(batch::stem_of(flags.input.inputs.front()))),
                     convert::kPiecePlaceholder, format.name));
   }
-  if (has_all_labels(flags) || (flags.isos.size() > 1 && path.find("{iso}") == std::string::npos)) {
-    return refuse_usage(fmt::format("-o {}: bodies of several surfaces would have the same file names", path),
-                        has_all_labels(flags) ? "list the labels, and put {iso} into the file name as well"
-                                              : "put {iso} into the file name as well");
+  const bool tells_apart = path.find("{iso}") != std::string::npos ||
+                           path.find(convert::kLabelPlaceholder) != std::string::npos ||
+                           path.find(convert::kNamePlaceholder) != std::string::npos;
+  if ((has_all_labels(flags) || flags.isos.size() > 1) && !tells_apart) {
+    return refuse_usage(
+        fmt::format("-o {}: bodies of several surfaces would have the same file names", path),
+        has_all_labels(flags) ? "put {label} into the file name as well" : "put {iso} into the file name as well");
   }
   return {};
 }

@@ -72,7 +72,7 @@ std::string title_of(std::span<const batch::FrameRow> rows, std::size_t n) {
   for (const batch::FrameRow& row : rows) {
     if (n >= row.figures.surfaces.size()) continue;
     const batch::SurfaceFigures& surface = row.figures.surfaces[n];
-    std::string found = fmt::format("{}{}iso {}", surface.grid, surface.grid.empty() ? "" : " ", surface.iso);
+    std::string found = fmt::format("{}{}{}", surface.grid, surface.grid.empty() ? "" : " ", surface.id.name());
     if (title && *title != found) return fmt::format("surface {}", n + 1);
     title = std::move(found);
   }

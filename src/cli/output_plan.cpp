@@ -23,6 +23,10 @@ Result<batch::OutputTemplate> plan_report_name(const std::string& report) {
     return refuse_usage(fmt::format("--report {}: a report covers a whole frame, not one body", report),
                         "leave {piece} out of the file name");
   }
+  if (name && (name->uses(batch::OutputWord::label) || name->uses(batch::OutputWord::name))) {
+    return refuse_usage(fmt::format("--report {}: a report covers a whole frame, not one label", report),
+                        "leave {label} and {name} out of the file name");
+  }
   return name;
 }
 

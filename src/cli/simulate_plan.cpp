@@ -25,6 +25,9 @@ Result<bool> names_sequence(const std::string& output, const SequenceKind& kind)
   if (name.uses(batch::OutputWord::iso)) {
     return refuse_usage(fmt::format("-o {}: a simulation has no iso value", output), "leave {iso} out");
   }
+  if (name.uses(batch::OutputWord::label) || name.uses(batch::OutputWord::name)) {
+    return refuse_usage(fmt::format("-o {}: a simulation has no labels", output), "leave {label} and {name} out");
+  }
   if (name.uses(batch::OutputWord::piece)) {
     return refuse_usage(fmt::format("-o {}: a simulation has no bodies", output), "leave {piece} out");
   }

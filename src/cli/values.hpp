@@ -39,7 +39,8 @@ struct HeightBase {
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);        // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);           // finite
 [[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto, zero or p0..p100
-[[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all, or 1,2,5
+[[nodiscard]] Result<std::int64_t> parse_label(std::string_view text);
+[[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all, 1,2,5, 1-9,!3
 [[nodiscard]] Result<double> parse_positive(std::string_view text);                         // finite, above 0
 [[nodiscard]] Result<RadiusChoice> parse_radius(std::string_view text);                     // above 0, auto, auto:each
 [[nodiscard]] Result<double> parse_not_negative(std::string_view text);                     // finite, 0 or above

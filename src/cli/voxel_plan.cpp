@@ -58,8 +58,10 @@ Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& i
 
 Result<void> take_labels(ConvertFlags& flags) {
   if (!flags.labels) {
-    if (!is_table_named(flags)) return {};
-    return refuse_usage("--label-names needs --labels", "give --labels all");
+    if (is_table_named(flags)) return refuse_usage("--label-names needs --labels", "give --labels all");
+    if (flags.labels_min_voxels) return refuse_usage("--labels-min-voxels needs --labels", "give --labels all");
+    if (flags.background) return refuse_usage("--background needs --labels", "give --labels all");
+    return {};
   }
   if (!flags.surface.method) flags.surface.method = extract::Method::surface_nets;
   const extract::MethodInfo& method = extract::method_info(*flags.surface.method);
@@ -75,7 +77,7 @@ Result<void> take_labels(ConvertFlags& flags) {
   if (has_all_labels(flags) && flags.output && flags.output->find("{iso}") != std::string::npos) {
     return refuse_usage(
         "--labels all does not work with {iso} in -o: isoextract needs the file names before it reads the labels",
-        "list the labels ('isoextract info' shows them), or write all labels into one glb");
+        "put {label} or {name} into the name instead, or write all labels into one glb");
   }
   flags.isos = *flags.labels;
   return {};
@@ -98,6 +100,8 @@ Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job)
                         "leave --kernel out: resampling then takes the nearest sample of the label map");
   }
   if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
+  job.surface.background = flags.background.value_or(0);
+  job.surface.least_voxels = flags.labels_min_voxels.value_or(0);
   if (!is_table_named(flags)) return {};
   const auto table = TRY(volume_io::LabelTable::read(*flags.label_names, Context()));
   job.label_names = convert::LabelTableFile{*flags.label_names, table.hash()};
@@ -135,9 +139,7 @@ Result<void> plan_found_table(const ConvertFlags& flags, const std::string& inpu
   return {};
 }
 
-bool has_all_labels(const ConvertFlags& flags) {
-  return flags.labels && flags.labels->front().kind == convert::IsoChoice::Kind::all_labels;
-}
+bool has_all_labels(const ConvertFlags& flags) { return flags.labels && flags.labels->front().is_label_set(); }
 
 Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::SurfaceOptions& surface) {
   const extract::MethodInfo& method = extract::method_info(surface.method);

@@ -46,7 +46,8 @@ struct TableBeside {
 // volume_io::LabelTable::read() does, which checks the table. Does nothing without --labels.
 [[nodiscard]] Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job);
 
-// Returns whether --labels all is given.
+// Returns whether --labels gives a set: all, or ranges and names. Which labels these are is known only from the
+// samples.
 [[nodiscard]] bool has_all_labels(const ConvertFlags& flags);
 
 // Sets the options of voxel faces and surface nets of `surface`, whose method is already planned; --smooth turns off

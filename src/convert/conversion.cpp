@@ -7,16 +7,19 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/allocation_error.hpp"
 #include "base/machine.hpp"
+#include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/field_file.hpp"
+#include "convert/detail/label_choice.hpp"
 #include "convert/detail/label_looks.hpp"
 #include "convert/detail/no_surface.hpp"
 #include "convert/detail/output_meshes.hpp"
@@ -24,6 +27,7 @@
 #include "convert/detail/recorder.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/detail/skipped_surfaces.hpp"
+#include "convert/detail/surface_maker.hpp"
 #include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
@@ -32,8 +36,6 @@
 #include "convert/placement_record.hpp"
 #include "convert/stages/mesh_relax.hpp"
 #include "convert/stages/mesh_touching.hpp"
-#include "convert/stages/surface_stages.hpp"
-#include "convert/verification.hpp"
 #include "extract/voxels.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
@@ -104,8 +106,8 @@ class Conversion {
 
   Result<void> write_samples(const OutputFileJob& output) {
     TRY(context_.check());
-    const bool is_left_out = source_.empty && job_.empty != EmptyPolicy::write;
-    if (is_left_out) return leave_out_empty(source_, job_, output, context_, events_);
+    if (source_.empty && job_.empty != EmptyPolicy::write)
+      return leave_out_empty(source_, job_, output, context_, events_);
     outcome_.files.push_back(TRY(write_field(source_, job_, output, context_, events_)));
     return {};
   }
@@ -147,9 +149,10 @@ class Conversion {
     for (const Note& note : extras_.field_notes ? extras_.field_notes(field) : Notes()) events_.note(note);
     events_.end_reading();
     TRY(find_labels());
-    all_ids_.clear();
-    for (const ResolvedIso& iso : labels_ ? expand_labels(source_.isos, labels_->labels()) : source_.isos)
-      all_ids_.push_back(iso.id);
+    std::vector<SurfaceId> ids;
+    for (const ResolvedIso& iso : labels_ ? expand_labels(source_.isos, chosen_.labels) : source_.isos)
+      ids.push_back(iso.id);
+    all_ = SurfaceList(std::move(ids));
     return check_error_memory(job_, source_, context_);
   }
 
@@ -172,12 +175,11 @@ class Conversion {
         const std::size_t before = file->written.surfaces.size();
         const auto asked =
             std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
-        const auto isos = surfaces_of(source_.field, asked, labels_ ? &labels_->labels() : nullptr, layer_);
+        const auto isos =
+            chosen_.large_enough(surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
         const Notes repeated = repeated_notes(source_.label, asked, files::output_label(output.path));
         for (const Note& text : repeated) events_.note(text);
-        for (const ResolvedIso& iso : isos) {
-          TRY(add_surface(iso, *file, in_pieces));
-        }
+        TRY(add_surfaces(isos, *file, in_pieces));
         skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
       }
     }
@@ -186,25 +188,64 @@ class Conversion {
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
 
-  // Extracts the surface at one iso value and adds it to the file, whole or split into bodies.
-  Result<void> add_surface(const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
-    TRY(context_.check());
-    auto surface = TRY(make_surface(iso));
+  // Makes the surfaces and adds them to the file, each as soon as those before it are added. Those of small labels are
+  // made side by side: there is too little work in one of them for several threads.
+  Result<void> add_surfaces(std::span<const ResolvedIso> isos, OutputMeshes& file, bool& in_pieces) {
+    for (std::size_t begin = 0; begin < isos.size();) {
+      TRY(context_.check());
+      const std::size_t count = labels_ ? group_size(isos.subspan(begin), *labels_) : 1;
+      std::vector<MadeSurface> group(count);
+      if (!labels_) source_.set_inside_side(isos[begin].id.iso_or_zero());
+      for_each_index(count, [&](std::size_t i) { group[i] = maker().make(isos[begin + i]); });
+      const Result<std::optional<Surface>>& first = group.front().surface;
+      if (!labels_ && !first && fall_back_to_cpu(first.error())) group.front() = maker().make(isos[begin]);
+      for (std::size_t i = 0; i < count; ++i) {
+        TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
+      }
+      begin += count;
+      if (count > 1) release_free_memory();  // the reports of surfaces stay, between what their meshes took
+    }
+    return {};
+  }
+
+  // Adds a surface to the file, whole or split into bodies, or writes it to the file of its label.
+  Result<void> add_made(MadeSurface made, const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
+    made.events.send(events_);
+    open_ = made.open;
+    outcome_.bytes_uploaded += made.bytes_uploaded;
+    std::ranges::move(made.lost, std::back_inserter(lost_));
+    auto surface = TRY(std::move(made.surface));
     if (!surface) return {};
-    mesh::Mesh& mesh = surface->mesh;
+    if (!labels_ || collector_ != nullptr || !file.label_names.in_use()) {
+      return add_surface(std::move(*surface), iso, file, in_pieces);
+    }
+    const std::int64_t label = iso.id.label();
+    const OutputFileJob own_job{file.label_names.next(label, looks_.given_name(label)), {iso.asked}};
+    TRY(check_mesh_files(own_job, meshes_.format, read()));
+    OutputMeshes own = open(own_job);
+    TRY(add_surface(std::move(*surface), iso, own, in_pieces));
+    if (own.written.surfaces.empty()) return {};
+    auto files = TRY(close(own));
+    file.take(own);
+    locate(std::move(files));
+    return {};
+  }
+
+  Result<void> add_surface(Surface surface, const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
+    mesh::Mesh& mesh = surface.mesh;
     if (!events_.grid().empty()) mesh.name = events_.grid();
     if (labels_) {
       mesh.name = looks_.name(mesh.name, iso.id.label());
     } else if (file.job.isos.size() > 1) {
       mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
     }
-    if (!job_.edits.pieces.split) return add(std::move(*surface), file);
+    if (!job_.edits.pieces.split) return add(std::move(surface), file);
     in_pieces = true;
-    return add_pieces(std::move(*surface), iso, file);
+    return add_pieces(std::move(surface), iso, file);
   }
 
   [[nodiscard]] OutputMeshes open(const OutputFileJob& output) const {
-    return {output, mesh_io::MeshWriter(output.path, write_options(), context_)};
+    return {output, mesh_io::MeshWriter(output.path, write_options(), context_), LabelFileNames(output.path)};
   }
 
   // Adds the bodies as meshes of one file, or writes each to its own file.
@@ -221,7 +262,7 @@ class Conversion {
                     .mesh = std::move(pieces[i]),
                     .end = surface.end,
                     .counts_open_edges = surface.counts_open_edges};
-      TRY(run_stage(stage_info(StageName::normals), {job_, source_, facts(), context_}, events_, piece));
+      TRY(run_stage(stage_info(StageName::normals), {job_, source_, maker().facts(open_), context_}, events_, piece));
       if (!into_files) {
         TRY(add(std::move(piece), file));
         continue;
@@ -250,7 +291,8 @@ class Conversion {
 
   // Finds all labels that the job asks for in one pass over the samples.
   Result<void> find_labels() {
-    const std::optional<extract::LabelChoice> choice = chosen_labels(source_.isos);
+    const std::optional<extract::LabelChoice> choice = chosen_labels(source_.isos, job_.surface.background);
+    chosen_ = {};
     if (!choice) return {};
     looks_ = TRY(LabelAppearance::open(job_, source_.field, opened_->second, context_));
     if (!extractor_->has(job_.surface.method)) {
@@ -264,76 +306,22 @@ class Conversion {
     TRY(volume_io::check_mapping_intact(source_.field));
     labels_ = std::move(found);
     for (const Note& note : labels_->notes()) events_.note(note);
-    const auto missing = looks_.note_of_missing(source_.label, labels_->labels(), job_.source.roi.has_value());
-    if (choice->all && missing) events_.note(*missing);
-    if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
+    const auto missing =
+        looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background, job_.source.roi.has_value());
+    const bool asks_for_all = source_.isos.front().asked.kind == IsoChoice::Kind::all_labels;
+    if (asks_for_all && missing) events_.note(*missing);
+    chosen_ = choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, source_.label);
+    for (const Note& note : chosen_.notes) events_.note(note);
+    if (!chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
     if (source_.empty) return tl::unexpected(empty_source(source_));
-    return fail(ErrorCode::no_surface, source_.label + ": no sample has a label other than 0",
-                {Remedy::use, Setting::empty_policy});
-  }
-
-  // Returns nullopt if the surface is empty and the job skips empty surfaces.
-  Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
-    source_.set_inside_side(asked.id.figure());
-    Surface surface = TRY(extract(asked));
-    if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) {
-      if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
-      if (cut_away_) lost_.push_back({asked.id, "clipping removed every triangle"});
-      return std::optional<Surface>();
-    }
-    TRY(edit_surface({job_, source_, facts(), context_}, events_, surface));
-    if (!surface.mesh.triangles.empty() || job_.empty == EmptyPolicy::write) return surface;
-    lost_.push_back({asked.id, "no component has the requested size"});
-    return std::optional<Surface>();
+    return tl::unexpected(no_label(source_.label, job_.surface.background, labels_->labels().size()));
   }
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
-  [[nodiscard]] SurfaceFacts facts() const {
-    return {all_ids_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
-  }
-
-  // Extracts the surface, compares it with the other backend if the job verifies, and clips it.
-  Result<Surface> extract(const ResolvedIso& asked) {
-    const Stopwatch watch;
-    const extract::ExtractOptions options = extract_options_of(job_, source_, asked.id.figure());
-    auto extraction = extract_field(asked, options);
-    if (!extraction && fall_back_to_cpu(extraction.error()))
-      extraction = extractor_->extract(source_.field, options, context_);
-    if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    TRY(volume_io::check_mapping_intact(source_.field));
-    const extract::ExtractStats& stats = extraction->stats;
-    const bool is_cut_open = !source_.clip.empty() && !options.cap;
-    open_ = may_be_open(stats, options) || is_cut_open;
-    Surface surface{.asked = asked.asked,
-                    .id = asked.id,
-                    .mesh = std::move(extraction->mesh),
-                    .end = open_boundary_of(stats, options, source_),
-                    .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
-    const StageContext stage{job_, source_, facts(), context_};
-    outcome_.bytes_uploaded += stats.device ? stats.device->bytes_uploaded : 0;
-    events_.end(extraction_report(stats, options, surface, stage, watch.elapsed()));
-    if (other_extractor_ != nullptr) {
-      const auto record = TRY(
-          compare_backends(source_.field, options, method(), surface.mesh, *extractor_, *other_extractor_, context_));
-      TRY(volume_io::check_mapping_intact(source_.field));
-      surface.mesh.edges = {};  // only the comparison needs them
-      TRY(tell(convert::report_of(record, source_.label), events_));
-    }
-    std::optional<mesh::Bounds> whole;  // bounds before clipping
-    if (!source_.clip.empty() && !surface.mesh.triangles.empty()) whole = mesh::measure_bounds(surface.mesh);
-    const StageReport clipped = TRY(clip_surface(surface, stage));
-    TRY(tell(clipped, events_));
-    cut_away_ = surface.mesh.triangles.empty() ? whole : std::nullopt;
-    return surface;
-  }
-
-  Result<extract::Extraction> extract_field(const ResolvedIso& asked, const extract::ExtractOptions& options) {
-    if (const auto& heights = job_.surface.heights) return extract_heights(source_.field, *heights, options, context_);
-    if (!labels_) return extractor_->extract(source_.field, options, context_);
-    auto extraction = labels_->extract(source_.field, asked.id.label(), options, context_);
-    if (extraction) extraction->mesh.name = source_.field.name;
-    return extraction;
+  [[nodiscard]] SurfaceMaker maker() const {
+    const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
+    return {job_, source_, *extractor_, other_extractor_.get(), labels, looks_, all_, extras_.mesh_facts, context_};
   }
 
   // Falls back to the CPU, with a note, if automatic chose a GPU that cannot do the work; never when verifying.
@@ -343,15 +331,6 @@ class Conversion {
     if (!may || error.code != ErrorCode::unavailable) return false;
     extract_with({extract::make_cpu_extractor(), fmt::format("cpu, because {}", error.message)}, {});
     return true;
-  }
-
-  Error no_surface(const ResolvedIso& asked) {
-    const Stopwatch watch;
-    Error error = convert::no_surface(job_, source_, asked, labels_.has_value(), cut_away_);
-    StageReport report = report_on(StageName::statistics, source_.label);
-    report.time = watch.elapsed();
-    events_.end(report);
-    return error;
   }
 
   Result<void> add(Surface surface, OutputMeshes& file) {
@@ -382,7 +361,8 @@ class Conversion {
     return mesh_io::MeshWriteResult();
   }
 
-  Result<void> finish(OutputMeshes& file, const std::vector<SkippedSurfaces>& skipped) {
+  // Completes a file and returns its files.
+  Result<std::vector<mesh_io::WrittenFile>> close(OutputMeshes& file) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     auto result = TRY(complete(file));
@@ -395,22 +375,37 @@ class Conversion {
       report.entries = std::move(file.facts);
       events_.end(report);
     }
-    for (const Note& text : result.notes) events_.note(text);
-    tell_skipped(file.job, skipped, true, "");
+    for (const Note& text : result.notes) {
+      if (told_.insert(text.text).second) events_.note(text);  // the same for each of many files
+    }
     for (const mesh_io::WrittenFile& written : result.files) file.written.bytes += written.bytes;
+    file.written.files += result.files.size();
+    return std::move(result.files);
+  }
+
+  // Completes the file, unless each label has its own.
+  Result<void> finish(OutputMeshes& file, const std::vector<SkippedSurfaces>& skipped) {
+    std::vector<mesh_io::WrittenFile> files;
+    if (file.written.files == 0) files = TRY(close(file));
+    tell_skipped(file.job, skipped, true, "");
     file.written.placement = world_text(source_.placement);
-    tell_written(std::move(file.written), file.job, file.time, std::move(result.files));
+    tell_written(std::move(file.written), file.job, file.time, std::move(files));
     return {};
   }
 
-  // Without surfaces, no time is reported.
-  void tell_written(WrittenOutput output, const OutputFileJob& job, const std::optional<StageTime>& time,
-                    std::vector<mesh_io::WrittenFile> files) {
+  // Records the files of the surfaces that were added since the last call.
+  void locate(std::vector<mesh_io::WrittenFile> files) {
     for (; located_ < outcome_.written.size(); ++located_) {
       outcome_.written[located_].first_file = outcome_.files.size();
       outcome_.written[located_].files = files.size();
     }
     std::ranges::move(files, std::back_inserter(outcome_.files));
+  }
+
+  // Without surfaces, no time is reported.
+  void tell_written(WrittenOutput output, const OutputFileJob& job, const std::optional<StageTime>& time,
+                    std::vector<mesh_io::WrittenFile> files) {
+    locate(std::move(files));
     StageReport report(StageName::write, files::output_label(job.path));
     report.time = time;
     if (time) report.did = "written";
@@ -462,13 +457,14 @@ class Conversion {
   std::optional<OpenedVolume> opened_;
   std::optional<std::int64_t> layer_;           // the volume, if the job takes each layer of a label map
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
-  std::vector<SurfaceId> all_ids_;              // surfaces of the current grid
+  ChosenLabels chosen_;                         // of labels_
+  std::unordered_set<std::string> told_;        // notes about files
+  SurfaceList all_;                             // surfaces of the current grid
   LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output
   std::size_t located_ = 0;                     // entries of Outcome::written whose files are known
   StageTime looking_;                           // time spent measuring meshes of the current file, for reports
   bool open_ = false;                           // the current surface may have boundary edges
-  std::optional<mesh::Bounds> cut_away_;        // bounds of the current surface before clipping left nothing of it
   std::vector<LostSurface> lost_;               // of the current grid
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only with verification

@@ -181,6 +181,8 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("cap", job.surface.cap);
   add("voxel_faces", job.surface.voxel_faces);
   add("relaxations", job.surface.relaxations);
+  add("background", job.surface.background);
+  add("labels_min_voxels", job.surface.least_voxels);
   add("heights", job.surface.heights);
   add("normals", job.normals);
   add("colour", job.color);

@@ -160,6 +160,8 @@ struct SurfaceOptions {
   bool cap = false;
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
   std::uint64_t relaxations = extract::kDefaultRelaxations;
+  std::int64_t background = 0;     // of a label map: the label without a mesh, unless it is listed
+  std::uint64_t least_voxels = 0;  // labels with fewer voxels get no mesh; those without any are not counted
   // Makes terrain of heights (extract/height_field.hpp) instead of an isosurface; read.flat is set then.
   std::optional<extract::HeightOptions> heights = {};
 
@@ -173,7 +175,9 @@ struct SurfaceOptions {
 struct OutputFileJob {
   static constexpr std::array kMembers{"path", "iso", "grid"};
 
-  std::string path;  // "-" is standard output; with PieceChoice::split, kPiecePlaceholder gives each body a file
+  // "-" is standard output. With PieceChoice::split, kPiecePlaceholder gives each body a file; kLabelPlaceholder and
+  // kNamePlaceholder give each label one.
+  std::string path;
   std::vector<IsoChoice> isos;
   std::optional<std::string> grid = {};  // the grid whose surfaces go into the file; nullopt: surfaces of all grids
 

@@ -1,6 +1,7 @@
 #include "convert/conversion_size.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/context.hpp"
 #include "convert/detail/error_memory.hpp"
@@ -70,8 +71,10 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   if (const auto* file = job.writes<FieldFileOptions>()) {
     most = std::max(most, kProgramBytes + field_file_bytes(source.field, file->format));
   }
+  bool has_labels = false;
   for (const ResolvedIso& iso : source.isos) {
     // For labels, 0.5 estimates the surface around all of them together.
+    if (iso.asked.is_label() && std::exchange(has_labels, true)) continue;
     const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.id.iso());
     std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);

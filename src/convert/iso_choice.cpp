@@ -24,12 +24,19 @@ std::string text_of(const IsoChoice& choice) {
     case IsoChoice::Kind::zero: return std::string(kZero);
     case IsoChoice::Kind::percentile: return kPercentile + choice.percent.text();
     case IsoChoice::Kind::all_labels: return std::string(kAllLabels);
+    case IsoChoice::Kind::selected_labels: return "labels " + choice.selection;
   }
   return choice.id.is_label() ? choice.id.name() : choice.id.text();
 }
 
 std::string file_name_part(const IsoChoice& choice) {
   return choice.kind == IsoChoice::Kind::known ? choice.id.text() : text_of(choice);
+}
+
+Json json_of(const SurfaceId& id) { return id.is_label() ? Json(id.label()) : Json(id.iso()); }
+
+SurfaceId surface_id_of(const Json& json) {
+  return json.is_number_integer() ? SurfaceId(Label{json.get<std::int64_t>()}) : SurfaceId(json.get<double>());
 }
 
 Json json_of(const IsoChoice& choice) { return choice.is_number() ? Json(choice.id.iso()) : Json(text_of(choice)); }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 #include "convert/json_type.hpp"
@@ -26,8 +27,10 @@ class SurfaceId {
   // iso() and label() throw std::bad_variant_access if this is the other kind.
   [[nodiscard]] double iso() const { return std::get<double>(of_); }
   [[nodiscard]] std::int64_t label() const { return static_cast<std::int64_t>(std::get<Label>(of_)); }
-  // Returns the iso value, or the label as a number, as reports list it.
-  [[nodiscard]] double figure() const { return is_label() ? static_cast<double>(label()) : iso(); }
+  // Returns the iso value, or 0 for a label, where extraction options need a number that has no effect on labels.
+  [[nodiscard]] double iso_or_zero() const { return is_label() ? 0 : iso(); }
+  // Returns the iso value or the label, rounded if a double cannot hold it: for colors, not to identify a surface.
+  [[nodiscard]] double rounded() const { return is_label() ? static_cast<double>(label()) : iso(); }
   [[nodiscard]] std::string text() const;  // "0.3", "5"
   [[nodiscard]] std::string name() const;  // "iso 0.3", "label 5"
 
@@ -41,15 +44,17 @@ class SurfaceId {
 
 struct IsoChoice {
   enum class Kind {
-    known,       // a given iso value or label
-    suggested,   // field::suggest_iso(); for particles the default value of their method
-    zero,        // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
-    percentile,  // of all samples that were read, whatever region or resampled grid is extracted from
-    all_labels,  // each label of a label map
+    known,            // a given iso value or label
+    suggested,        // field::suggest_iso(); for particles the default value of their method
+    zero,             // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
+    percentile,       // of all samples that were read, whatever region or resampled grid is extracted from
+    all_labels,       // each label of a label map
+    selected_labels,  // the labels that a LabelSelection contains
   };
   Kind kind = Kind::known;
   SurfaceId id;            // of Kind::known; an iso value is finite
   field::Percent percent;  // of Kind::percentile
+  std::string selection;   // of Kind::selected_labels: a text that LabelSelection::parse() takes
 
   IsoChoice() = default;
   IsoChoice(double iso) : id(iso) {}  // NOLINT(google-explicit-constructor): numbers are the rule
@@ -59,8 +64,16 @@ struct IsoChoice {
   [[nodiscard]] static IsoChoice label(std::int64_t number) { return IsoChoice(Kind::known, Label{number}); }
   [[nodiscard]] static IsoChoice all_labels() { return IsoChoice(Kind::all_labels); }
 
+  [[nodiscard]] static IsoChoice selected_labels(std::string selection) {
+    IsoChoice choice(Kind::selected_labels);
+    choice.selection = std::move(selection);
+    return choice;
+  }
+
   [[nodiscard]] bool is_number() const { return kind == Kind::known && !id.is_label(); }
-  [[nodiscard]] bool is_label() const { return kind == Kind::all_labels || id.is_label(); }
+  [[nodiscard]] bool is_label() const { return is_label_set() || id.is_label(); }
+  // Returns whether only the label map tells which labels these are.
+  [[nodiscard]] bool is_label_set() const { return kind == Kind::all_labels || kind == Kind::selected_labels; }
   // Returns whether the iso value has to be found in the field.
   [[nodiscard]] bool is_found() const {
     return kind == Kind::suggested || kind == Kind::zero || kind == Kind::percentile;
@@ -75,11 +88,16 @@ struct IsoChoice {
       : kind(chosen), id(known), percent(share) {}
 };
 
-// Returns the shortest text: "0.3", "auto", "zero", "p99.9", "label 5", "all labels".
+// Returns the shortest text: "0.3", "auto", "zero", "p99.9", "label 5", "all labels", "labels 1-9,!3".
 [[nodiscard]] std::string text_of(const IsoChoice& choice);
 
 // Returns text_of() as part of a file name; for a label its number alone.
 [[nodiscard]] std::string file_name_part(const IsoChoice& choice);
+
+// Returns a floating-point number for an iso value, an integer for a label.
+[[nodiscard]] Json json_of(const SurfaceId& id);
+// Inverts it: a number without fraction is a label only if it is an integer in the JSON text.
+[[nodiscard]] SurfaceId surface_id_of(const Json& json);
 
 // Returns a number for an iso value, else the text.
 [[nodiscard]] Json json_of(const IsoChoice& choice);

@@ -132,7 +132,7 @@ std::vector<ResolvedIso> expand_labels(std::span<const ResolvedIso> asked, const
   };
   for (const ResolvedIso& iso : asked) {
     if (iso.id.is_label()) add(iso.id.label());
-    if (iso.asked.kind == IsoChoice::Kind::all_labels) std::ranges::for_each(all, add);
+    if (iso.asked.is_label_set()) std::ranges::for_each(all, add);
   }
   return labels;
 }

@@ -16,7 +16,7 @@ namespace isoextract::convert {
 
 struct ResolvedIso {
   IsoChoice asked;
-  SurfaceId id;          // IsoChoice::all_labels() has iso 0 here, which identifies no surface
+  SurfaceId id;          // a set of labels (IsoChoice::is_label_set()) has iso 0 here, which identifies no surface
   std::string found_by;  // "Otsu's threshold (1979) of the histogram"; empty for given iso values and labels
 };
 
@@ -50,7 +50,8 @@ struct ResolvedIso {
 // Returns the iso values without those that repeat an earlier one.
 [[nodiscard]] std::vector<ResolvedIso> without_repeats(std::span<const ResolvedIso> isos);
 
-// Returns one iso value for each label, without duplicates; `all` replaces IsoChoice::all_labels().
+// Returns one iso value for each label, without duplicates; `all` replaces a set of labels
+// (IsoChoice::is_label_set()).
 [[nodiscard]] std::vector<ResolvedIso> expand_labels(std::span<const ResolvedIso> asked,
                                                      const std::vector<std::int64_t>& all);
 

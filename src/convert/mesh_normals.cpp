@@ -102,7 +102,7 @@ Result<StageReport> fit_normals(Surface& surface, const StageContext& stage) {
   const Context& context = stage.context;
   mesh::Mesh& mesh = surface.mesh;
   if (!has_vertex_normals(job) || mesh.triangles.empty()) return StageReport();
-  const auto box = capped_box(source.field, source.extract_options(job.surface, surface.id.figure()));
+  const auto box = capped_box(source.field, source.extract_options(job.surface, surface.id.iso_or_zero()));
   const std::span<const mesh::HalfSpace> cuts =
       job.surface.cap ? std::span<const mesh::HalfSpace>(source.clip) : std::span<const mesh::HalfSpace>();
   const bool has_caps = box || !cuts.empty();

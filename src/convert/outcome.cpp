@@ -40,7 +40,7 @@ Json device_of(const Outcome& outcome) {
 
 Json json_of(const StageReport::Part& part) {
   Json json{{"stage", word_of(part.stage)}};
-  if (part.id) json["iso"] = part.id->figure();
+  if (part.id) json["iso"] = json_of(*part.id);
   json.update(json_of(part.time));
   return json;
 }

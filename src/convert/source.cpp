@@ -117,16 +117,25 @@ void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Ev
 }
 
 // Notes the labels that are lost because the coarser grid has no sample of them. For jobs that ask for all labels.
-void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& grid, const Context& context,
-                      Events& events) {
-  std::vector<double> labels = field::distinct_values(map, &context.progress());
-  std::erase(labels, 0.0);
-  const std::vector<double> left = field::distinct_values(grid, &context.progress());
-  std::vector<double> lost;
+void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& grid, std::int64_t background,
+                      const Context& context, Events& events) {
+  const auto labels_of = [&](const field::ScalarField& field) {
+    std::vector<std::int64_t> ids;
+    for (const double value : field::distinct_values(field, &context.progress())) {
+      const auto sample = static_cast<std::int64_t>(value);
+      ids.push_back(field.label_ids != nullptr ? (*field.label_ids)[static_cast<std::size_t>(sample)] : sample);
+    }
+    std::erase(ids, background);
+    std::ranges::sort(ids);
+    return ids;
+  };
+  const std::vector<std::int64_t> labels = labels_of(map);
+  const std::vector<std::int64_t> left = labels_of(grid);
+  std::vector<std::int64_t> lost;
   std::ranges::set_difference(labels, left, std::back_inserter(lost));
   if (lost.empty()) return;
   constexpr std::size_t kMostTold = 10;
-  const std::span<const double> told = std::span(lost).first(std::min(lost.size(), kMostTold));
+  const std::span<const std::int64_t> told = std::span(lost).first(std::min(lost.size(), kMostTold));
   const std::string ids = fmt::format("{}{}", fmt::join(told, ", "), lost.size() > kMostTold ? ", ..." : "");
   events.note({NoteId::labels_lost,
                fmt::format("{}: no mesh for {} of {} labels ({}): the coarser grid has no sample of these labels",
@@ -157,7 +166,7 @@ Result<void> change_resolution(const SourceOptions& options, const SourceUse& us
   for (const Note& text : grid.notes) events.note(text);
   events.end(report);
   const auto is_all = [](const IsoChoice& iso) { return iso.kind == IsoChoice::Kind::all_labels; };
-  if (std::ranges::any_of(use.isos, is_all)) tell_lost_labels(source.field, grid, context, events);
+  if (std::ranges::any_of(use.isos, is_all)) tell_lost_labels(source.field, grid, use.background, context, events);
   if (options.voxel_size) tell_voxel_size(*options.voxel_size, grid, events);
   if (use.keep_data && !source.data) source.data = std::move(source.field);
   source.field = std::move(grid);
@@ -173,7 +182,7 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   for (const ResolvedIso& iso : source.isos) {
     report.entries.push_back(
         {{Key::asked, iso.asked.is_number() ? Value(iso.asked.id.iso()) : Value(text_of(iso.asked))},
-         {Key::iso, iso.id.figure()},
+         {Key::iso, iso.id},
          {Key::found_by, iso.asked.is_found() ? Value(iso.found_by) : Value()}});
   }
   events.end(report);
@@ -196,6 +205,7 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
                                Events& events, Source& source) {
   volume_io::ReadOptions read = options.read;
   read.sampling = options.voxel_size;
+  read.label_ids = std::ranges::any_of(use.isos, &IsoChoice::is_label);
   if (needs_region_only(options, use)) read.region = options.roi;
   auto field = TRY(read_field(options.input, read, context, events));
   source.field = std::move(field);
@@ -423,6 +433,7 @@ SourceUse use_of(const ConversionJob& job) {
   SourceUse use;
   use.keep_data = job.error.has_value();
   use.isos = job.isos();
+  use.background = job.surface.background;
   use.empty_is_fine = job.empty != EmptyPolicy::error;
   const auto* file = job.writes<FieldFileOptions>();
   if (file != nullptr) use.field_format = file->format;

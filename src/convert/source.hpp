@@ -1,6 +1,7 @@
 // Opens the input: reads the field, filters, blurs and resamples it if requested, and places it in output coordinates.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,6 +77,7 @@ struct SourceUse {
   std::optional<double> only_iso;
   bool outside_region = false;  // the field outside the region is used as well, so that all particles count
   std::vector<IsoChoice> isos;  // the requested iso values
+  std::int64_t background = 0;  // of a label map (SurfaceOptions::background)
   // A result without a surface is no error. So open_source() does not fail if no suggested iso value separates the
   // samples, or if an attribute is missing; a missing attribute fails later, if there is a surface.
   bool empty_is_fine = false;

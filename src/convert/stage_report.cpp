@@ -50,6 +50,8 @@ Value::Value(const field::Affine& map) {
 Value::Value(const StageTime& time)
     : Value(Figures{{Key::wall_seconds, time.wall_seconds}, {Key::cpu_seconds, time.cpu_seconds}}) {}
 
+Value::Value(const SurfaceId& id) : Value(id.is_label() ? Value(id.label()) : Value(id.iso())) {}
+
 Json Value::json() const {
   switch (kind_) {
     case Kind::none: break;
@@ -88,6 +90,11 @@ const Value* find(const Figures& figures, std::initializer_list<Key> path) {
   return found;
 }
 
+SurfaceId surface_id_at(const Figures& figures) {
+  const Value* const id = find(figures, {Key::iso});
+  return id->is_integer() ? SurfaceId(Label{id->as<std::int64_t>()}) : SurfaceId(id->as<double>());
+}
+
 void set(Figures& figures, Key key, Value value) {
   const auto found = std::ranges::find(figures, key, &Figure::key);
   if (found != figures.end()) found->value = std::move(value);
@@ -120,7 +127,7 @@ StageReport report_on_field(StageName stage, const std::string& label, WorkFact 
 
 Json entry_of(const StageReport& report, const Figures& figures) {
   Json json = Json::object();
-  if (report.id) json[std::string(word_of(Key::iso))] = report.id->figure();
+  if (report.id) json[std::string(word_of(Key::iso))] = json_of(*report.id);
   json.update(json_of(figures));
   if (report.stage == StageName::extract) {
     Json& work = json[std::string(word_of(Key::work))] = Json::array();

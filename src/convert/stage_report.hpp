@@ -94,6 +94,7 @@ class Value {
   Value(const field::IndexBox& box);  // null if the box is empty
   Value(const field::Affine& map);    // three rows of four numbers: linear part, then offset
   Value(const StageTime& time);
+  Value(const SurfaceId& id);  // a number for an iso value, an integer for a label
   template <class T>
   Value(const std::optional<T>& value) {
     if (value) *this = Value(*value);
@@ -147,6 +148,9 @@ template <class T>
   return found != nullptr ? std::optional<T>(found->as<T>()) : std::nullopt;
 }
 
+// Returns the surface that Key::iso names; the figures must have it.
+[[nodiscard]] SurfaceId surface_id_at(const Figures& figures);
+
 // Replaces the value of the figure `key`, if it exists.
 void set(Figures& figures, Key key, Value value);
 
@@ -184,6 +188,7 @@ struct WrittenOutput {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::uint64_t bytes = 0;
+  std::size_t files = 0;
   std::optional<std::uint64_t> open_edges;  // boundary edges of its meshes, if they were counted
   WeldedDefects welded;                     // zeros, too, if readers of the format keep all vertices apart
 };

@@ -117,6 +117,10 @@ struct SurfaceEdits {
 
 // Placeholder in an output name for the number of a body; with PieceChoice::split, each body then gets its own file.
 inline constexpr std::string_view kPiecePlaceholder = "{piece}";
+
+// Stand for the number and the name of a label in the name of its file.
+inline constexpr std::string_view kLabelPlaceholder = "{label}";
+inline constexpr std::string_view kNamePlaceholder = "{name}";
 // Limits for one surface: files to split it into, and meshes in one file.
 inline constexpr std::uint64_t kMaxPieceFiles = 1000;
 inline constexpr std::uint64_t kMostPieceMeshes = 100000;

@@ -10,13 +10,13 @@
 namespace isoextract::convert {
 namespace {
 
-WorkFact bricks_left_out(const extract::ExtractStats& stats) {
+WorkFact bricks_left_out(const extract::ExtractStats& stats, bool is_label) {
   const std::uint64_t count = stats.bricks - stats.bricks_visited;
   const double percent =
       stats.bricks == 0 ? 0.0 : 100.0 * static_cast<double>(count) / static_cast<double>(stats.bricks);
   return {WorkTopic::bricks, WorkDone::left_out, count, stats.bricks,
-          fmt::format("{} of {} bricks ({}), which the iso value does not cross ({:.1f} %)", count, stats.bricks,
-                      stats.brick, percent)};
+          fmt::format("{} of {} bricks ({}), which {} ({:.1f} %)", count, stats.bricks, stats.brick,
+                      is_label ? "have no sample of the label" : "the iso value does not cross", percent)};
 }
 
 std::string dense_text(const field::DenseSamples& samples) {
@@ -124,14 +124,17 @@ WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarFiel
 namespace {
 
 std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
-                                       const ConversionJob& job) {
-  std::vector<WorkFact> facts{bricks_left_out(stats)};
+                                       const ConversionJob& job, bool is_label) {
+  std::vector<WorkFact> facts{bricks_left_out(stats, is_label)};
   if (stats.places_visited > 0) {
     facts.push_back({WorkTopic::places, WorkDone::visited, stats.places_visited, std::nullopt,
                      fmt::format("{} brick positions next to stored bricks", stats.places_visited)});
   }
-  facts.push_back({WorkTopic::samples, WorkDone::compared, stats.samples_classified, std::nullopt,
-                   fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
+  if (!is_label || stats.samples_classified > 0) {
+    facts.push_back({WorkTopic::samples, WorkDone::compared, stats.samples_classified, std::nullopt,
+                     fmt::format("{} samples, each once, with {}", stats.samples_classified,
+                                 is_label ? "the labels" : "the iso value")});
+  }
   if (stats.device) {
     const extract::DeviceStats& device = *stats.device;
     facts.push_back(
@@ -188,7 +191,7 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
 StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                               const Surface& surface, const StageContext& stage, const StageTime& time) {
   StageReport report = stage.report_on(StageName::extract, surface);
-  report.work = extraction_facts(stats, options, stage.job);
+  report.work = extraction_facts(stats, options, stage.job, surface.id.is_label());
   Figures figures;
   if (!surface.asked.is_number()) figures.emplace_back(Key::asked, text_of(surface.asked));
   figures.emplace_back(Key::triangles, surface.mesh.triangles.size());

@@ -12,6 +12,15 @@ void for_each_bit(std::uint64_t word, F&& f) {
   for (; word != 0; word &= word - 1) f(std::countr_zero(word));
 }
 
+// Returns the number of set bits (Warren: Hacker's Delight, 5-1). std::popcount() is a library call on processors that
+// may lack the instruction, which the inner loops of label maps notice.
+[[nodiscard]] constexpr int count_bits(std::uint64_t word) {
+  word -= word >> 1 & 0x5555555555555555U;
+  word = (word & 0x3333333333333333U) + (word >> 2 & 0x3333333333333333U);
+  word = (word + (word >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<int>(word * 0x0101010101010101U >> 56);
+}
+
 // Returns a mask of the bits of word w that stand for positions below `limit` in the row.
 [[nodiscard]] inline std::uint64_t bits_below(int w, int limit) {
   const int rest = limit - 64 * w;

@@ -1,18 +1,20 @@
-// Finds the voxels of each label of a label map in one pass: in each chunk, runs of equal samples become bits of their
-// label.
+// Finds the voxels of each label of a label map in one pass, and sorts the parts that the chunks have of them by label.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "extract/dense_input.hpp"
+#include "extract/detail/label_parts.hpp"
 #include "extract/detail/label_samples.hpp"
 #include "extract/detail/net_points.hpp"
 #include "extract/detail/reserved_list.hpp"
@@ -26,164 +28,6 @@ namespace isoextract::extract {
 namespace {
 
 constexpr std::size_t kChunksATask = 256;
-
-// Returns whether a sample is NaN; it then has no label.
-template <class T>
-bool is_no_number(T sample) {
-  if constexpr (field::is_floating_sample<T>) {
-    return std::isnan(static_cast<double>(sample));
-  } else {
-    return false;
-  }
-}
-
-// The voxels of one label in a chunk.
-struct LabelPart {
-  std::int64_t label = 0;
-  glm::ivec3 origin{0};
-  bool full = false;
-  ChunkBits bits{};
-};
-
-// The samples of a chunk as rows of 64, valid from `begin` to `end` - 1; rows beyond the region are null.
-template <class T>
-struct SampleRows {
-  std::array<const T*, 64> rows{};
-  int begin = 0;
-  int end = 64;
-};
-
-// The labels to look for.
-class LabelFilter {
- public:
-  // `around`: the background label of a sparse field.
-  LabelFilter(const LabelChoice& choice, bool net, std::optional<std::int64_t> around)
-      : values_(choice.all ? std::vector<std::int64_t>() : choice.values), all_(choice.all || net), around_(around) {}
-
-  [[nodiscard]] bool operator()(std::int64_t label) const {
-    return (all_ && label != 0 && label != around_) || std::ranges::find(values_, label) != values_.end();
-  }
-
- private:
-  std::vector<std::int64_t> values_;  // the chosen labels; if all_, labels to add even if 0 or background
-  bool all_;                          // a net needs all labels, whichever are chosen
-  std::optional<std::int64_t> around_;
-};
-
-// Collects the labels of one chunk after the other, up to the first sample that is not a label.
-class ChunkLabels {
- public:
-  ChunkLabels(const LabelFilter& filter, NanPolicy nan) : filter_(filter), nan_(nan) {}
-
-  [[nodiscard]] const std::optional<NonLabelSample>& wrong() const { return wrong_; }
-  // Returns the number of NaN samples treated as outside.
-  [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
-
-  template <class T>
-  void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedList<LabelPart>& found) {
-    parts_.clear();
-    for (std::size_t r = 0; r < samples.rows.size(); ++r) {
-      const T* row = samples.rows[r];
-      if (row == nullptr) continue;
-      for (int x = samples.begin; x < samples.end;) {
-        const T label = row[x];
-        if (nan_ == NanPolicy::outside && is_no_number(label)) {
-          ++nan_samples_;
-          ++x;
-          continue;
-        }
-        if (!is_label(label)) {
-          const auto place = static_cast<int>(r);
-          wrong_ = {static_cast<double>(label), origin + glm::ivec3(x, place & 7, place >> 3)};
-          return;
-        }
-        int end = x + 1;
-        while (end < samples.end && row[end] == label) ++end;
-        if (ChunkBits* bits = bits_of(static_cast<std::int64_t>(label))) {
-          (*bits)[r] |= kAllBits >> (64 - (end - x)) << x;
-        }
-        x = end;
-      }
-    }
-    for (LabelPart& part : parts_) {
-      part.origin = origin;
-      part.full = part.bits == full_chunk();
-      found.add(part);
-    }
-  }
-
- private:
-  // Returns null for labels that are not looked for.
-  ChunkBits* bits_of(std::int64_t label) {
-    // Usually the label of the previous run or row.
-    for (std::size_t p = parts_.size(); p-- > 0;) {
-      if (parts_[p].label == label) return &parts_[p].bits;
-    }
-    if (!filter_(label)) return nullptr;
-    parts_.emplace_back().label = label;
-    return &parts_.back().bits;
-  }
-
-  const LabelFilter& filter_;
-  NanPolicy nan_;
-  std::uint64_t nan_samples_ = 0;
-  std::vector<LabelPart> parts_;
-  std::optional<NonLabelSample> wrong_;
-};
-
-// Rows of sparse samples, assembled from blocks, tiles and the background.
-template <class T>
-class SparseRows {
- public:
-  SparseRows(const field::SparseSamples& samples, const field::SparseLookup& lookup, const field::IndexBox& region)
-      : samples_(samples), lookup_(lookup), region_(region) {}
-
-  const SampleRows<T>& read(const glm::ivec3& origin) {
-    for (int place = 0; place < 8; ++place) {
-      const std::int32_t stored = lookup_.place(origin + glm::ivec3(kBlockSize * place, 0, 0));
-      const T* block =
-          stored >= 0 ? static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(stored)].values) : nullptr;
-      const T constant = block == nullptr ? field::to_sample<T>(lookup_.constant_of(stored)) : T{};
-      for (int x = 0; x < kBlockSize; ++x) {
-        for (int y = 0; y < kBlockSize; ++y) {
-          for (int z = 0; z < kBlockSize; ++z) {
-            values_[64 * chunk_row(y, z) + static_cast<std::size_t>(kBlockSize * place + x)] =
-                block == nullptr ? constant : block[x << 6 | y << 3 | z];
-          }
-        }
-      }
-    }
-    rows_.begin = std::clamp(region_.min.x - origin.x, 0, 64);
-    rows_.end = std::clamp(region_.max.x - origin.x + 1, 0, 64);
-    for (int z = 0; z < kBlockSize; ++z) {
-      for (int y = 0; y < kBlockSize; ++y) {
-        const glm::ivec3 p = origin + glm::ivec3(0, y, z);
-        const bool holds = p.y >= region_.min.y && p.y <= region_.max.y && p.z >= region_.min.z && p.z <= region_.max.z;
-        rows_.rows[chunk_row(y, z)] = holds ? values_.data() + 64 * chunk_row(y, z) : nullptr;
-      }
-    }
-    return rows_;
-  }
-
- private:
-  const field::SparseSamples& samples_;
-  const field::SparseLookup& lookup_;
-  const field::IndexBox& region_;
-  std::array<T, 64 * 64> values_;
-  SampleRows<T> rows_;
-};
-
-template <class T>
-SampleRows<T> dense_rows(const DenseView<T>& view, const glm::ivec3& origin) {
-  SampleRows<T> rows;
-  rows.end = std::min(64, view.dims.x - origin.x);
-  for (int z = 0; z < std::min(kVoxelChunk.z, view.dims.z - origin.z); ++z) {
-    for (int y = 0; y < std::min(kVoxelChunk.y, view.dims.y - origin.y); ++y) {
-      rows.rows[chunk_row(y, z)] = view.row(origin.y + y, origin.z + z) + origin.x;
-    }
-  }
-  return rows;
-}
 
 // Prints all digits of a whole number.
 std::string text_of_sample(double value) {
@@ -254,11 +98,18 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
 }  // namespace
 
 struct LabelVoxels::Found {
-  Found(std::string text, const field::IndexBox& within, const OutputPlacement& placement)
-      : what(std::move(text)), region(within), frame(placement) {}
+  Found(std::string text, const field::IndexBox& within, const OutputPlacement& placement, LabelIds table)
+      : what(std::move(text)), ids(std::move(table)), region(within), frame(placement) {}
+
+  // The parts of a label: those from `first` to the first part of the next label.
+  struct Entry {
+    FoundLabel label;
+    std::size_t first = 0;
+  };
 
   std::string what;  // starts error messages
-  std::vector<std::int64_t> labels;
+  LabelIds ids;
+  std::vector<std::int64_t> labels;  // ids, like those of FoundLabel
   Notes notes;
   std::optional<LabelFilter> filter;
   NanPolicy nan = NanPolicy::error;
@@ -267,12 +118,14 @@ struct LabelVoxels::Found {
   field::IndexBox region;
   OutputPlacement frame;
   ExtractStats stats;
-  std::optional<field::SparseLookup> lookup;
+  std::optional<field::SparseLookup> lookup;              // of sparse fields
+  const std::vector<field::SparseTile>* tiles = nullptr;  // of the field in find(); used there only
   std::vector<Reservation> memory;
   std::vector<ReservedList<LabelPart>> tasks;
-  std::vector<std::optional<NonLabelSample>> wrong;             // the first one of each task
-  std::vector<std::uint64_t> nan_samples;                       // of each task
-  std::map<std::int64_t, std::vector<const LabelPart*>> parts;  // in chunk_order()
+  std::vector<std::optional<NonLabelSample>> wrong;  // the first one of each task
+  std::vector<std::uint64_t> nan_samples;            // of each task
+  std::vector<const LabelPart*> parts;               // sorted by label, those of a label in chunk_order()
+  std::vector<Entry> entries;                        // one for each label with parts, by rising id
 
   // Fills `tasks` in parallel: calls add(labels, begin, end, list) for portions of the `count` chunks.
   template <class Add>
@@ -311,6 +164,8 @@ struct LabelVoxels::Found {
           });
     });
     stats.nan_samples = std::reduce(nan_samples.begin(), nan_samples.end());
+    // Nothing needs the samples again, but the system would keep the pages of a file among those of the process.
+    if (samples.file_backed) release_pages(samples.data, samples.count() * field::sample_size(samples.type));
   }
 
   [[nodiscard]] Result<void> find_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
@@ -319,6 +174,7 @@ struct LabelVoxels::Found {
     auto held = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), what));
     memory.push_back(std::move(held));
     lookup.emplace(samples, std::move(nodes));
+    tiles = &samples.tiles;
     Reservation list_memory;
     const auto origins = TRY(sparse_chunks(field, samples, region, false,
                                            std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory));
@@ -334,7 +190,17 @@ struct LabelVoxels::Found {
     return {};
   }
 
-  // Groups the parts by label, in chunk_order(), and sets `labels` to the chosen or the found labels.
+  // Returns the parts of a label.
+  [[nodiscard]] std::span<const LabelPart* const> parts_of(const Entry& entry) const {
+    return std::span(parts).subspan(entry.first, entry.label.chunks);
+  }
+  // Returns null if no sample has the label.
+  [[nodiscard]] const Entry* entry_of(std::int64_t id) const {
+    const auto found = std::ranges::lower_bound(entries, id, {}, [](const Entry& entry) { return entry.label.label; });
+    return found != entries.end() && found->label.label == id ? &*found : nullptr;
+  }
+
+  // Sorts the parts by label, in chunk_order(), and sets `labels` to the chosen or the found labels.
   [[nodiscard]] Result<void> collect(const field::ScalarField& field, const LabelChoice& choice,
                                      const Context& context) {
     TRY(context.check());
@@ -350,15 +216,74 @@ struct LabelVoxels::Found {
     }
     auto held = TRY(context.reserve(count * 2 * sizeof(std::uintptr_t), what));
     memory.push_back(std::move(held));
+    parts.reserve(count);
     for (const ReservedList<LabelPart>& task : tasks) {
-      for (const LabelPart& part : task.values()) parts[part.label].push_back(&part);
+      for (const LabelPart& part : task.values()) parts.push_back(&part);
     }
+    std::ranges::stable_sort(parts, {}, &LabelPart::label);
+    make_entries();
+    TRY(context.check());
     labels = choice.values;
     if (choice.all) {
       labels.clear();
-      for (const auto& [label, unused] : parts) labels.push_back(label);
+      for (const Entry& entry : entries) labels.push_back(entry.label.label);
     }
     return {};
+  }
+
+  // Adds one entry for each label of the sorted parts.
+  void make_entries() {
+    std::size_t last = 0;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (p == 0 || parts[p]->label != parts[last]->label) {
+        entries.push_back({{ids.id_of(parts[p]->label), 0, {}, 0}, p});
+        last = p;
+      }
+      ++entries.back().label.chunks;
+    }
+    for_each_index(entries.size(), [&](std::size_t e) { measure(entries[e]); });
+    if (lookup) add_large_tiles();
+    std::ranges::sort(entries, {}, [](const Entry& entry) { return entry.label.label; });
+  }
+
+  // Counts the voxels of the parts. Leaves out those in large tiles, most of whose chunks are not listed.
+  void measure(Entry& entry) const {
+    for (const LabelPart* part : parts_of(entry)) {
+      if (lookup && large_tile_at(part->origin) != nullptr) continue;
+      const auto corner = [&](const std::array<std::uint8_t, 3>& at) {
+        return base + part->origin + glm::ivec3(at[0], at[1], at[2]);
+      };
+      add(entry.label, part->voxels, {corner(part->least), corner(part->greatest)});
+    }
+  }
+
+  static void add(FoundLabel& label, std::uint64_t voxels, const field::IndexBox& box) {
+    label.bounds = label.voxels == 0
+                       ? box
+                       : field::IndexBox{glm::min(label.bounds.min, box.min), glm::max(label.bounds.max, box.max)};
+    label.voxels += voxels;
+  }
+
+  // Returns the tile that contains the whole chunk, or null.
+  [[nodiscard]] const field::SparseTile* large_tile_at(const glm::ivec3& origin) const {
+    const std::int32_t place = lookup->place(origin);
+    if (place >= field::SparseLookup::kBackground) return nullptr;
+    const field::SparseTile& tile = (*tiles)[field::SparseLookup::tile_of(place)];
+    return tile.size >= kVoxelChunk.x ? &tile : nullptr;
+  }
+
+  void add_large_tiles() {
+    std::map<std::int64_t, Entry*> by_label;
+    for (Entry& entry : entries) by_label[entry.label.label] = &entry;
+    for (const field::SparseTile& tile : *tiles) {
+      if (tile.size < kVoxelChunk.x || std::isnan(tile.value)) continue;
+      const auto entry = by_label.find(static_cast<std::int64_t>(tile.value));
+      const field::IndexBox within{glm::max(tile.origin, region.min),
+                                   glm::min(tile.origin + tile.size - 1, region.max)};
+      if (entry == by_label.end() || within.empty()) continue;
+      const glm::u64vec3 dims(within.dims());
+      add(entry->second->label, dims.x * dims.y * dims.z, within);
+    }
   }
 
   // Returns the label of a chunk that lies within one large tile; nullopt if it has none.
@@ -379,7 +304,7 @@ struct LabelVoxels::Found {
     chunks.reserve(count);
     for (const ReservedList<LabelPart>& task : tasks) {
       for (const LabelPart& part : task.values()) {
-        chunks.push_back({part.label, part.origin, part.full ? &full_chunk() : &part.bits});
+        chunks.push_back({part.label, part.origin, part.full() ? &full_chunk() : &part.bits});
       }
     }
     LabelChunks::Unlisted unlisted;
@@ -410,9 +335,10 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
     region = reach.region;
   }
   const OutputPlacement frame = voxel_placement(field, options, stored, options.region ? region : stored);
-  auto found = std::make_shared<Found>(field.source + ": the voxels with labels", region, frame);
+  auto found =
+      std::make_shared<Found>(field.source + ": the voxels with labels", region, frame, LabelIds(field.label_ids));
   const bool nets = options.method == Method::surface_nets;
-  found->filter.emplace(choice, nets, label_around(sparse));
+  found->filter.emplace(choice, nets, label_around(sparse), found->ids);
   found->nan = options.nan;
   if (dense != nullptr) {
     found->find_dense(*dense, context);
@@ -439,25 +365,33 @@ const std::vector<std::int64_t>& LabelVoxels::labels() const { return found_->la
 
 const Notes& LabelVoxels::notes() const { return found_->notes; }
 
+const FoundLabel* LabelVoxels::find(std::int64_t label) const {
+  const Found::Entry* entry = found_->entry_of(label);
+  return entry != nullptr ? &entry->label : nullptr;
+}
+
 Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::int64_t label,
                                         const ExtractOptions& options, const Context& context) const {
-  const auto entry = found_->parts.find(label);
-  if (entry == found_->parts.end()) return Extraction{{}, found_->stats};
-  auto memory = TRY(context.reserve(VoxelChunks::bytes(entry->second.size()), found_->what));
-  std::vector<VoxelChunk> chunks;
-  chunks.reserve(entry->second.size());
-  for (const LabelPart* part : entry->second) {
-    chunks.push_back({part->origin, part->full ? &full_chunk() : &part->bits});
+  const Found::Entry* entry = found_->entry_of(label);
+  ExtractStats stats = found_->stats;
+  stats.bricks_visited = entry != nullptr ? entry->label.chunks : 0;
+  // All labels were found in one pass: only the first reports its time and its samples.
+  if (found_->labels.empty() || label != found_->labels.front()) {
+    stats.classify = {};
+    stats.samples_classified = 0;
+    stats.nan_samples = 0;
   }
+  if (entry == nullptr) return Extraction{{}, stats};
+  const std::span<const LabelPart* const> parts = found_->parts_of(*entry);
+  auto memory = TRY(context.reserve(VoxelChunks::bytes(parts.size()), found_->what));
+  std::vector<VoxelChunk> chunks;
+  chunks.reserve(parts.size());
+  for (const LabelPart* part : parts) chunks.push_back({part->origin, part->full() ? &full_chunk() : &part->bits});
   VoxelChunks::Unlisted unlisted;
   if (found_->lookup) {
     unlisted = [this, label](const glm::ivec3& origin) { return found_->label_of_tile(origin) == label; };
   }
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(memory));
-  ExtractStats stats = found_->stats;
-  if (label != found_->labels.front())
-    stats.classify = {};  // all labels were found in one pass: only the first
-                          // reports its time
   return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,
                      found_->net ? &*found_->net : nullptr);
 }

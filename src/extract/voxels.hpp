@@ -22,13 +22,23 @@ namespace isoextract::extract {
 
 // The labels to extract from a label map.
 struct LabelChoice {
-  bool all = false;                  // all labels except 0 and the background of a sparse field
+  bool all = false;                  // all labels except `background` and the background of a sparse field
   std::vector<std::int64_t> values;  // if not all: the labels, without duplicates
+  std::int64_t background = 0;       // no label, unless `values` has it
 
   friend bool operator==(const LabelChoice&, const LabelChoice&) = default;
 };
 
-// The voxels of each label of a label map, found in one pass over the samples.
+// A label that samples have.
+struct FoundLabel {
+  std::int64_t label = 0;
+  std::uint64_t voxels = 0;  // in the region
+  field::IndexBox bounds;    // of these samples
+  std::uint64_t chunks = 0;  // of 64x8x8 voxels that the work on the label visits; it grows with them alone
+};
+
+// The voxels of each label of a label map, found in one pass over the samples. A label is the integer that the samples
+// hold, or field::ScalarField::label_ids for them.
 class LabelVoxels {
  public:
   // Finds the voxels of the chosen labels in options.region; options.iso must be finite, but has no effect. For surface
@@ -45,6 +55,10 @@ class LabelVoxels {
 
   // Returns the chosen labels in the given order, found or not; for LabelChoice::all, the found labels in rising order.
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
+
+  // Returns the label if samples have it, else null. With surface nets also labels that were not chosen; never the
+  // background, unless it was chosen.
+  [[nodiscard]] const FoundLabel* find(std::int64_t label) const;
 
   // Returns sentences about the samples to show to the user.
   [[nodiscard]] const Notes& notes() const;

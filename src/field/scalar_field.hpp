@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +47,10 @@ struct LabelName {
   friend bool operator==(const LabelName&, const LabelName&) = default;
 };
 
+// The distinct ids of a label map, which its samples index: 0, then the others in ascending order. Null: the samples
+// are the ids. 64-bit ids are not stored as double, which cannot hold all of them.
+using LabelIdTable = std::shared_ptr<const std::vector<std::int64_t>>;
+
 // Chunks, slices or files of which a reader needed only some.
 struct PartsRead {
   std::uint64_t read = 0;
@@ -70,6 +75,7 @@ struct ScalarField {
                           // unless the field was resampled or coarsened
   Samples samples;
   std::vector<LabelName> labels;  // of a label map whose file names them, of all layers, in ascending order of label
+  LabelIdTable label_ids;         // if set, the samples are u32 indices (ReadOptions::label_ids)
   std::optional<double> time;     // of the volume, in units of time_unit; if the file states it
   std::string time_unit;          // "s", "days since 1950-01-01"; may be empty
   PartsRead parts;

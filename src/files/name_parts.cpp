@@ -178,4 +178,22 @@ std::string escaped_name(std::string_view text) {
   return escaped;
 }
 
+std::string safe_file_name(std::string_view text) {
+  constexpr std::string_view kUnsafe = "/\\:*?\"<>|";
+  std::string safe;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[at]);
+    const std::size_t bytes = lead < 0xc0 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+    const std::string_view character = text.substr(at, bytes);
+    const bool fits = kUnsafe.find(text[at]) == std::string_view::npos && printable(character) == character;
+    safe += fits ? character : "_";
+    at += fits ? character.size() : 1;  // replaces every byte of an invalid character
+  }
+  for (char& c : safe) {
+    if (c != '.') break;
+    c = '_';
+  }
+  return safe;
+}
+
 }  // namespace isoextract::files

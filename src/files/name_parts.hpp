@@ -24,4 +24,9 @@ struct NamePart {
 // Escapes text so that name_parts() returns it as text.
 [[nodiscard]] std::string escaped_name(std::string_view text);
 
+// Makes a text from a file safe as part of one file name, visible and valid on other systems, too. Replaces these by _:
+// slashes, backslashes, any of : * ? " < > |, control characters, invalid UTF-8, characters that change the writing
+// direction, and leading dots.
+[[nodiscard]] std::string safe_file_name(std::string_view text);
+
 }  // namespace isoextract::files

@@ -82,6 +82,7 @@ struct ReadOptions {
   std::optional<glm::dvec3> sampling;        // spacing of the samples of data that do not lie on a lattice
   bool evens_out = false;                    // resample unevenly spaced samples, otherwise an error
   bool flat = false;                         // accept arrays [y, x], as volumes of one slice
+  bool label_ids = false;                    // 64-bit integers are ids of labels: kept exactly (ScalarField::label_ids)
   std::optional<field::Box> region;          // samples beyond it need not be read; in world coordinates
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;

@@ -132,7 +132,7 @@ class VoxelsTest(ProgramTest):
     def test_what_is_refused(self):
         self.assertIn("--labels does not work with marching cubes", self.refused("labels.raw", "--labels", "all", "--method", "mc"))
         self.assertIn("--labels and --iso exclude each other", self.refused(*self.labels, "--labels", "1", "--iso", "0"))
-        self.assertIn("expected all, or whole numbers", self.refused(*self.labels, "--labels", "1,x"))
+        self.assertIn("expected all, or numbers, ranges and names", self.refused(*self.labels, "--labels", "1,,5"))
         self.assertIn("each label once", self.refused(*self.labels, "--labels", "1,1"))
         self.assertIn("whole numbers from -16777216 to 16777216 (sample type f32), found ",
                       self.refused(SPHERE, *VOXELS, "--labels", "all", code=2))
@@ -143,7 +143,7 @@ class VoxelsTest(ProgramTest):
             self.assertIn(f"{option} does not work with marching cubes", self.refused(SPHERE, "--iso", "0", option))
         run = self.run_program(*self.labels, "--labels", "all", "-o", "x.stl")
         self.assert_fails(1, run, "one stl file holds one surface, but all labels can give several",
-                          "list the labels, which 'isoextract info' shows, and put {iso} into the name")
+                          "put {label} or {name} into the name to get a file for each, or write all into a glb")
         self.assertIn("one stl file holds one surface, found 2 labels", self.run_program(*self.labels, "--labels", "1,5", "-o", "x.stl").err)
 
     def test_the_gpu_does_not_have_it(self):

@@ -86,11 +86,24 @@ struct ConvertFlags : OptionSet {
       "--labels",
       "all|L,...",
       parse_labels,
-      "Labels of a label map to extract, in place of --iso. all takes every label but 0 (the default for files that "
-      "name their labels); or list them. Each becomes a mesh of its own, called label L or by its name. Samples must "
-      "be "
+      "Labels of a label map to extract, in place of --iso. all takes every label but the background (the default for "
+      "files that name their labels); or list numbers, ranges and names, !TERM for all but these: "
+      "1-40,Hippocampus*,!Skull. Each becomes a mesh of its own, called label L or by its name. Samples must be "
       "integers. With --method surface-nets (the default then) or voxels.",
       About::surface};
+  Value<std::uint64_t> labels_min_voxels{in(OptionGroup::surface),
+                                         "--labels-min-voxels",
+                                         "N",
+                                         parse_count,
+                                         "Leave out labels with fewer than N voxels. A note tells which.",
+                                         About::surface};
+  Value<std::int64_t> background{in(OptionGroup::surface),
+                                 "--background",
+                                 "L",
+                                 parse_label,
+                                 "Label without a mesh in --labels all (default: 0). The label 0 then is a label like "
+                                 "the others.",
+                                 About::surface};
   Value<std::string> label_names{only_convert(OptionGroup::surface),
                                  "--label-names",
                                  "FILE",
@@ -212,8 +225,9 @@ struct ConvertFlags : OptionSet {
       "input from stdin needs a name. - is stdout and needs --format. .vdb, .nrrd, .npy and .vti write the "
       "field itself, resampled and filtered: it needs no --iso and takes no options of surfaces. .bgeo, .vtu and .xyz "
       "write the chosen particles with their attributes. .png draws the surfaces. "
-      "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file; {piece} for the "
-      "number of a body, with --split-components. {step} stands for the time step that a file of particles states. A "
+      "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file. {label} and "
+      "{name} stand for the number and the name of a label, {piece} for the number of a body, with "
+      "--split-components. {step} stands for the time step that a file of particles states. A "
       "file gets its name when it is complete. A killed run may leave a "
       "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};
   Value<OutputFormat> format{only_convert(OptionGroup::output), "--format", output_formats(),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <unordered_set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -24,6 +25,7 @@ Result<LabelAppearance> LabelAppearance::open(const ConversionJob& job, const fi
   if (!job.label_names) {
     looks.labels_ = field.labels;
     looks.layer_ = layer;
+    looks.index();
     return looks;
   }
   const auto table = TRY(volume_io::LabelTable::read(job.label_names->path, context));
@@ -33,31 +35,43 @@ Result<LabelAppearance> LabelAppearance::open(const ConversionJob& job, const fi
   }
   looks.labels_ = table.entries();
   looks.has_table_ = true;
+  looks.index();
   return looks;
 }
 
+void LabelAppearance::index() {
+  for (std::size_t i = 0; i < labels_.size(); ++i) {
+    if (is_here(labels_[i])) by_label_.try_emplace(labels_[i].label, i);
+    ++shared_by_[labels_[i].name];
+  }
+}
+
 const field::LabelName* LabelAppearance::find(std::int64_t label) const {
-  const auto is_it = [&](const field::LabelName& entry) { return entry.label == label && is_here(entry); };
-  const auto found = std::ranges::find_if(labels_, is_it);
-  return found != labels_.end() ? &*found : nullptr;
+  const auto found = by_label_.find(label);
+  return found != by_label_.end() ? &labels_[found->second] : nullptr;
 }
 
 std::string LabelAppearance::name(const std::string& field, std::int64_t label) const {
   const field::LabelName* entry = find(label);
   if (entry == nullptr) return fmt::format("{} label {}", field, label);
-  const bool is_shared = std::ranges::count(labels_, entry->name, &field::LabelName::name) > 1;
-  return is_shared ? fmt::format("{} label {}", entry->name, label) : entry->name;
+  return shared_by_.at(entry->name) > 1 ? fmt::format("{} label {}", entry->name, label) : entry->name;
+}
+
+std::string LabelAppearance::given_name(std::int64_t label) const {
+  const field::LabelName* entry = find(label);
+  return entry != nullptr ? entry->name : std::string();
 }
 
 std::optional<Note> LabelAppearance::note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
-                                                     bool in_region) const {
+                                                     std::int64_t background, bool in_region) const {
   if (has_table_) return std::nullopt;
+  const std::unordered_set<std::int64_t> here(found.begin(), found.end());
   std::vector<std::string> missing;
   std::size_t named = 0;
   for (const field::LabelName& entry : labels_) {
-    if (entry.label == 0 || !is_here(entry)) continue;
+    if (entry.label == background || !is_here(entry)) continue;
     ++named;
-    if (std::ranges::find(found, entry.label) == found.end()) missing.push_back(printable(entry.name, kMaxName));
+    if (!here.contains(entry.label)) missing.push_back(printable(entry.name, kMaxName));
   }
   if (missing.empty()) return std::nullopt;
   constexpr std::size_t kMostTold = 10;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "base/context.hpp"
@@ -25,10 +26,13 @@ class LabelAppearance {
   // Returns the label's name, with the number if several labels share it; else the field's name and the number.
   [[nodiscard]] std::string name(const std::string& field, std::int64_t label) const;
 
+  // Returns the name that the table or the file gives the label, or an empty text.
+  [[nodiscard]] std::string given_name(std::int64_t label) const;
+
   // Returns a note about the labels with names, of this layer, that are not among those `found` in the samples: of the
-  // region if `in_region`. Returns nothing if there are none. The label 0 does not count. `source` starts the text.
+  // region if `in_region`. Returns nothing if there are none. The background does not count. `source` starts the text.
   [[nodiscard]] std::optional<Note> note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
-                                                    bool in_region) const;
+                                                    std::int64_t background, bool in_region) const;
 
   // Sets the label's color, from its names or a default: in glTF as a material, in PLY as vertex colors if the
   // labels have names. Does nothing for other formats, or if the job colors by something else. Fails with
@@ -40,7 +44,12 @@ class LabelAppearance {
   [[nodiscard]] const field::LabelName* find(std::int64_t label) const;
   [[nodiscard]] bool is_here(const field::LabelName& entry) const { return !entry.layer || entry.layer == layer_; }
 
-  std::vector<field::LabelName> labels_;  // with names, of all layers
+  // Sets the index of the names. Names of 100,000 labels are looked up once for each label.
+  void index();
+
+  std::vector<field::LabelName> labels_;                    // with names, of all layers
+  std::unordered_map<std::int64_t, std::size_t> by_label_;  // index in labels_ of the first entry of this layer
+  std::unordered_map<std::string, std::size_t> shared_by_;  // number of entries with a name, of all layers
   std::optional<std::int64_t> layer_;
   bool has_table_ = false;  // a table may name any number of labels besides those of the map
 };

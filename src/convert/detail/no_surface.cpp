@@ -32,6 +32,17 @@ Result<void> leave_out_empty(const Source& source, const ConversionJob& job, con
   return {};
 }
 
+Error no_label(const std::string& source, std::int64_t background, std::size_t labels) {
+  if (labels == 0) {
+    return {ErrorCode::no_surface,
+            fmt::format("{}: no sample has a label other than {}", source, background),
+            {Remedy::use, Setting::empty_policy}};
+  }
+  return {ErrorCode::no_surface,
+          fmt::format("{}: the choice leaves none of its {} labels", source, labels),
+          {Remedy::use, Setting::empty_policy}};
+}
+
 Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked, bool are_labels,
                  const std::optional<mesh::Bounds>& cut_away) {
   if (source.empty) return empty_source(source);

@@ -1,7 +1,10 @@
 // Errors of conversions without a surface: the reason, and a hint.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
 
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
@@ -19,6 +22,9 @@ namespace isoextract::convert {
 // empty_source() for EmptyPolicy::error.
 [[nodiscard]] Result<void> leave_out_empty(const Source& source, const ConversionJob& job, const OutputFileJob& output,
                                            const Context& context, Events& events);
+
+// Returns the error for a label map of whose `labels` labels none is left, or that has none besides the background.
+[[nodiscard]] Error no_label(const std::string& source, std::int64_t background, std::size_t labels);
 
 // Returns the error for a surface without triangles. Examines all samples, unless the source is empty, the surface is a
 // label's (`are_labels`), or clipping left nothing of it. `cut_away` then has its bounds before clipping, in output

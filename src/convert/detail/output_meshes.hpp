@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "convert/detail/label_files.hpp"
 #include "convert/mesh_collector.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/stages/mesh_facts.hpp"
@@ -20,6 +21,7 @@ namespace isoextract::convert {
 struct OutputMeshes {
   const OutputFileJob& job;
   mesh_io::MeshWriter writer;
+  LabelFileNames label_names;
   WrittenOutput written = {};
   StageTime time = {};
   std::vector<mesh::Mesh> held = {};  // for the collector or the picture, which use no writer
@@ -43,6 +45,17 @@ struct OutputMeshes {
       written.welded.nonmanifold_vertices += surface.welded->nonmanifold_vertices;
     }
     if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
+  }
+
+  // Adds what was written to the file of a label.
+  void take(OutputMeshes& own) {
+    std::ranges::move(own.written.surfaces, std::back_inserter(written.surfaces));
+    written.triangles += own.written.triangles;
+    written.vertices += own.written.vertices;
+    written.bytes += own.written.bytes;
+    written.files += own.written.files;
+    if (own.written.open_edges) written.open_edges = written.open_edges.value_or(0) + *own.written.open_edges;
+    time += own.time;
   }
 
   // Moves the held meshes to the collector, with the options to write them with.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -71,8 +72,9 @@ Result<std::vector<std::optional<std::int64_t>>> volumes_of(const SourceOptions&
   return std::vector<std::optional<std::int64_t>>(layers.begin(), layers.end());
 }
 
-std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos) {
+std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos, std::int64_t background) {
   extract::LabelChoice choice;
+  choice.background = background;
   for (const ResolvedIso& iso : isos) {
     if (!iso.asked.is_label()) return std::nullopt;
     choice.all = choice.all || !iso.id.is_label();
@@ -88,17 +90,14 @@ std::vector<ResolvedIso> surfaces_of(const field::ScalarField& field, std::span<
   const bool is_list = std::ranges::all_of(asked, [](const ResolvedIso& iso) { return iso.id.is_label(); });
   if (!layer || !is_list) return surfaces;
   std::optional<std::int64_t> first;
+  std::unordered_map<std::int64_t, bool> named_here;  // for each label with a name: whether it is in this layer
   for (const field::LabelName& label : field.labels) {
     if (label.layer) first = std::min(first.value_or(*label.layer), *label.layer);
+    named_here[label.label] |= label.layer == layer;
   }
   std::erase_if(surfaces, [&](const ResolvedIso& iso) {
-    bool is_named = false;
-    for (const field::LabelName& label : field.labels) {
-      if (label.label != iso.id.label()) continue;
-      if (label.layer == layer) return false;
-      is_named = true;
-    }
-    return is_named || first != layer;
+    const auto named = named_here.find(iso.id.label());
+    return named != named_here.end() ? !named->second : first != layer;
   });
   return surfaces;
 }

@@ -41,7 +41,8 @@ namespace isoextract::convert {
                                                                           const Context& context);
 
 // Returns the labels to extract; nothing if there is an iso value among `isos`, or no label.
-[[nodiscard]] std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos);
+[[nodiscard]] std::optional<extract::LabelChoice> chosen_labels(std::span<const ResolvedIso> isos,
+                                                                std::int64_t background);
 
 // Returns the surfaces to extract from a field, each once: the iso values in `asked`, or the chosen `labels` if not
 // null. Of a list of labels and a field that is one of several layers, only those that the file names for this layer;

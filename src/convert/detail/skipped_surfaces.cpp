@@ -1,6 +1,8 @@
 #include "convert/detail/skipped_surfaces.hpp"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,10 +13,13 @@ SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const Resol
                                  std::span<const SurfaceId> written, std::span<const LostSurface> lost,
                                  bool are_labels) {
   SkippedSurfaces skipped{label, are_labels, {}};
+  const std::set<SurfaceId> made(written.begin(), written.end());
+  std::map<SurfaceId, std::string> why;  // the first reason
+  for (const LostSurface& surface : lost) why.try_emplace(surface.id, surface.why);
   for (const ResolvedIso& iso : asked) {
-    if (std::ranges::find(written, iso.id) != written.end()) continue;
-    const auto found = std::ranges::find(lost, iso.id, &LostSurface::id);
-    skipped.reasons[found == lost.end() ? "no surface" : found->why].push_back(text_of(iso));
+    if (made.contains(iso.id)) continue;
+    const auto found = why.find(iso.id);
+    skipped.reasons[found == why.end() ? "no surface" : found->second].push_back(text_of(iso));
   }
   return skipped;
 }
@@ -29,6 +34,7 @@ std::string note_of(const SkippedSurfaces& skipped, const std::string& consequen
 
 Notes repeated_notes(const std::string& label, std::span<const ResolvedIso> asked, const std::string& path) {
   Notes notes;
+  if (std::ranges::all_of(asked, [](const ResolvedIso& iso) { return iso.asked.is_label(); })) return notes;
   for (std::size_t i = 1; i < asked.size(); ++i) {
     const auto before = asked.first(i);
     const auto same = std::ranges::find_if(before, [&](const auto& iso) { return repeats_value(iso, asked[i]); });

@@ -66,7 +66,7 @@ Result<Figures> mesh_facts(const Surface& surface, const Context& context) {
   const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   const mesh::Topology& as_read = surface.welded ? *surface.welded : topology;
   const bool closed = as_read.is_closed_oriented_manifold();
-  return Figures{{Key::iso, surface.id.figure()},
+  return Figures{{Key::iso, surface.id},
                  {Key::file, ""},
                  {Key::name, mesh.name},
                  {Key::vertices, mesh.positions.size()},

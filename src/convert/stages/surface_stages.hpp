@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 
 #include "base/context.hpp"
@@ -12,6 +11,7 @@
 #include "convert/events.hpp"
 #include "convert/source.hpp"
 #include "convert/stages.hpp"
+#include "convert/stages/vertex_colors.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/topology.hpp"
 
@@ -34,7 +34,7 @@ struct Surface {
 
 // Facts about all surfaces of the job and about the current one.
 struct SurfaceFacts {
-  std::span<const SurfaceId> all;           // all surfaces of the current grid
+  const SurfaceList& all;                   // all surfaces of the current grid
   bool may_be_open = false;                 // the current surface may have boundary edges
   bool recorded = false;                    // Surface::facts are requested
   const LabelAppearance* labels = nullptr;  // names and colors of labels, if the surfaces are labels

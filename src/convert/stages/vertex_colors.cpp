@@ -1,7 +1,8 @@
 #include "convert/stages/vertex_colors.hpp"
 
 #include <algorithm>
-#include <set>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,27 +20,29 @@ constexpr double kOutermostOpacity = 0.25;
 
 // Returns the position from the outermost (0) to the innermost surface (1); 1 for a single surface. Surfaces that have
 // the same iso value count once.
-double depth_of(const std::vector<SurfaceId>& all, const SurfaceId& id, field::FieldKind kind) {
-  const std::set<SurfaceId> surfaces(all.begin(), all.end());
-  if (surfaces.size() < 2) return 1;
-  const auto outer = std::ranges::count_if(
-      surfaces, [&](const SurfaceId& other) { return kind == field::FieldKind::density ? other < id : other > id; });
-  return static_cast<double>(outer) / static_cast<double>(surfaces.size() - 1);
+double depth_of(std::span<const SurfaceId> rising, const SurfaceId& id, field::FieldKind kind) {
+  if (rising.size() < 2) return 1;
+  const auto outer = kind == field::FieldKind::density ? std::ranges::lower_bound(rising, id) - rising.begin()
+                                                       : rising.end() - std::ranges::upper_bound(rising, id);
+  return static_cast<double>(outer) / static_cast<double>(rising.size() - 1);
 }
 
-double opacity_of(const ConversionJob& job, std::span<const SurfaceId> all, const SurfaceId& id,
-                  field::FieldKind kind) {
+double opacity_of(const ConversionJob& job, const SurfaceList& all, const SurfaceId& id, field::FieldKind kind) {
   if (job.opacity.size() == 1) return job.opacity.front();
   if (!job.opacity.empty()) {
-    const auto at = static_cast<std::size_t>(std::ranges::find(all, id) - all.begin());
+    const auto at = static_cast<std::size_t>(std::ranges::find(all.in_order, id) - all.in_order.begin());
     return job.opacity[std::min(at, job.opacity.size() - 1)];
   }
   const bool by_iso = job.color && !job.color->attribute;
   if (!by_iso) return 1;
-  std::vector<SurfaceId> around(all.begin(), all.end());  // surfaces that may enclose this one, or lie inside it
+  // The surfaces that may enclose this one, or lie inside it.
+  std::span<const SurfaceId> around = all.rising;
+  std::vector<SurfaceId> same_side;
   if (job.source.away_from_zero) {
     const bool above = kind == field::FieldKind::density;
-    std::erase_if(around, [&](const SurfaceId& other) { return other != id && !(above ? other > 0.0 : other < 0.0); });
+    std::ranges::copy_if(all.rising, std::back_inserter(same_side),
+                         [&](const SurfaceId& other) { return other == id || (above ? other > 0.0 : other < 0.0); });
+    around = same_side;
   }
   return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, id, kind);
 }
@@ -87,7 +90,12 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
 
 }  // namespace
 
-std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const SurfaceId> all, const SurfaceId& id,
+SurfaceList::SurfaceList(std::vector<SurfaceId> surfaces) : in_order(std::move(surfaces)), rising(in_order) {
+  std::ranges::sort(rising);
+  rising.erase(std::unique(rising.begin(), rising.end()), rising.end());
+}
+
+std::optional<mesh::Material> material_of(const ConversionJob& job, const SurfaceList& all, const SurfaceId& id,
                                           field::FieldKind kind, bool open) {
   const bool by_iso = job.color && !job.color->attribute;
   if (!by_iso && job.opacity.empty() && !open) return std::nullopt;
@@ -95,10 +103,10 @@ std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<co
   material.double_sided = open;
   material.opacity = opacity_of(job, all, id, kind);
   if (!by_iso) return material;
-  const auto [least, greatest] = std::ranges::minmax(all);
+  const double least = all.rising.front().rounded();
+  const double greatest = all.rising.back().rounded();
   const glm::dvec3 color = edit::color_at(
-      job.color->map,
-      edit::place_in(job.color->range.value_or(edit::ValueRange{least.figure(), greatest.figure()}), id.figure()));
+      job.color->map, edit::place_in(job.color->range.value_or(edit::ValueRange{least, greatest}), id.rounded()));
   material.color = glm::dvec3(srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z));
   return material;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <optional>
-#include <span>
+#include <vector>
 
 #include "convert/conversion_job.hpp"
 #include "field/scalar_field.hpp"
@@ -10,11 +10,20 @@
 
 namespace isoextract::convert {
 
+// All surfaces of a grid.
+struct SurfaceList {
+  SurfaceList() = default;
+  explicit SurfaceList(std::vector<SurfaceId> surfaces);
+
+  std::vector<SurfaceId> in_order;  // the job's order
+  std::vector<SurfaceId> rising;    // sorted, each once
+};
+
 // Returns the material of surface `id`, one of `all`: its color and opacity. The color comes from the iso value's place
 // in the job's range, or else between the least and greatest of `all`. `kind` tells which surfaces are outer ones,
 // which may be translucent (ConversionJob::opacity). `open` makes the material double-sided, because the inside may be
 // visible. Returns nullopt if the job sets neither and `open` is false.
-[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const SurfaceId> all,
+[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const SurfaceList& all,
                                                         const SurfaceId& id, field::FieldKind kind, bool open = false);
 
 }  // namespace isoextract::convert

@@ -225,7 +225,7 @@ Result<void> NetPoints::list_chunks(const LabelChunks& labels, const Context& co
       for (int y = 0; y < 8; ++y) {
         const std::uint64_t used = near.used(y, z);
         used_[c][chunk_row(y, z)] = used;
-        first_[c][chunk_row(y, z)] = static_cast<std::uint32_t>(std::popcount(used));
+        first_[c][chunk_row(y, z)] = static_cast<std::uint32_t>(count_bits(used));
       }
     }
   });
@@ -273,7 +273,7 @@ Result<void> NetPoints::find_middles(const LabelChunks& labels, const Context& c
 }
 
 std::size_t NetPoints::number(std::size_t chunk, std::size_t row, int bit) const {
-  return first_[chunk][row] + static_cast<std::size_t>(std::popcount(used_[chunk][row] & bits_before(bit)));
+  return first_[chunk][row] + static_cast<std::size_t>(count_bits(used_[chunk][row] & bits_before(bit)));
 }
 
 // One step of a round: reads the old positions of all points and writes the new ones.
@@ -330,7 +330,7 @@ struct NetPoints::Moves {
     if (face == 1 && bit < 63) return k + 1;
     const Row& row = rows[face];
     const int place = face == 0 ? 63 : face == 1 ? 0 : bit;
-    return row.first + static_cast<std::uint32_t>(std::popcount(*row.used & bits_before(place)));
+    return row.first + static_cast<std::uint32_t>(count_bits(*row.used & bits_before(place)));
   }
 
   void move(const glm::ivec3& corner, int bit, std::uint32_t k, const std::array<Row, kFaces>& rows) const {

@@ -178,6 +178,9 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
     if (points.special_number_[c] != kNoSpecials) points.fill_specials(voxels, c, closes);
     points.count_rows(c);
   });
+  points.has_middles_ = std::ranges::any_of(points.specials_.span(), [](const Specials& chunk) {
+    return std::ranges::any_of(chunk.middles, [](const ChunkBits& bits) { return bits != empty_chunk(); });
+  });
   // Turns counts into first numbers.
   for (RowBases& rows : points.first_) {
     for (std::uint32_t& first : rows) {
@@ -258,12 +261,12 @@ void SurfacePoints::fill_specials(const VoxelChunks& voxels, std::size_t chunk, 
 
 // Returns the number of vertices of a row at corners with bits in `below`.
 std::uint32_t SurfacePoints::vertices_below(std::size_t chunk, std::size_t row, std::uint64_t below) const {
-  int count = std::popcount(used_[chunk][row] & below);
+  int count = count_bits(used_[chunk][row] & below);
   if (special_number_[chunk] != kNoSpecials) {
     const Specials& specials = specials_[static_cast<std::size_t>(special_number_[chunk])];
-    count += std::popcount(specials.more_fans[0][row] & below) + 2 * std::popcount(specials.more_fans[1][row] & below);
-    for (const ChunkBits& middles : specials.middles) count += 2 * std::popcount(middles[row] & below);
-    for (const ChunkBits& middles : specials.single_middles) count -= std::popcount(middles[row] & below);
+    count += count_bits(specials.more_fans[0][row] & below) + 2 * count_bits(specials.more_fans[1][row] & below);
+    for (const ChunkBits& middles : specials.middles) count += 2 * count_bits(middles[row] & below);
+    for (const ChunkBits& middles : specials.single_middles) count -= count_bits(middles[row] & below);
   }
   return static_cast<std::uint32_t>(count);
 }

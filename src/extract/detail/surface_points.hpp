@@ -41,6 +41,8 @@ class SurfacePoints {
                                                   const std::string& what);
 
   [[nodiscard]] std::uint64_t vertices() const { return vertices_; }
+  // Returns whether an edge has vertices in its middle.
+  [[nodiscard]] bool has_middles() const { return has_middles_; }
 
   // Writes the vertex positions in parallel; `base` is the sample index of voxel 0.
   void write_positions(const OutputPlacement& placement, const glm::ivec3& base, mesh::Mesh& mesh) const;
@@ -114,6 +116,7 @@ class SurfacePoints {
   Buffer<Specials> specials_;
   std::vector<Reservation> memory_;
   std::uint64_t vertices_ = 0;
+  bool has_middles_ = false;
 };
 
 }  // namespace isoextract::extract

@@ -240,12 +240,14 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   auto layers = TRY(list_face_rectangles(voxels, faces, context, what));
   auto points = TRY(SurfacePoints::make(voxels, layers, closes, net, context, what));
 
+  // The sides of single faces have no vertices except those in their middles.
+  const bool has_side_vertices = closes && (faces != VoxelFaces::plain || points.has_middles());
   std::vector<Portion> portions = portions_of(layers);
   const auto each = [&](const auto& f) {
-    for_each_portion(portions, points, closes, placement.mirrored(), context, f);
+    for_each_portion(portions, points, has_side_vertices, placement.mirrored(), context, f);
   };
   MeshSizes sizes{points.vertices(), 0};
-  if (closes) {
+  if (has_side_vertices) {
     each([](Portion& portion, OutlinePolygon& polygon) {
       for (const FaceRectangle& rectangle : portion.rectangles) {
         polygon.look_up(rectangle);

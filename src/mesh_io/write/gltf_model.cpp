@@ -167,8 +167,9 @@ int GltfModel::material(const GltfPart& part) {
   const bool vertex_colors = part.has_colors();
   const std::optional<mesh::Material>& look = part.mesh->material;
   const std::string name = in_frame_ ? std::string() : as_utf8(part.mesh->name);
-  for (const MaterialEntry& made : materials_) {
-    if (made.vertex_colors == vertex_colors && made.look == look && made.name == name) return made.number;
+  std::vector<MaterialEntry>& of_name = materials_[name];
+  for (const MaterialEntry& made : of_name) {
+    if (made.vertex_colors == vertex_colors && made.look == look) return made.number;
   }
   constexpr double kLightGray = 0.8;
   const mesh::Material own = look.value_or(mesh::Material());
@@ -181,8 +182,8 @@ int GltfModel::material(const GltfPart& part) {
   material.doubleSided = own.double_sided;
   material.name = name;
   model_.materials.push_back(std::move(material));
-  materials_.push_back({vertex_colors, look, name, last_number(taken_.materials, model_.materials)});
-  return materials_.back().number;
+  of_name.push_back({vertex_colors, look, last_number(taken_.materials, model_.materials)});
+  return of_name.back().number;
 }
 
 int GltfModel::view(std::uint64_t bytes, int target, std::size_t stride) {

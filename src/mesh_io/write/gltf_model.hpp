@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include <tiny_gltf.h>
@@ -85,10 +86,10 @@ class GltfModel {
   struct MaterialEntry {
     bool vertex_colors;
     std::optional<mesh::Material> look;
-    std::string name;  // the mesh's name, so that each grid and iso value has its own material to edit
     int number;
   };
-  std::vector<MaterialEntry> materials_;
+  // By the mesh's name, so that each grid, iso value and label has its own material to edit.
+  std::unordered_map<std::string, std::vector<MaterialEntry>> materials_;
   bool has_split_ = false;
   std::string placement_;
   bool in_frame_ = false;  // frames of a sequence share materials, whatever the names of their meshes

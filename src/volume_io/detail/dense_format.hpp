@@ -20,6 +20,7 @@
 namespace isoextract::volume_io {
 
 // 64-bit integers are converted to double, which is exact up to 2^53 and for some beyond; inexact ones are an error.
+// With ReadOptions::label_ids they become indices into a table of ids instead (label_ids.hpp).
 enum class Integer64 { none, i64, u64 };
 
 // One or several dense volumes of equal size with a validated header; samples are not validated.

@@ -13,6 +13,7 @@
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "volume_io/detail/grid_choice.hpp"
+#include "volume_io/detail/label_ids.hpp"
 
 namespace isoextract::volume_io {
 namespace {
@@ -91,6 +92,31 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
   const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
       ReservedBuffer<std::byte>{std::move(read.data), std::move(memory)});
   return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
+}
+
+// Reads or maps 64-bit ids, and keeps only their indices and `ids`, the table of them.
+Result<field::DenseSamples> load_ids(const files::InputFile& file, const DenseFile& dense, const SampleSource& source,
+                                     field::LabelIdTable& ids) {
+  const Context& context = file.context();
+  IndexedIds indexed;
+  const auto mapped = dense.x_slowest ? std::nullopt : map_samples(source, context);
+  if (mapped) {
+    const auto* bytes = static_cast<const std::byte*>(mapped->data());
+    indexed = TRY(index_ids({bytes, source.bytes}, dense.wide, dense.dims, file.name(), context));
+    if (mapped->lost()) {
+      return fail(ErrorCode::input, file.name() + ": the file became shorter, or reading it failed, during the run");
+    }
+  } else {
+    const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
+    const auto memory =
+        TRY(context.reserve(needed, fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type))));
+    const auto read =
+        TRY(dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context));
+    indexed = TRY(index_ids(read.data.span(), dense.wide, dense.dims, file.name(), context));
+  }
+  ids = std::move(indexed.ids);
+  const void* data = indexed.samples->values.data();
+  return field::DenseSamples{field::SampleType::u32, dense.dims, std::move(indexed.samples), data, false};
 }
 
 // Returns all samples.
@@ -212,7 +238,13 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
     const bool last = volume + 1 == dense.volumes && component + 1 == dense.components;
     return load_samples(file, dense, one, last, options.no_data, dense.notes);
   };
-  auto samples = TRY(chosen                     ? load(*chosen)
+  field::LabelIdTable ids;
+  const auto load_chosen = [&](std::uint64_t component) -> Result<field::DenseSamples> {
+    const bool are_ids = options.label_ids && dense.wide != Integer64::none && !options.no_data;
+    if (!are_ids) return load(component);
+    return load_ids(file, dense, TRY(part_of(source, dense, volume, component)), ids);
+  };
+  auto samples = TRY(chosen                     ? load_chosen(*chosen)
                      : needs_double(dense.type) ? read_lengths<double>(file, dense, load)
                                                 : read_lengths<float>(file, dense, load));
 
@@ -226,6 +258,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   field.notes = std::move(dense.notes);
   field.samples = std::move(samples);
   field.labels = std::move(dense.labels);
+  field.label_ids = std::move(ids);
   TRY(set_placement(field, dense.frame, options));
   return field;
 }

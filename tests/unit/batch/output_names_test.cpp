@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "batch/output_template.hpp"
+#include "files/name_parts.hpp"
 #include "support/hints.hpp"
 #include "support/temp_folder.hpp"
 
@@ -39,8 +40,9 @@ TEST(OutputTemplate, ExpandsWordsAndNumbers) {
 }
 
 TEST(OutputTemplate, RefusesUnknownWords) {
-  EXPECT_EQ(expanded_name("{name}.glb", {}),
-            "{name}.glb: expected {stem}, {frame}, {frame:04}, {step}, {grid}, {iso} or {piece}, found '{name}'");
+  EXPECT_EQ(expanded_name("{names}.glb", {}),
+            "{names}.glb: expected {stem}, {frame}, {frame:04}, {step}, {grid}, {iso}, {label}, {name} or {piece}, "
+            "found '{names}'");
   for (const char* name : {"{Stem}.glb", "{iso:.2f}.glb", "{stem:04}", "{step:x}", "{ iso}", "{frame:x}", "{frame:040}",
                            "{:040}", "{1}"}) {
     const auto parsed = OutputTemplate::parse(name);
@@ -59,23 +61,23 @@ TEST(OutputTemplate, KnowsItsWords) {
 }
 
 TEST(SafeInFileNames, ReturnsOneVisibleName) {
-  EXPECT_EQ(safe_file_name("density"), "density");
-  EXPECT_EQ(safe_file_name("Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0"),
+  EXPECT_EQ(files::safe_file_name("density"), "density");
+  EXPECT_EQ(files::safe_file_name("Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0"),
             "Dichte \xc3\xa4\xe2\x82\xac\xf0\x9f\x92\xa7 v1.0");
-  EXPECT_EQ(safe_file_name("../../etc/passwd"), "___.._etc_passwd");
-  EXPECT_EQ(safe_file_name(".."), "__");
-  EXPECT_EQ(safe_file_name(".hidden"), "_hidden");
-  EXPECT_EQ(safe_file_name("a\\b:c*d?e\"f<g>h|i"), "a_b_c_d_e_f_g_h_i");
-  EXPECT_EQ(safe_file_name("a\nb\x1b[2J\x7f"), "a_b_[2J_");
-  EXPECT_EQ(safe_file_name(std::string("a\0b", 3)), "a_b");
-  EXPECT_EQ(safe_file_name("\xe9t\xe9"), "_t_");  // Latin-1, no valid UTF-8
-  EXPECT_EQ(safe_file_name("x\xe2\x80\xae"
-                           "y"),
+  EXPECT_EQ(files::safe_file_name("../../etc/passwd"), "___.._etc_passwd");
+  EXPECT_EQ(files::safe_file_name(".."), "__");
+  EXPECT_EQ(files::safe_file_name(".hidden"), "_hidden");
+  EXPECT_EQ(files::safe_file_name("a\\b:c*d?e\"f<g>h|i"), "a_b_c_d_e_f_g_h_i");
+  EXPECT_EQ(files::safe_file_name("a\nb\x1b[2J\x7f"), "a_b_[2J_");
+  EXPECT_EQ(files::safe_file_name(std::string("a\0b", 3)), "a_b");
+  EXPECT_EQ(files::safe_file_name("\xe9t\xe9"), "_t_");  // Latin-1, no valid UTF-8
+  EXPECT_EQ(files::safe_file_name("x\xe2\x80\xae"
+                                  "y"),
             "x___y");  // changes the writing direction
-  EXPECT_EQ(safe_file_name("a\xc3"), "a_");
-  EXPECT_EQ(safe_file_name("\xc3/b"), "__b");
-  EXPECT_EQ(safe_file_name("\xf0\x9f/\x80"), "____");
-  EXPECT_EQ(safe_file_name("\x80\x80/"), "___");
+  EXPECT_EQ(files::safe_file_name("a\xc3"), "a_");
+  EXPECT_EQ(files::safe_file_name("\xc3/b"), "__b");
+  EXPECT_EQ(files::safe_file_name("\xf0\x9f/\x80"), "____");
+  EXPECT_EQ(files::safe_file_name("\x80\x80/"), "___");
 }
 
 TEST(StemOf, RemovesFolderAndExtension) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "convert/conversion.hpp"
 #include "field/statistics.hpp"
@@ -56,7 +57,12 @@ TEST(SurfaceId, HoldsIsoValueOrLabel) {
   EXPECT_NE(iso, label);
   EXPECT_EQ(iso.name(), "iso 5");
   EXPECT_EQ(label.name(), "label 5");
-  EXPECT_EQ(iso.figure(), label.figure());
+  EXPECT_EQ(label.iso_or_zero(), 0);
+  // Labels stay integers in JSON, also those that a double cannot represent.
+  const SurfaceId large = Label{9007199254740993};
+  EXPECT_EQ(json_of(large).dump(), "9007199254740993");
+  EXPECT_EQ(surface_id_of(json_of(large)), large);
+  EXPECT_EQ(surface_id_of(json_of(iso)), iso);
   EXPECT_THROW(static_cast<void>(iso.label()), std::bad_variant_access);
   EXPECT_THROW(static_cast<void>(label.iso()), std::bad_variant_access);
   // A double cannot represent this number.

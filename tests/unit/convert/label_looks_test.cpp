@@ -41,9 +41,10 @@ TEST(LabelAppearance, TakesTheNamesOfTheFileForItsLayer) {
   EXPECT_EQ(first->name("seg", 2), "bone");
   EXPECT_EQ(second->name("seg", 1), "tumor");
   EXPECT_EQ(second->name("seg", 2), "seg label 2");
-  EXPECT_EQ(first->note_of_missing("s", {1, 2}, false), std::nullopt);
-  EXPECT_EQ(first->note_of_missing("s", {1}, true)->text,
+  EXPECT_EQ(first->note_of_missing("s", {1, 2}, 0, false), std::nullopt);
+  EXPECT_EQ(first->note_of_missing("s", {1}, 0, true)->text,
             "s: no mesh for 1 of the 2 labels that the file names (bone): no sample in the region has them");
+  EXPECT_EQ(first->note_of_missing("s", {1}, 2, false), std::nullopt);  // the background has no mesh
   mesh::Mesh mesh;
   ASSERT_TRUE(first->color({}, 1, mesh, Context()));
   EXPECT_EQ(mesh.material->color, glm::dvec3(1, 0, 0));

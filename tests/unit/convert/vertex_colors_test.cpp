@@ -14,7 +14,7 @@ namespace {
 
 TEST(Materials, MakeOuterSurfacesTranslucent) {
   ConversionJob job;
-  std::vector<SurfaceId> isos{1, 3, 2};
+  SurfaceList isos({1, 3, 2});
   EXPECT_FALSE(material_of(job, isos, 1, field::FieldKind::density));
   job.color = ColorChoice{{}, edit::Colormap::gray, {}};
   const auto opacity = [&](double iso, field::FieldKind kind) { return material_of(job, isos, iso, kind)->opacity; };
@@ -31,14 +31,14 @@ TEST(Materials, MakeOuterSurfacesTranslucent) {
   const auto plain = material_of(job, isos, 1, field::FieldKind::density);
   ASSERT_TRUE(plain);
   EXPECT_EQ(*plain, (mesh::Material{{}, 0.5}));
-  isos = {1, 3, 2, 3};  // a found value may equal a given one; both have one surface
+  isos = SurfaceList({1, 3, 2, 3});  // a found value may equal a given one; both have one surface
   job.opacity = {0.1, 0.2, 0.3, 0.4};
   EXPECT_EQ(opacity(3, field::FieldKind::density), 0.2);
   job.opacity.clear();
   job.color = ColorChoice{{}, edit::Colormap::gray, {}};
   EXPECT_EQ(opacity(2, field::FieldKind::density), 0.625);
   EXPECT_EQ(opacity(3, field::FieldKind::density), 1);
-  isos = {1};
+  isos = SurfaceList({1});
   job.color = ColorChoice{{}, edit::Colormap::gray, {}};
   EXPECT_EQ(opacity(1, field::FieldKind::density), 1);
 }

@@ -3,7 +3,9 @@
 #include <tbb/global_control.h>
 
 #include <map>
+#include <memory>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include "extract/voxels.hpp"
@@ -289,6 +291,29 @@ TEST(LabelNets, SparseEqualsDense) {
   }
 }
 
+// A tile's voxels count although most of its chunks are stored nowhere.
+TEST(LabelNets, CountsVoxelsOfTiles) {
+  field::SparseSamples samples;
+  samples.type = field::SampleType::u16;
+  samples.tiles = {{{0, 0, 0}, 256, 3}, {{256, 0, 0}, 8, 3}, {{256, 8, 0}, 8, 4}};
+  samples.active_box = {{0, 0, 0}, {263, 255, 255}};
+  field::ScalarField field;
+  field.source = "tiles";
+  field.samples = samples;
+  ExtractOptions options = net_options(0);
+  const auto all = LabelVoxels::find(field, options, {true, {}}, Context());
+  ASSERT_TRUE(all) << all.error().message;
+  ASSERT_EQ(all->labels(), (std::vector<std::int64_t>{3, 4}));
+  EXPECT_EQ(all->find(3)->voxels, 256U * 256 * 256 + 512);
+  EXPECT_EQ(all->find(3)->bounds, (field::IndexBox{{0, 0, 0}, {263, 255, 255}}));
+  EXPECT_EQ(all->find(4)->voxels, 512U);
+  options.region = field::IndexBox{{10, 20, 30}, {259, 12 + 20, 31}};
+  const auto part = LabelVoxels::find(field, options, {true, {}}, Context());
+  ASSERT_TRUE(part) << part.error().message;
+  EXPECT_EQ(part->find(3)->voxels, 246U * 13 * 2);
+  EXPECT_EQ(part->find(3)->bounds, (field::IndexBox{{10, 20, 30}, {255, 32, 31}}));
+}
+
 TEST(LabelNets, ReadsEveryIntegerType) {
   const auto label = [](int x, int y, int z) { return (x + y) / 4 + (z > 3 ? 2 : 0); };
   const auto expected = nets_of(test::dense_field<std::uint8_t>({9, 9, 9}, label));
@@ -347,6 +372,95 @@ TEST(LabelNets, ReservesMemoryAndStopsWhenCancelled) {
   EXPECT_EQ(enough.memory().reserved(), 0U);
   enough.cancel();
   EXPECT_EQ(LabelVoxels::find(field, net_options(), {true, {}}, enough).error().code, ErrorCode::cancelled);
+}
+
+// Label of blocks of `side` voxels along each axis, counted from 1.
+int block_label(int side, int blocks, int x, int y, int z) {
+  return 1 + x / side + blocks * (y / side + blocks * (z / side));
+}
+
+std::uint64_t work_on(int blocks) {
+  constexpr int kSide = 8;
+  const field::ScalarField field = test::dense_field<std::uint16_t>(
+      glm::ivec3(kSide * blocks), [&](int x, int y, int z) { return block_label(kSide, blocks, x, y, z); });
+  const auto found = LabelVoxels::find(field, net_options(0), {true, {}}, Context());
+  EXPECT_TRUE(found);
+  std::uint64_t chunks = 0;
+  for (const std::int64_t label : found->labels()) {
+    const auto extraction = found->extract(field, label, net_options(0), Context());
+    EXPECT_TRUE(extraction);
+    EXPECT_EQ(extraction->stats.bricks_visited, found->find(label)->chunks);
+    chunks += extraction->stats.bricks_visited;
+  }
+  return chunks;
+}
+
+// Counts instead of times: 64 times the labels, 64 times the work, whatever the size of the map.
+TEST(LabelNets, WorkGrowsWithTheLabelsAlone) {
+  EXPECT_EQ(work_on(2), 8U);
+  EXPECT_EQ(work_on(8), 512U);
+}
+
+TEST(LabelNets, CountsVoxelsAndFindsBounds) {
+  std::mt19937 engine(7);
+  const glm::ivec3 dims(70, 11, 9);
+  std::vector<int> samples;
+  for (int n = 0; n < dims.x * dims.y * dims.z; ++n) samples.push_back(static_cast<int>(engine() % 40) - 5);
+  const auto at = [&](int x, int y, int z) { return samples[static_cast<std::size_t>((z * dims.y + y) * dims.x + x)]; };
+  const field::ScalarField field = test::dense_field<std::int16_t>(dims, at);
+  ExtractOptions options = net_options(0);
+  options.region = field::IndexBox{{3, 1, 2}, {68, 10, 7}};
+  std::map<int, FoundLabel> expected;
+  for (int z = 2; z <= 7; ++z) {
+    for (int y = 1; y <= 10; ++y) {
+      for (int x = 3; x <= 68; ++x) {
+        FoundLabel& label = expected[at(x, y, z)];
+        const glm::ivec3 p(x, y, z);
+        label.bounds = label.voxels == 0
+                           ? field::IndexBox{p, p}
+                           : field::IndexBox{glm::min(label.bounds.min, p), glm::max(label.bounds.max, p)};
+        ++label.voxels;
+      }
+    }
+  }
+  const auto found = LabelVoxels::find(field, options, {true, {}, 3}, Context());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->find(3), nullptr);  // the background
+  expected.erase(3);
+  ASSERT_EQ(found->labels().size(), expected.size());
+  EXPECT_TRUE(std::ranges::is_sorted(found->labels()));
+  for (const auto& [label, right] : expected) {
+    const FoundLabel* const entry = found->find(label);
+    ASSERT_NE(entry, nullptr);
+    EXPECT_EQ(entry->voxels, right.voxels) << label;
+    EXPECT_EQ(entry->bounds, right.bounds) << label;
+  }
+}
+
+// Samples that index ids give the meshes of the ids themselves.
+TEST(LabelNets, KeepsIdsThatDoublesCannot) {
+  constexpr std::int64_t kLarge = 720575940600000017;
+  const std::vector<std::int64_t> ids{0, -9, kLarge, kLarge + 1};
+  const glm::ivec3 dims(9, 7, 5);
+  const auto index = [](int x, int y, int z) { return (x / 3 + 2 * (y / 4) + z / 3) % 4; };
+  field::ScalarField indexed = test::dense_field<std::uint32_t>(dims, index);
+  indexed.label_ids = std::make_shared<const std::vector<std::int64_t>>(ids);
+  const auto small = [&](int x, int y, int z) {
+    return std::array{0, -9, 4, 5}[static_cast<std::size_t>(index(x, y, z))];
+  };
+  const Labels expected = nets_of(test::dense_field<std::int16_t>(dims, small));
+  const Labels meshes = nets_of(indexed);
+  ASSERT_EQ(meshes.size(), 3U);
+  for (const auto& [id, same] : {std::pair(std::int64_t{-9}, -9), std::pair(kLarge, 4), std::pair(kLarge + 1, 5)}) {
+    ASSERT_TRUE(meshes.contains(id));
+    EXPECT_EQ(test::triangle_set(meshes.at(id)), test::triangle_set(expected.at(same)));
+  }
+  const Labels listed = nets_of(indexed, net_options(), {false, {kLarge + 1, 0}});
+  EXPECT_EQ(listed.size(), 2U);
+  EXPECT_FALSE(listed.at(0).triangles.empty());
+  const auto none = LabelVoxels::find(indexed, net_options(), {false, {4}}, Context());
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->find(4), nullptr);
 }
 
 }  // namespace

@@ -1,0 +1,75 @@
+#include "convert/detail/label_choice.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/parallel.hpp"
+#include "base/printable.hpp"
+#include "convert/label_selection.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// Removes the labels that the selection does not have, and notes the terms of it without a label.
+void select(const std::string& text, const LabelAppearance& looks, const std::string& source, ChosenLabels& chosen) {
+  auto selection = LabelSelection::parse(text);
+  if (!selection) return;  // a job's selections are valid
+  std::erase_if(chosen.labels,
+                [&](std::int64_t label) { return !selection->contains(label, looks.given_name(label)); });
+  std::vector<std::string> unmatched = selection->unmatched();
+  if (unmatched.empty()) return;
+  for (std::string& term : unmatched) term = fmt::format("'{}'", printable(term));
+  chosen.notes.push_back(
+      {NoteId::labels_unmatched, fmt::format("{}: no label is {}", source, fmt::join(unmatched, " or "))});
+}
+
+void drop_small(const extract::LabelVoxels& found, std::uint64_t least, const std::string& source,
+                ChosenLabels& chosen) {
+  const std::size_t before = chosen.labels.size();
+  std::vector<std::int64_t> small;
+  std::erase_if(chosen.labels, [&](std::int64_t label) {
+    const extract::FoundLabel* const entry = found.find(label);
+    if (entry == nullptr || entry->voxels >= least) return false;
+    small.push_back(label);
+    return true;
+  });
+  if (small.empty()) return;
+  chosen.too_small.insert(small.begin(), small.end());
+  constexpr std::size_t kMostTold = 10;
+  const std::size_t told = std::min(small.size(), kMostTold);
+  chosen.notes.push_back(
+      {NoteId::labels_small,
+       fmt::format("{}: no mesh for {} of {} labels ({}{}): they have fewer than {} voxels", source, small.size(),
+                   before, fmt::join(std::span(small).first(told), ", "), told < small.size() ? ", ..." : "", least)});
+}
+
+}  // namespace
+
+ChosenLabels choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
+                           const LabelAppearance& looks, std::uint64_t least, const std::string& source) {
+  ChosenLabels chosen;
+  chosen.labels = found.labels();
+  const auto set = std::ranges::find_if(asked, [](const ResolvedIso& iso) { return iso.asked.is_label_set(); });
+  if (set != asked.end() && set->asked.kind == IsoChoice::Kind::selected_labels) {
+    select(set->asked.selection, looks, source, chosen);
+  }
+  drop_small(found, least, source, chosen);
+  return chosen;
+}
+
+std::size_t group_size(std::span<const ResolvedIso> next, const extract::LabelVoxels& found) {
+  constexpr std::uint64_t kMostChunks = 4096;  // their faces take at most some ten MiB
+  constexpr std::size_t kMostLabels = 256;
+  if (usable_threads() == 1) return 1;
+  std::size_t size = 0;
+  for (std::uint64_t chunks = 0; size < std::min(next.size(), kMostLabels); ++size) {
+    const extract::FoundLabel* const label = found.find(next[size].id.label());
+    chunks += label != nullptr ? label->chunks : 0;
+    if (chunks > kMostChunks) break;
+  }
+  return std::max<std::size_t>(size, 1);
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,41 @@
+// Which labels of a label map a job extracts.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/note.hpp"
+#include "convert/detail/label_looks.hpp"
+#include "convert/iso_values.hpp"
+#include "extract/voxels.hpp"
+
+namespace isoextract::convert {
+
+struct ChosenLabels {
+  std::vector<std::int64_t> labels;            // in the order of a list, rising for a set (IsoChoice::is_label_set())
+  std::unordered_set<std::int64_t> too_small;  // labels with fewer voxels than required, without a mesh
+  Notes notes;
+
+  // Returns the surfaces without those of labels that are too small.
+  [[nodiscard]] std::vector<ResolvedIso> large_enough(std::vector<ResolvedIso> surfaces) const {
+    std::erase_if(surfaces,
+                  [&](const ResolvedIso& iso) { return iso.id.is_label() && too_small.contains(iso.id.label()); });
+    return surfaces;
+  }
+};
+
+// Chooses among the labels of `found`, which was searched for those that `asked` asks for. Labels with fewer than
+// `least` voxels are too small; listed labels without a voxel are not, so that their missing surface is reported.
+// `source` starts the notes.
+[[nodiscard]] ChosenLabels choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
+                                         const LabelAppearance& looks, std::uint64_t least, const std::string& source);
+
+// Returns how many of the next surfaces, at least one, are made at the same time: labels with little work, as long as
+// all of them together stay small.
+[[nodiscard]] std::size_t group_size(std::span<const ResolvedIso> next, const extract::LabelVoxels& found);
+
+}  // namespace isoextract::convert

@@ -1,0 +1,91 @@
+#include "convert/detail/surface_maker.hpp"
+
+#include <utility>
+
+#include "base/stopwatch.hpp"
+#include "convert/detail/no_surface.hpp"
+#include "convert/mesh_normals.hpp"
+#include "convert/verification.hpp"
+#include "extract/height_field.hpp"
+#include "volume_io/volume_reader.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+Result<extract::Extraction> extract_field(const SurfaceMaker& maker, const ResolvedIso& asked,
+                                          const extract::ExtractOptions& options) {
+  const field::ScalarField& field = maker.source.field;
+  if (const auto& heights = maker.job.surface.heights) {
+    return extract_heights(field, *heights, options, maker.context);
+  }
+  if (maker.labels == nullptr) return maker.extractor.extract(field, options, maker.context);
+  auto extraction = maker.labels->extract(field, asked.id.label(), options, maker.context);
+  if (extraction) extraction->mesh.name = field.name;
+  return extraction;
+}
+
+// Extracts the surface, compares it with the other backend if the job verifies, and clips it.
+Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
+  const Source& source = maker.source;
+  const Stopwatch watch;
+  const extract::ExtractOptions options = extract_options_of(maker.job, source, asked.id.iso_or_zero());
+  auto extraction = TRY(extract_field(maker, asked, options));
+  TRY(volume_io::check_mapping_intact(source.field));
+  const extract::ExtractStats& stats = extraction.stats;
+  const bool is_cut_open = !source.clip.empty() && !options.cap;
+  made.open = may_be_open(stats, options) || is_cut_open;
+  Surface surface{.asked = asked.asked,
+                  .id = asked.id,
+                  .mesh = std::move(extraction.mesh),
+                  .end = open_boundary_of(stats, options, source),
+                  .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
+  const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
+  if (stats.device) made.bytes_uploaded = stats.device->bytes_uploaded;
+  made.events.end(extraction_report(stats, options, surface, stage, watch.elapsed()));
+  if (maker.other != nullptr) {
+    const auto record = TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method),
+                                             surface.mesh, maker.extractor, *maker.other, maker.context));
+    TRY(volume_io::check_mapping_intact(source.field));
+    surface.mesh.edges = {};  // only the comparison needs them
+    TRY(tell(convert::report_of(record, source.label), made.events));
+  }
+  std::optional<mesh::Bounds> whole;  // bounds before clipping
+  if (!source.clip.empty() && !surface.mesh.triangles.empty()) whole = mesh::measure_bounds(surface.mesh);
+  const StageReport clipped = TRY(clip_surface(surface, stage));
+  TRY(tell(clipped, made.events));
+  made.cut_away = surface.mesh.triangles.empty() ? whole : std::nullopt;
+  return surface;
+}
+
+Error error_of_none(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
+  const Stopwatch watch;
+  Error error = no_surface(maker.job, maker.source, asked, maker.labels != nullptr, made.cut_away);
+  StageReport report = report_on(StageName::statistics, maker.source.label);
+  report.time = watch.elapsed();
+  made.events.end(report);
+  return error;
+}
+
+Result<std::optional<Surface>> make_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
+  const EmptyPolicy empty = maker.job.empty;
+  Surface surface = TRY(extract_surface(maker, asked, made));
+  if (surface.mesh.triangles.empty() && empty != EmptyPolicy::write) {
+    if (empty == EmptyPolicy::error) return tl::unexpected(error_of_none(maker, asked, made));
+    if (made.cut_away) made.lost.push_back({asked.id, "clipping removed every triangle"});
+    return std::optional<Surface>();
+  }
+  TRY(edit_surface({maker.job, maker.source, maker.facts(made.open), maker.context}, made.events, surface));
+  if (!surface.mesh.triangles.empty() || empty == EmptyPolicy::write) return surface;
+  made.lost.push_back({asked.id, "no component has the requested size"});
+  return std::optional<Surface>();
+}
+
+}  // namespace
+
+MadeSurface SurfaceMaker::make(const ResolvedIso& asked) const {
+  MadeSurface made;
+  made.surface = make_surface(*this, asked, made);
+  return made;
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,53 @@
+// Makes the surfaces of a job: extracts, verifies, clips and edits them. Several may be made at the same time.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "convert/detail/held_events.hpp"
+#include "convert/detail/label_looks.hpp"
+#include "convert/detail/skipped_surfaces.hpp"
+#include "convert/source.hpp"
+#include "convert/stages/surface_stages.hpp"
+#include "extract/extractor.hpp"
+#include "extract/voxels.hpp"
+#include "mesh/metrics.hpp"
+
+namespace isoextract::convert {
+
+// A surface, and what its stages told and found.
+struct MadeSurface {
+  Result<std::optional<Surface>> surface;  // nullopt if it is empty and the job skips empty surfaces
+  HeldEvents events;
+  bool open = false;              // the surface may have boundary edges
+  std::vector<LostSurface> lost;  // the surface, if a step removed all of it
+  std::uint64_t bytes_uploaded = 0;
+  std::optional<mesh::Bounds> cut_away;  // bounds before clipping left nothing of it
+};
+
+// References to what a conversion works with.
+struct SurfaceMaker {
+  const ConversionJob& job;
+  const Source& source;
+  extract::Extractor& extractor;
+  extract::Extractor* other;           // compares its surface with the extractor's; null: no comparison
+  const extract::LabelVoxels* labels;  // null if the surfaces are no labels
+  const LabelAppearance& looks;        // of the labels
+  const SurfaceList& all;              // all surfaces of the grid
+  bool mesh_facts;                     // measure Surface::facts
+  const Context& context;
+
+  // Makes one surface. The source's inside must be set for it (Source::set_inside_side()). For labels, calls from
+  // several threads do not disturb each other.
+  [[nodiscard]] MadeSurface make(const ResolvedIso& asked) const;
+
+  [[nodiscard]] SurfaceFacts facts(bool open) const {
+    return {all, open, mesh_facts, labels != nullptr ? &looks : nullptr};
+  }
+};
+
+}  // namespace isoextract::convert
