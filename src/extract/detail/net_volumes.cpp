@@ -126,17 +126,19 @@ class VolumeKeeper {
 
   struct Size {
     glm::dvec3 area;  // as a normal
-    double volume;    // between the origin of the grid and the two triangles that the mesh will have
+    double volume;    // between the voxel face and the two triangles that the mesh will have
   };
 
   [[nodiscard]] Size size_of(const NetFaces::Face& face) const {
-    const auto place = [&](std::size_t n) {
-      return glm::dvec3(corners_[face.points[n]]) + glm::dvec3(offsets_[face.points[n]]);
-    };
-    const glm::dvec3 apex = place(0);
-    const glm::dvec3 a = place(1) - apex;
-    const glm::dvec3 b = place(2) - apex;
-    const glm::dvec3 c = place(3) - apex;
+    std::array<glm::dvec3, 4> still;  // the corners of the voxel face, from the first one
+    std::array<glm::dvec3, 4> moved;
+    for (std::size_t n = 0; n < 4; ++n) {
+      still[n] = glm::dvec3(corners_[face.points[n]] - corners_[face.points[0]]);
+      moved[n] = still[n] + glm::dvec3(offsets_[face.points[n]]);
+    }
+    const glm::dvec3 a = moved[1] - moved[0];
+    const glm::dvec3 b = moved[2] - moved[0];
+    const glm::dvec3 c = moved[3] - moved[0];
     // Twice the areas of the triangles around the corners.
     const std::array<glm::dvec3, 4> around{glm::cross(a, c), glm::cross(a, b), glm::cross(b - a, c - a),
                                            glm::cross(b, c)};
@@ -148,7 +150,17 @@ class VolumeKeeper {
     // The rule of OutlinePolygon::write_bent(). The diagonals differ in volume by a tetrahedron.
     const bool is_through_apex = std::min(size(0), size(2)) < std::min(size(1), size(3));
     const double tetrahedron = is_through_apex ? 0 : glm::dot(a, around[3]) / 6;
-    return {area, glm::dot(apex, area) / 3 + tetrahedron};
+    // The walls between the sides of both faces. Neighbors have the same walls with the opposite sign.
+    const auto triple = [](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
+      return glm::dot(p, glm::cross(q, r));
+    };
+    double walls = 0;
+    for (std::size_t n = 0; n < 4; ++n) {
+      const std::size_t next = (n + 1) % 4;
+      walls += triple(still[n], still[next], moved[next]) + triple(still[n], moved[next], moved[n]) +
+               triple(still[next], moved[next], moved[n]) + triple(still[next], moved[n], still[n]);
+    }
+    return {area, glm::dot(moved[0], area) / 3 + tetrahedron + walls / 12};
   }
 
   // Calls f(number, below, above) for all faces, with the sums of the shells on their lower and upper sides.
@@ -186,8 +198,7 @@ class VolumeKeeper {
       const std::array<bool, 2> asked{is_open(face.shells[0]), is_open(face.shells[1])};
       if (!asked[0] && !asked[1]) return;
       const Size found = size_of(face);
-      const double volume = found.volume - corners_[face.points[0]][axis_of(face)] / 3.0;
-      const std::uint64_t units = to_units(volume);
+      const std::uint64_t units = to_units(found.volume);
       const std::uint64_t size = to_units(glm::length(found.area));
       if (asked[0]) below.add(face.shells[0], units, size);
       if (asked[1]) above.add(face.shells[1], ~units + 1, size);
