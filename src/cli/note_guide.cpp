@@ -161,8 +161,8 @@ constexpr std::array kGuide{
     NoteGuide{repeated_iso, "Two iso values are equal, so the file has one surface for both.", "Give each value once."},
     NoteGuide{simplified_shells, "Simplification turned thin shells inside out, or moved cavities out of their body.",
               "Give a smaller distance or more triangles."},
-    NoteGuide{volume_changed, "Relaxing changed the volume of a label by more than a few percent.",
-              "Relax fewer times."},
+    NoteGuide{volume_changed, "Relaxing could not keep the volume of a label or component within 0.1 %.",
+              "--relax 0 keeps the volumes of the voxels."},
     // Output
     NoteGuide{animation_kept, "A frame failed, so the animation of an earlier run stays.",
               "Repair the frame and run again."},

@@ -1,6 +1,7 @@
 #include "cli/voxel_plan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,6 +32,16 @@ bool names_labels(const std::string& input, const volume_io::ReadOptions& read, 
   });
 }
 
+// Returns whether the grid that the options choose stores integers.
+bool stores_integers(const std::string& input, const volume_io::ReadOptions& read, const Context& context) {
+  constexpr std::array kIntegers{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "int32", "int64", "bool"};
+  const auto grids = volume_io::list_grids(input, read, context.beside());
+  if (!grids) return false;
+  const auto fits = [&](const volume_io::GridInfo& grid) { return !read.grid || grid.matches_name(*read.grid); };
+  const auto grid = std::ranges::find_if(*grids, fits);
+  return grid != grids->end() && std::ranges::find(kIntegers, grid->type) != kIntegers.end();
+}
+
 bool is_table_named(const ConvertFlags& flags) { return flags.label_names && *flags.label_names != kNoTable; }
 
 }  // namespace
@@ -49,8 +60,17 @@ Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& i
   source.input = input;
   source.read = read;
   source.particles = std::move(particles);
-  if (convert::is_particles(source, context.beside()).value_or(true) || !names_labels(input, read, context)) {
-    return std::string();
+  if (convert::is_particles(source, context.beside()).value_or(true)) return std::string();
+  if (!names_labels(input, read, context)) {
+    const bool wants_nets = flags.surface.method == extract::Method::surface_nets;
+    if (!wants_nets || !stores_integers(input, read, context)) return std::string();
+    constexpr double kAboveZero = 0.5;
+    flags.isos.emplace_back(kAboveZero);
+    return fmt::format(
+        "iso {}, because the samples are integers, such as those of a mask: all above 0 are inside; choose another "
+        "with "
+        "--iso V, or give --labels all for a surface of each label",
+        kAboveZero);
   }
   flags.labels = std::vector{convert::IsoChoice::all_labels()};
   return std::string("all labels, because the file names its labels; choose some with --labels L,..., or give --iso V");

@@ -19,9 +19,9 @@ namespace isoextract::cli {
 // with {iso} in -o. Fails likewise for --label-names without --labels.
 [[nodiscard]] Result<void> take_labels(ConvertFlags& flags);
 
-// Chooses all labels if the file of `input` names its labels, and returns a note about it. Otherwise returns an empty
-// text; also if the options choose labels, iso values, or a method that is not for labels. Files that it cannot read
-// choose nothing: the reader reports them.
+// Chooses all labels if the file of `input` names its labels, and returns a note about it; chooses the iso value 0.5
+// for surface nets of integers, with a note, too. Otherwise returns an empty text; also if the options choose labels,
+// iso values, or a method that is not for labels. Files that it cannot read choose nothing: the reader reports them.
 [[nodiscard]] Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input,
                                                      const Context& context);
 

@@ -16,7 +16,7 @@ struct Source;
 
 // Returns for each vertex of a surface net the voxel corner that it was relaxed from, relative to Mesh::origin: the
 // middle of its cell, which relaxation never leaves. With these sites, inside and outside of shells follow the samples,
-// even where relaxation collapsed thin parts.
+// even where relaxed parts touch.
 //
 // Vertices on planes of source.clip keep their own position, because they come from no corner. Returns an empty result
 // unless SurfaceOptions::relaxes(). Fails as Context::reserve() does.

@@ -40,9 +40,8 @@ constexpr auto words_of(NanPolicy /*type*/) {
                     Word{NanPolicy::hole, "hole"}};
 }
 
-// Default number of smoothing rounds of surface nets. They leave a ball with a radius of 20 voxels 1.2 % too large in
-// area (docs/labels.md).
-inline constexpr std::uint64_t kDefaultRelaxations = 10;
+// Default number of smoothing rounds of surface nets: after more of them, a ball looks the same (docs/labels.md).
+inline constexpr std::uint64_t kDefaultRelaxations = 15;
 
 struct ExtractOptions {
   Method method = Method::mc;

@@ -296,7 +296,7 @@ struct LabelVoxels::Found {
     return (*filter)(label) ? std::optional(label) : std::nullopt;
   }
 
-  [[nodiscard]] Result<void> make_net(std::uint64_t relaxations, const Context& context) {
+  [[nodiscard]] Result<void> make_net(const ExtractOptions& options, const Context& context) {
     std::uint64_t count = 0;
     for (const ReservedList<LabelPart>& task : tasks) count += task.values().size();
     auto held = TRY(context.reserve(LabelChunks::bytes(count), what));
@@ -311,7 +311,7 @@ struct LabelVoxels::Found {
     if (lookup) unlisted = [this](const glm::ivec3& origin) { return label_of_tile(origin); };
     const field::IndexBox bounds{region.min - base, region.max - base};
     auto made = TRY(NetPoints::make(LabelChunks(std::move(chunks), std::move(unlisted), bounds, std::move(held)),
-                                    relaxations, context, what));
+                                    options.relaxations, options.output_from_index.linear, context, what));
     net.emplace(std::move(made));
     return {};
   }
@@ -346,7 +346,7 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
     TRY(found->find_sparse(field, *sparse, context));
   TRY(found->collect(field, choice, context));
   if (nets) {
-    TRY(found->make_net(options.relaxations, context));
+    TRY(found->make_net(options, context));
   }
   const bool floats =
       visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return field::is_floating_sample<T>; });

@@ -76,7 +76,8 @@ Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelCh
     return &voxels.at(origin) == &full_chunk() ? std::optional<std::int64_t>(0) : std::nullopt;
   };
   const LabelChunks inside(std::move(chunks), unlisted, bounds, std::move(memory));
-  auto net = TRY(NetPoints::make(inside, options.relaxations, context, chunks_text(field)));
+  auto net =
+      TRY(NetPoints::make(inside, options.relaxations, options.output_from_index.linear, context, chunks_text(field)));
   ExtractStats with_net = stats;
   with_net.count += watch.elapsed();
   return mesh_voxels(field, voxels, base, placement, options, with_net, context, &net);

@@ -86,8 +86,10 @@ class NetSidesTest(ProgramTest):
         self.assertGreater(len(shells.area), bodies + 20)
         self.assertGreater(sum(1 for body in shells.around.values() if body != 0), 0)
         free = [body for body, around in shells.around.items() if around == 0]
-        for relax in (0, 1, 10, 60):
-            _, record = self.pieces(relax, "--largest")
+        for relax in (0, 1, 10, 100, 200):
+            report, record = self.pieces(relax, "--largest")
+            self.assertEqual(sum(one["cavity"] for one in report["meshes"][0]["component_table"]["largest"]),
+                             shells.cavities(largest), relax)
             self.assertEqual((record["before"]["components"], record["before"]["bodies"]), (len(shells.area), bodies), relax)
             self.assertEqual((record["after"]["components"], record["after"]["bodies"]),
                              (1 + shells.cavities(largest), 1), relax)

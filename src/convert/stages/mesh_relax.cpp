@@ -14,7 +14,7 @@
 namespace isoextract::convert {
 namespace {
 
-constexpr double kSmallShare = 0.05;
+constexpr double kSmallShare = 0.001;
 constexpr double kSmallPercent = 100 * kSmallShare;
 
 // Volumes in the mesh's units; negative for cavities.
@@ -61,8 +61,8 @@ struct Component {
 }  // namespace
 
 Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage) {
-  const bool is_open = !stage.source.clip.empty() && !stage.job.surface.cap;  // an open surface has no volume
-  if (!stage.job.surface.relaxes() || is_open) return StageReport();
+  // A plane cuts the surface elsewhere than the voxels, so their volumes differ.
+  if (!stage.job.surface.relaxes() || !stage.source.clip.empty()) return StageReport();
   const mesh::Mesh& mesh = surface.mesh;
   const Context& context = stage.context;
   const edit::OriginalPositions sites = TRY(voxel_sites(mesh, stage.source, stage.job.surface, context));

@@ -1,4 +1,4 @@
-// Changes of volume by relaxing surface nets; thin parts lose most of their volume.
+// Changes of volume by relaxing surface nets, which keeps volumes where the cells of the vertices allow it.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace isoextract::convert {
 
-// Returns a note if relaxing changed the volume of a surface or component by more than 5 %: names the surface and the
+// Returns a note if relaxing changed the volume of a surface or component by more than 0.1 %: names the surface and the
 // component that changed most, and counts the others. Returns nullopt if none did. `reports` are those of one
 // conversion.
 [[nodiscard]] std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports);

@@ -1,10 +1,9 @@
 // Surface nets: smooth positions for the voxel corners where labels meet, shared by all labels.
 //
 // The net has one point in each grid cell whose eight samples have more than one label: the voxel corner in the middle
-// of the cell. Points are connected if their cells share a face that has more than one label. Each round moves every
-// point toward the mean of its connected points, and a little back, so that wide parts keep their volume (Taubin: A
-// signal processing approach to fair surface design. 1995). A point stays within its cell (Gibson: Constrained Elastic
-// Surface Nets. 1998).
+// of the cell. Points are connected if their cells share a face that has more than one label. Relaxation moves them so
+// that the surface becomes smooth (net_relaxation.hpp), then so that each shell has the volume of its voxels
+// (net_volumes.hpp). A point stays within its cell (Gibson: Constrained Elastic Surface Nets. 1998).
 //
 // If a face of the cell has three or more labels, a curve where these labels meet passes through it. Points on such a
 // curve are connected with their neighbors on the curve only. So it stays a smooth curve that the surfaces ending on it
@@ -22,22 +21,22 @@
 #include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/label_chunks.hpp"
+#include "extract/detail/net_grid.hpp"
 
 namespace isoextract::extract {
 
 class NetPoints {
  public:
-  // The least distance of a point from the faces of its cell, in grid steps. It keeps triangles from losing their area.
-  static constexpr float kMargin = 0.02F;
-
   // Returns the net of all labels in `labels` after `relaxations` rounds of smoothing. All voxels without a label count
-  // as one more label. Runs in parallel; the result does not depend on the number of threads. Fails if memory runs out
-  // and if the context is cancelled. `what` starts the message about memory.
+  // as one more label. `output_from_index`: the linear part of the map to the mesh's coordinates. Runs in parallel; the
+  // result does not depend on the number of threads. Fails if memory runs out and if the context is cancelled. `what`
+  // starts the message about memory.
   [[nodiscard]] static Result<NetPoints> make(const LabelChunks& labels, std::uint64_t relaxations,
-                                              const Context& context, const std::string& what);
+                                              const glm::dmat3& output_from_index, const Context& context,
+                                              const std::string& what);
 
   // Returns the number of points.
-  [[nodiscard]] std::uint64_t size() const { return offsets_.size(); }
+  [[nodiscard]] std::uint64_t size() const { return grid_.size(); }
 
   // Returns the offset of a corner's point from the corner, in grid steps; 0 if the corner has no point.
   [[nodiscard]] glm::vec3 offset(const glm::ivec3& corner) const;
@@ -48,21 +47,12 @@ class NetPoints {
   [[nodiscard]] const std::array<ChunkBits, 3>* middles(const glm::ivec3& origin) const;
 
  private:
-  using RowBases = std::array<std::uint32_t, 64>;
   using Middles = std::array<ChunkBits, 3>;
-  struct Moves;
 
-  [[nodiscard]] Result<void> list_chunks(const LabelChunks& labels, const Context& context, const std::string& what);
   [[nodiscard]] Result<void> find_middles(const LabelChunks& labels, const Context& context, const std::string& what);
-  [[nodiscard]] Result<void> relax(const LabelChunks& labels, std::uint64_t rounds, const Context& context,
-                                   const std::string& what);
-  [[nodiscard]] std::size_t number(std::size_t chunk, std::size_t row, int bit) const;
 
-  std::vector<glm::ivec3> origins_;
-  field::OriginIndex index_;
-  Buffer<ChunkBits> used_;
-  Buffer<RowBases> first_;  // number of the first point of each row
-  Buffer<std::int32_t> middles_number_;
+  NetGrid grid_;
+  Buffer<std::int32_t> middles_number_;  // of each chunk of the grid
   Buffer<Middles> middles_;
   Buffer<glm::vec3> offsets_;
   std::vector<Reservation> memory_;

@@ -1,0 +1,46 @@
+// The labels of the voxels around the corners of one chunk.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "extract/detail/corner_words.hpp"
+#include "extract/detail/label_chunks.hpp"
+
+namespace isoextract::extract {
+
+class NearLabels {
+ public:
+  struct Entry {
+    std::int64_t label;
+    NearChunks near;
+  };
+
+  NearLabels(const LabelChunks& labels, const glm::ivec3& origin);
+
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+
+  // Returns a bit for each corner of a row that has at least two labels around it. Voxels without a label count as one
+  // more label.
+  [[nodiscard]] std::uint64_t used(int y, int z) const;
+
+ private:
+  void put(std::int64_t label, int n, const ChunkBits* bits);
+
+  std::vector<Entry> entries_;
+};
+
+// The voxels around the corners of a chunk that have no label, and the ones beyond the data boundary.
+class NearRest {
+ public:
+  NearRest(const LabelChunks& labels, const NearLabels& near, const glm::ivec3& origin);
+
+  [[nodiscard]] std::array<NearChunks, 2> near() const;
+
+ private:
+  std::array<ChunkBits, 8> unlabeled_{};
+  std::array<ChunkBits, 8> beyond_{};
+};
+
+}  // namespace isoextract::extract

@@ -1,0 +1,50 @@
+// Smooths the points of a surface net within their cells.
+//
+// A round moves every point toward the mean of its connected points, then back from their new mean (Taubin: A signal
+// processing approach to fair surface design. 1995). Rounds build up momentum, so that few of them do as much as many
+// plain ones.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+#include "base/context.hpp"
+#include "extract/detail/net_grid.hpp"
+
+namespace isoextract::extract {
+
+// The least distance of a point from the faces of its cell, in grid steps. It keeps triangles from losing their area.
+inline constexpr float kNetMargin = 0.02F;
+
+// Moves the points of `grid` in `rounds` rounds. `offsets`: of the points from their corners, in grid steps; 0 before.
+// Runs in parallel; the result does not depend on the number of threads. Fails if memory runs out and if the context is
+// cancelled. `what` starts the message about memory.
+[[nodiscard]] Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint64_t rounds,
+                                     Buffer<glm::vec3>& offsets, const Context& context, const std::string& what);
+
+// Returns the axes, as bits, across which a corner is at the data boundary. Its point does not move along them.
+[[nodiscard]] inline unsigned fixed_axes(const glm::ivec3& corner, const field::IndexBox& bounds) {
+  unsigned axes = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (corner[axis] == bounds.min[axis] || corner[axis] == bounds.max[axis] + 1) axes |= 1U << axis;
+  }
+  return axes;
+}
+
+[[nodiscard]] inline glm::vec3 without_axes(glm::vec3 offset, unsigned axes) {
+  for (int axis = 0; axes != 0; ++axis, axes >>= 1) {
+    if ((axes & 1) != 0) offset[axis] = 0;
+  }
+  return offset;
+}
+
+// Returns the nearest offset that a point may have.
+[[nodiscard]] inline glm::vec3 offset_within_cell(const glm::vec3& offset, unsigned axes) {
+  constexpr float kReach = 0.5F - kNetMargin;
+  return without_axes(glm::clamp(offset, -kReach, kReach), axes);
+}
+
+}  // namespace isoextract::extract
