@@ -11,6 +11,7 @@
 #include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/label_chunks.hpp"
+#include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
 

@@ -68,6 +68,8 @@ ConversionJob full_job() {
                  true,
                  extract::VoxelFaces::plain,
                  3,
+                 5,
+                 12,
                  extract::HeightOptions{.solid = true, .base = -2.5}};
   job.normals = Normals::flat;
   job.color = ColorChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
@@ -93,7 +95,7 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 62U);
+  EXPECT_EQ(full.size(), 64U);
   for (const auto& [name, value] : full.items()) {
     // ListsMembersOfEveryFileKind
     const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";
