@@ -113,13 +113,13 @@ constexpr auto words_of(UpAxis /*type*/) {
 [[nodiscard]] Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                double fovy = Camera::kDefaultFovy);
 
-// The same, but without a distance the camera is so close that the corners of the box just fit into the picture, with a
-// margin. So the distance depends on the angles.
+// Returns the camera of frame_box() but, without a distance, so close that the corners of the box just fit into the
+// picture, with a margin. So the distance depends on the angles.
 [[nodiscard]] Camera frame_box_closely(const field::Box& box, const ViewAngles& angles, UpAxis up,
                                        const PictureSize& size, double fovy = Camera::kDefaultFovy);
 
-// Likewise, but so close that the box just fits while it turns around the up axis: the distance depends on the
-// elevation, not on the azimuth. It is never farther away than with frame_box().
+// Returns the camera of frame_box() but, without a distance, so close that the box just fits while it turns around the
+// up axis: the distance depends on the elevation, not on the azimuth. It is never farther away than with frame_box().
 [[nodiscard]] Camera frame_turn(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                 double fovy = Camera::kDefaultFovy);
 

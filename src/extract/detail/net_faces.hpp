@@ -21,7 +21,8 @@ class NetFaces {
   static constexpr std::uint32_t kNoShell = ~std::uint32_t{0};
 
   struct Face {
-    // Of the four points, counter-clockwise as seen from the upper side of the face. The first one is at `corner`.
+    // The indices of the four points, counter-clockwise as seen from the upper side of the face; the first is at
+    // `corner`.
     std::array<std::uint32_t, 4> points;
     // The shells of the labels on the lower and upper sides; kNoShell for voxels without a label.
     std::array<std::uint32_t, 2> shells;
