@@ -18,6 +18,8 @@ void release_pages(const void* begin, std::size_t bytes) {
   static_cast<void>(::madvise(static_cast<char*>(const_cast<void*>(begin)) + lead, whole, MADV_DONTNEED));
 }
 
+void return_large_blocks() { static_cast<void>(::mallopt(M_MMAP_THRESHOLD, 1 << 20)); }
+
 void release_free_memory() { static_cast<void>(::malloc_trim(0)); }
 
 }  // namespace isoextract

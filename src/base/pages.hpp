@@ -14,4 +14,8 @@ void release_pages(const void* begin, std::size_t bytes);
 // that stay are allocated on several threads: the free space between those that stay otherwise adds up.
 void release_free_memory();
 
+// Makes the allocator give each block of 1 MiB or more back to the system as soon as it is freed, from now on. By
+// itself glibc keeps ever larger ones, for each thread; the memory of many short-lived meshes then adds up.
+void return_large_blocks();
+
 }  // namespace isoextract

@@ -126,29 +126,24 @@ Result<convert::IsoChoice> parse_iso(std::string_view text) {
 }
 
 Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text) {
-  constexpr std::string_view kExpected =
-      "all, or numbers, ranges and names with commas between them, such as 1-40,Hippocampus*,!Skull";
   if (text == "all") return std::vector{convert::IsoChoice::all_labels()};
   std::vector<convert::IsoChoice> labels;
-  std::set<std::int64_t> found;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const auto number = whole_text_as<std::int64_t>(text.substr(begin, end - begin));
+  for (std::set<std::int64_t> found; const std::string_view part : split(text, ",")) {
+    const auto number = whole_text_as<std::int64_t>(part);
     if (!number) {
-      if (!convert::LabelSelection::parse(text)) return expected_found(kExpected, text);
-      return std::vector{convert::IsoChoice::selected_labels(std::string(text))};
+      if (convert::LabelSelection::parse(text))
+        return std::vector{convert::IsoChoice::selected_labels(std::string(text))};
+      return expected_found("all, or numbers, ranges and names with commas, such as 1-40,Hippocampus*,!Skull", text);
     }
     if (!found.insert(*number).second) return expected_found("each label once", text);
     labels.push_back(convert::IsoChoice::label(*number));
-    begin = end + 1;
   }
   return labels;
 }
 
 Result<std::int64_t> parse_label(std::string_view text) {
-  const auto number = whole_text_as<std::int64_t>(text);
-  if (!number) return expected_found("a whole number", text);
-  return *number;
+  if (const auto number = whole_text_as<std::int64_t>(text)) return *number;
+  return expected_found("a whole number", text);
 }
 
 Result<double> parse_positive(std::string_view text) {

@@ -210,6 +210,7 @@ class Conversion {
 
   // Adds a surface to the file, whole or split into bodies, or writes it to the file of its label.
   Result<void> add_made(MadeSurface made, const ResolvedIso& iso, OutputMeshes& file, bool& in_pieces) {
+    if (made.exception) std::rethrow_exception(made.exception);
     made.events.send(events_);
     open_ = made.open;
     outcome_.bytes_uploaded += made.bytes_uploaded;
@@ -294,6 +295,7 @@ class Conversion {
     const std::optional<extract::LabelChoice> choice = chosen_labels(source_.isos, job_.surface.background);
     chosen_ = {};
     if (!choice) return {};
+    return_large_blocks();
     looks_ = TRY(LabelAppearance::open(job_, source_.field, opened_->second, context_));
     if (!extractor_->has(job_.surface.method)) {
       const Error error{ErrorCode::unavailable,

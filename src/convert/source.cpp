@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <span>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/printable.hpp"
+#include "convert/detail/lost_labels.hpp"
 #include "convert/field_label.hpp"
 #include "convert/json_values.hpp"
 #include "convert/particle_choice.hpp"
@@ -19,7 +18,6 @@
 #include "convert/stages/level_set_filter.hpp"
 #include "convert/stages/level_set_rebuild.hpp"
 #include "convert/stages/mesh_clip.hpp"
-#include "field/distinct_values.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
 #include "files/unpacked_files.hpp"
@@ -114,37 +112,6 @@ void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Ev
        fmt::format("{}: voxels of {:.6g} x {:.6g} x {:.6g} instead of {:.6g} x {:.6g} x {:.6g}, so that whole voxels "
                    "fill the box of the data",
                    field_label(grid), made.x, made.y, made.z, asked.x, asked.y, asked.z)});
-}
-
-// Notes the labels that are lost because the coarser grid has no sample of them. For jobs that ask for all labels.
-void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& grid, std::int64_t background,
-                      const Context& context, Events& events) {
-  const auto labels_of = [&](const field::ScalarField& field) {
-    std::vector<std::int64_t> ids;
-    for (const double value : field::distinct_values(field, &context.progress())) {
-      const auto sample = static_cast<std::int64_t>(value);
-      ids.push_back(field.label_ids != nullptr ? (*field.label_ids)[static_cast<std::size_t>(sample)] : sample);
-    }
-    std::erase(ids, background);
-    std::ranges::sort(ids);
-    return ids;
-  };
-  const std::vector<std::int64_t> labels = labels_of(map);
-  const std::vector<std::int64_t> left = labels_of(grid);
-  std::vector<std::int64_t> lost;
-  std::ranges::set_difference(labels, left, std::back_inserter(lost));
-  if (lost.empty()) return;
-  constexpr std::size_t kMostTold = 10;
-  const std::span<const std::int64_t> told = std::span(lost).first(std::min(lost.size(), kMostTold));
-  const std::string ids = fmt::format("{}{}", fmt::join(told, ", "), lost.size() > kMostTold ? ", ..." : "");
-  events.note({NoteId::labels_lost,
-               fmt::format("{}: no mesh for {} of {} labels ({}): the coarser grid has no sample of these labels",
-                           field_label(map), lost.size(), labels.size(), ids)});
-  StageReport report = report_on(StageName::resample, field_label(map));
-  report.work.push_back({WorkTopic::labels, WorkDone::left_out, lost.size(), labels.size(),
-                         fmt::format("{} of {} labels, because the coarser grid has no sample of these labels: {}",
-                                     lost.size(), labels.size(), ids)});
-  events.end(report);
 }
 
 // Replaces the field by one resampled at the requested resolution.

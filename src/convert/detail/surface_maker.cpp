@@ -84,7 +84,11 @@ Result<std::optional<Surface>> make_surface(const SurfaceMaker& maker, const Res
 
 MadeSurface SurfaceMaker::make(const ResolvedIso& asked) const {
   MadeSurface made;
-  made.surface = make_surface(*this, asked, made);
+  try {
+    made.surface = make_surface(*this, asked, made);
+  } catch (...) {
+    made.exception = std::current_exception();
+  }
   return made;
 }
 

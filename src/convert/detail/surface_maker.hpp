@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,7 @@ namespace isoextract::convert {
 // A surface, and what its stages told and found.
 struct MadeSurface {
   Result<std::optional<Surface>> surface;  // nullopt if it is empty and the job skips empty surfaces
+  std::exception_ptr exception;            // thrown while it was made, such as std::bad_alloc; null: none
   HeldEvents events;
   bool open = false;              // the surface may have boundary edges
   std::vector<LostSurface> lost;  // the surface, if a step removed all of it
@@ -42,7 +44,8 @@ struct SurfaceMaker {
   const Context& context;
 
   // Makes one surface. The source's inside must be set for it (Source::set_inside_side()). For labels, calls from
-  // several threads do not disturb each other.
+  // several threads do not disturb each other. Throws nothing but keeps exceptions in the result: one that left a
+  // parallel loop would make TBB end the loops of the other surfaces in their middle.
   [[nodiscard]] MadeSurface make(const ResolvedIso& asked) const;
 
   [[nodiscard]] SurfaceFacts facts(bool open) const {

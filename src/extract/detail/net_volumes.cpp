@@ -23,7 +23,7 @@ constexpr double kUnits = 1 << 24;  // per grid step cubed
 std::uint64_t to_units(double value) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(value * kUnits)); }
 double from_units(std::uint64_t sum) { return static_cast<double>(static_cast<std::int64_t>(sum)) / kUnits; }
 
-constexpr int kMostPasses = 24;
+constexpr int kMostPasses = 40;
 constexpr float kLongestStep = 0.25F;  // of a point in one pass
 constexpr double kLeastGain = 0.5;
 constexpr double kMostGain = 4;

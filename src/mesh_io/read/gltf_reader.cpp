@@ -1,8 +1,7 @@
 // Reads glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, transformed by its nodes in
 // double. Does not use TinyGLTF, which trusts the offsets of images and animations that are not needed here.
 //
-// Skips nodes that are scaled to zero and ignores animations. So an animated sequence (write/animated_glb.hpp) gives
-// its first frame.
+// Skips nodes that are scaled to zero. Reads the first frame of an animated sequence (write/animated_glb.hpp).
 //
 // Reads COLOR_0 and attributes that begin with an underscore, if all primitives have them with the same type.
 #include <algorithm>
@@ -337,9 +336,8 @@ class ModelReader {
       throw DamagedMesh(fmt::format("expected a list 'primitives' in a mesh, found {}", shown(mesh)));
     }
     for (const json& primitive : *primitives) {
-      if (!primitive.is_object()) {
-        throw DamagedMesh(fmt::format("expected a JSON object as a primitive of a mesh, found {}", shown(primitive)));
-      }
+      if (!primitive.is_object())
+        throw DamagedMesh(fmt::format("expected JSON objects as primitives, found {}", shown(primitive)));
       const std::uint64_t mode = whole(primitive, "mode", kTriangles);
       if (mode > kFan) throw DamagedMesh(fmt::format("expected a 'mode' from 0 to {}, found {}", kFan, mode));
       if (mode < kTriangles) {
