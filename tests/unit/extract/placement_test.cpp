@@ -28,8 +28,10 @@ TEST_P(Placement, AppliesFullAffineMap) {
   const mesh::Mesh placed = test::extract(field, placing).mesh;
   ASSERT_FALSE(index.positions.empty());
   ASSERT_EQ(index.positions.size(), placed.positions.size());
+  // Volumes of surface nets are kept for the diagonals of bent faces, which depend on the transform.
+  const double tolerance = GetParam() == Method::surface_nets ? 5e-4 : 1e-5;
   for (std::size_t v = 0; v < index.positions.size(); ++v) {
-    EXPECT_LT(glm::length(placed.position(v) - frame(index.position(v))), 1e-5);
+    EXPECT_LT(glm::length(placed.position(v) - frame(index.position(v))), tolerance);
   }
 }
 

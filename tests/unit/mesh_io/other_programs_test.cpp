@@ -198,7 +198,7 @@ TEST_F(OtherProgramsTest, ReadsGltfSparseValues) {
   EXPECT_EQ(mesh::measure_size(read_text("a.gltf", sparse(2, 5121, "")).mesh).area, 6);
 
   expect_error("b.gltf", sparse(3, 5121, base), "expected a buffer view with room for 3 values, found 24 bytes");
-  expect_error("b.gltf", sparse(1, 5126, base), "expected indices of an unsigned type");
+  expect_error("b.gltf", sparse(1, 5126, base), "expected indices of component type 5121, 5123 or 5125, found 5126");
   expect_error("b.gltf", sparse(18446744073709551615U, 5121, base), "values, found 4 bytes");
   test::write_bytes(folder_ / "data.bin", corners + std::string("\2\0\0\0", 4) + bytes_of({3, 0, 0, 0, 4, 0}));
   expect_error("b.gltf", sparse(2, 5121, base),
