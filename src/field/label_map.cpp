@@ -90,12 +90,12 @@ using LabelNumber =
 template <class T>
 void count_pairs(T value, std::span<const T> others, std::size_t axis, LabelTally& tally, LabelTallies& all) {
   using N = LabelNumber<T>;
-  const N number = static_cast<N>(value);
+  const N number = static_cast<N>(value);  // NOLINT(bugprone-signed-char-misuse): i8 samples are numbers
   std::uint32_t equal = 0;
   std::uint32_t different = 0;
   std::uint32_t steps = 0;
   for (const T sample : others) {
-    const N other = static_cast<N>(sample);
+    const N other = static_cast<N>(sample);  // NOLINT(bugprone-signed-char-misuse): likewise
     equal += other == number ? 1U : 0U;
     different += static_cast<std::uint32_t>(other < number) | static_cast<std::uint32_t>(other > number);
     steps += static_cast<std::uint32_t>(other == number + 1) | static_cast<std::uint32_t>(other == number - 1);

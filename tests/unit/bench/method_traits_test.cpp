@@ -86,8 +86,9 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
                 : std::nullopt;
   };
   const auto is_second_order = [](double coarse, double fine) { return std::log2(coarse / fine) > 1.7; };
-  seen.follows_interpolant =
-      is_second_order(error_at(24, false)->interior.rms.world, error_at(47, false)->interior.rms.world);
+  // Smooth surface nets seem to be of second order as long as the grid is coarse.
+  const auto interior = [&](int size) { return error_at(size, false)->interior.rms.world; };
+  seen.follows_interpolant = is_second_order(interior(24), interior(47)) && is_second_order(interior(47), interior(93));
   const auto coarse = error_at(24, true);
   const auto fine = error_at(47, true);
   seen.gradient_normals = coarse && fine && coarse->smooth_normals.points > 0 &&
