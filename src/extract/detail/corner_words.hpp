@@ -56,9 +56,16 @@ using NearChunks = std::array<const ChunkBits*, 8>;
   return (four[0] ^ four[1]) & (four[0] ^ four[2]) & ~(four[0] ^ four[3]);
 }
 
-// Returns a bit for each corner where some of the four voxels are inside and others outside.
-[[nodiscard]] inline std::uint64_t mixed(const std::array<std::uint64_t, 4>& four) {
-  return (four[0] | four[1] | four[2] | four[3]) & ~(four[0] & four[1] & four[2] & four[3]);
+// Returns a bit for each corner where some of the voxels (four on a side, or all eight) are inside and others outside.
+template <std::size_t kVoxels>
+[[nodiscard]] inline std::uint64_t mixed(const std::array<std::uint64_t, kVoxels>& words) {
+  std::uint64_t some = words[0];
+  std::uint64_t all = words[0];
+  for (std::size_t n = 1; n < kVoxels; ++n) {
+    some |= words[n];
+    all &= words[n];
+  }
+  return some & ~all;
 }
 
 // Returns a bit for each corner that ends an edge along which voxels touch without a common face.

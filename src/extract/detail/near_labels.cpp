@@ -21,14 +21,7 @@ NearLabels::NearLabels(const LabelChunks& labels, const glm::ivec3& origin) {
 std::uint64_t NearLabels::used(int y, int z) const {
   std::uint64_t found = 0;
   for (const Entry& entry : entries_) {
-    const CornerWords words = corner_words(entry.near, y, z);
-    std::uint64_t some = 0;
-    std::uint64_t all = kAllBits;
-    for (const std::uint64_t word : words) {
-      some |= word;
-      all &= word;
-    }
-    found |= some & ~all;
+    found |= mixed(corner_words(entry.near, y, z));
   }
   return found;
 }

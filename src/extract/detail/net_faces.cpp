@@ -242,13 +242,7 @@ Result<void> NetFaces::join_shells(const NetGrid& grid, const LabelChunks& label
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       for (const NearLabels::Entry& entry : near.entries()) {
         const CornerWords words = corner_words(entry.near, y, z);
-        std::uint64_t some = 0;
-        std::uint64_t all = kAllBits;
-        for (const std::uint64_t word : words) {
-          some |= word;
-          all &= word;
-        }
-        for_each_bit(some & ~all, [&](int bit) {
+        for_each_bit(mixed(words), [&](int bit) {
           const unsigned pattern = pattern_at(words, bit);
           const std::uint32_t k = row.number(bit);
           const std::uint32_t* list = around_.data() + first_around_[k];
