@@ -27,7 +27,7 @@ constexpr int kMostPasses = 40;
 constexpr float kLongestStep = 0.25F;  // of a point in one pass
 constexpr double kLeastGain = 0.5;
 constexpr double kMostGain = 4;
-constexpr std::size_t kGrain = 1 << 12;
+constexpr std::size_t kFacesPerTask = 1 << 12;
 
 struct Shell {
   std::uint64_t excess = 0;  // volume of the net minus volume of the voxels
@@ -166,7 +166,7 @@ class VolumeKeeper {
   // Calls f(number, below, above) for all faces, with the sums of the shells on their lower and upper sides.
   template <class F>
   void for_each_face(const F& f) {
-    for_each_range(faces_.faces().size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for_each_range(faces_.faces().size(), kFacesPerTask, [&](std::size_t begin, std::size_t end) {
       ShellSums below(shells_);
       ShellSums above(shells_);
       for (std::size_t n = begin; n != end; ++n) f(n, below, above);
@@ -256,7 +256,7 @@ class VolumeKeeper {
           way *= std::min(1.0F, kLongestStep / glm::length(way));
           offsets_[k] = offset_within_cell(offsets_[k] + way, fixed_axes(corners_[k], bounds_));
         },
-        kGrain);
+        kFacesPerTask);
   }
 
   // Returns how far a face moves toward its upper side.
