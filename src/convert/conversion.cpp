@@ -24,16 +24,15 @@
 #include "convert/detail/no_surface.hpp"
 #include "convert/detail/output_meshes.hpp"
 #include "convert/detail/particle_file.hpp"
+#include "convert/detail/partwise_output.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/detail/skipped_surfaces.hpp"
 #include "convert/detail/surface_maker.hpp"
-#include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
-#include "convert/placement_record.hpp"
 #include "convert/stages/mesh_relax.hpp"
 #include "convert/stages/mesh_touching.hpp"
 #include "extract/voxels.hpp"
@@ -196,9 +195,10 @@ class Conversion {
       const std::size_t count = labels_ ? group_size(isos.subspan(begin), *labels_) : 1;
       std::vector<MadeSurface> group(count);
       if (!labels_) source_.set_inside_side(isos[begin].id.iso_or_zero());
-      for_each_index(count, [&](std::size_t i) { group[i] = maker().make(isos[begin + i]); });
+      const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
+      for_each_index(count, [&](std::size_t i) { group[i] = maker(sink.get()).make(isos[begin + i]); });
       const Result<std::optional<Surface>>& first = group.front().surface;
-      if (!labels_ && !first && fall_back_to_cpu(first.error())) group.front() = maker().make(isos[begin]);
+      if (!labels_ && !first && fall_back_to_cpu(first.error())) group.front() = maker(sink.get()).make(isos[begin]);
       for (std::size_t i = 0; i < count; ++i) {
         TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
       }
@@ -206,6 +206,13 @@ class Conversion {
       if (count > 1) release_free_memory();  // the reports of surfaces stay, between what their meshes took
     }
     return {};
+  }
+
+  // Returns what writes the only surface of a file while it is made; null if the surface must be whole before.
+  std::unique_ptr<mesh::MeshSink> sink_of(std::span<const ResolvedIso> isos, OutputMeshes& file) const {
+    const bool is_only = file.job.isos.size() == 1 && isos.size() == 1 && job_.source.more_grids.empty() && !labels_;
+    if (!is_only || collector_ != nullptr || extras_.mesh_facts) return nullptr;
+    return partwise_output(job_, source_, all_, isos.front().id, file.writer);
   }
 
   // Adds a surface to the file, whole or split into bodies, or writes it to the file of its label.
@@ -246,7 +253,8 @@ class Conversion {
   }
 
   [[nodiscard]] OutputMeshes open(const OutputFileJob& output) const {
-    return {output, mesh_io::MeshWriter(output.path, write_options(), context_), LabelFileNames(output.path)};
+    const auto options = write_options(job_, source_, extras_.hash_files);
+    return {output, mesh_io::MeshWriter(output.path, options, context_), LabelFileNames(output.path)};
   }
 
   // Adds the bodies as meshes of one file, or writes each to its own file.
@@ -283,13 +291,6 @@ class Conversion {
     return {};
   }
 
-  [[nodiscard]] mesh_io::MeshWriteOptions write_options() const {
-    return {meshes_.format,        job_.normals == Normals::flat,
-            meshes_.ascii,         mesh_packing(meshes_.packing, source_),
-            copies_vertices(job_), write_placement_record(source_.placement, meshes_.format, source_.written_kinds()),
-            extras_.hash_files};
-  }
-
   // Finds all labels that the job asks for in one pass over the samples.
   Result<void> find_labels() {
     const std::optional<extract::LabelChoice> choice = chosen_labels(source_.isos, job_.surface.background);
@@ -321,9 +322,10 @@ class Conversion {
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
-  [[nodiscard]] SurfaceMaker maker() const {
+  [[nodiscard]] SurfaceMaker maker(mesh::MeshSink* sink = nullptr) const {
     const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
-    return {job_, source_, *extractor_, other_extractor_.get(), labels, looks_, all_, extras_.mesh_facts, context_};
+    return {job_,     source_, *extractor_, other_extractor_.get(), labels, looks_, all_, extras_.mesh_facts,
+            context_, sink};
   }
 
   // Falls back to the CPU, with a note, if automatic chose a GPU that cannot do the work; never when verifying.
@@ -340,11 +342,11 @@ class Conversion {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     file.note(surface, source_.label, events_.grid());
-    outcome_.written.push_back({surface.id, output_, surface.mesh.triangles.size(), 0, 0, events_.grid()});
+    outcome_.written.push_back({surface.id, output_, surface.triangles(), 0, 0, events_.grid()});
     Result<void> added;
     if (collector_ != nullptr || picture_ != nullptr) {
       file.held.push_back(std::move(surface.mesh));
-    } else {
+    } else if (!surface.taken) {
       added = file.writer.add(std::move(surface.mesh));
     }
     file.time += watch.elapsed();
@@ -359,7 +361,7 @@ class Conversion {
       return std::move(picture.written);
     }
     if (collector_ == nullptr) return file.writer.finish();
-    file.collect(write_options(), *collector_);
+    file.collect(write_options(job_, source_, extras_.hash_files), *collector_);
     return mesh_io::MeshWriteResult();
   }
 

@@ -192,12 +192,16 @@ StageReport extraction_report(const extract::ExtractStats& stats, const extract:
                               const Surface& surface, const StageContext& stage, const StageTime& time) {
   StageReport report = stage.report_on(StageName::extract, surface);
   report.work = extraction_facts(stats, options, stage.job, surface.id.is_label());
+  if (surface.taken) {
+    report.work.push_back({WorkTopic::whole_mesh, WorkDone::left_out, std::nullopt, std::nullopt,
+                           "a mesh in memory, because each part goes to the file as soon as it is made"});
+  }
   Figures figures;
   if (!surface.asked.is_number()) figures.emplace_back(Key::asked, text_of(surface.asked));
-  figures.emplace_back(Key::triangles, surface.mesh.triangles.size());
+  figures.emplace_back(Key::triangles, surface.triangles());
   report.entries.push_back(std::move(figures));
   report.time = time;
-  report.did = "extracted";
+  report.did = surface.taken ? "extracted and written" : "extracted";
   report.details.push_back(fmt::format("{:.3f} s to compare samples, {:.3f} s to count, {:.3f} s to make the mesh",
                                        stats.classify.wall_seconds, stats.count.wall_seconds, stats.emit.wall_seconds));
   report.parts.push_back({StageName::classify, surface.id, stats.classify});

@@ -46,6 +46,7 @@ enum class WorkTopic {
   error,
   border_vertices,  // vertices where rectangles of voxel faces meet the side of another
   caps,
+  whole_mesh,  // in memory, because its parts went to the file at once
 };
 constexpr auto words_of(WorkTopic /*type*/) {
   return std::array{Word{WorkTopic::grids, "grids"},
@@ -74,7 +75,8 @@ constexpr auto words_of(WorkTopic /*type*/) {
                     Word{WorkTopic::normal_copies, "normal_copies"},
                     Word{WorkTopic::error, "error"},
                     Word{WorkTopic::border_vertices, "border_vertices"},
-                    Word{WorkTopic::caps, "caps"}};
+                    Word{WorkTopic::caps, "caps"},
+                    Word{WorkTopic::whole_mesh, "whole_mesh"}};
 }
 enum class WorkDone {
   left_out,

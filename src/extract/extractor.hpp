@@ -25,6 +25,7 @@
 #include "extract/voxel_faces.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/mesh_sink.hpp"
 
 namespace isoextract::extract {
 
@@ -57,6 +58,9 @@ struct ExtractOptions {
   bool shared_origin = false;  // all regions of one field use one mesh origin, so vertices on a shared face are equal
                                // bit for bit; large fields lose precision (edge_geometry.hpp)
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
+  // Receives the mesh part by part if the extraction can make it that way: on the CPU, by mc or mt, from dense samples,
+  // without edge keys, and without NaN samples that need holes or normals. May decline (MeshSink::begin()). Null: none.
+  mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
 };
@@ -102,8 +106,9 @@ struct ExtractStats {
 };
 
 struct Extraction {
-  mesh::Mesh mesh;
+  mesh::Mesh mesh;  // without vertices and triangles if a sink took them
   ExtractStats stats;
+  std::optional<mesh::MeshShape> taken = {};  // of the mesh that ExtractOptions::sink took
 };
 
 class Extractor {

@@ -64,17 +64,27 @@ Result<void> check_placement(const field::ScalarField& field, const OutputPlacem
       {Remedy::change, Setting::scale});
 }
 
-Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options,
-                                 const Context& context) {
-  if (sizes.vertices > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: the surface has {} vertices; a mesh can have at most {}", field.source, sizes.vertices,
-                            std::numeric_limits<std::uint32_t>::max()),
-                {Remedy::use, Setting::parts});
-  }
+namespace {
+
+std::uint64_t array_bytes(const MeshSizes& sizes, const ExtractOptions& options) {
   const std::uint64_t vertex_bytes =
       sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1) + (options.edge_keys ? sizeof(mesh::EdgeKey) : 0);
-  return context.reserve(sizes.vertices * vertex_bytes + sizes.triangles * sizeof(glm::uvec3),
+  return sizes.vertices * vertex_bytes + sizes.triangles * sizeof(glm::uvec3);
+}
+
+}  // namespace
+
+Result<void> check_vertex_count(const field::ScalarField& field, const MeshSizes& sizes) {
+  if (sizes.vertices <= std::numeric_limits<std::uint32_t>::max()) return {};
+  return fail(ErrorCode::input,
+              fmt::format("{}: the surface has {} vertices; a mesh can have at most {}", field.source, sizes.vertices,
+                          std::numeric_limits<std::uint32_t>::max()),
+              {Remedy::use, Setting::parts});
+}
+
+Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options,
+                                 const Context& context) {
+  return context.reserve(array_bytes(sizes, options),
                          fmt::format("{}: the {} triangles of its surface", field.source, sizes.triangles));
 }
 
@@ -164,6 +174,18 @@ void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& c
     mesh.triangles[surface.triangles + t] =
         placement.mirrored() ? glm::uvec3(corners.x, corners.z, corners.y) : corners;
   }
+}
+
+Result<void> deliver_cap(mesh::MeshSink& sink, const MeshSizes& surface, const BoundaryCap& cap,
+                         const field::IndexBox& box, const OutputPlacement& placement, const ExtractOptions& options,
+                         const Context& context) {
+  const MeshSizes sizes{cap.samples.size(), cap.triangles.size()};
+  const auto memory = TRY(context.reserve(array_bytes(sizes, options), "the triangles of a cap"));
+  mesh::Mesh part;
+  allocate_mesh(part, {}, cap, options);
+  append_cap(part, {}, cap, box, placement);
+  return sink.take(
+      {surface.vertices, part.positions.span(), part.normals.span(), surface.triangles, part.triangles.span()});
 }
 
 }  // namespace isoextract::extract

@@ -3,6 +3,7 @@
 
 #include "extract/boundary_cap.hpp"
 #include "extract/edge_geometry.hpp"
+#include "mesh/mesh_sink.hpp"
 
 namespace isoextract::extract {
 
@@ -23,8 +24,11 @@ struct MeshSizes {
 // Fails with ErrorCode::input if float32 cannot keep the vertices of the mesh apart (OutputPlacement::fits_float32).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputPlacement& placement);
 
+// Fails with ErrorCode::input for more vertices than 32-bit indices can number.
+[[nodiscard]] Result<void> check_vertex_count(const field::ScalarField& field, const MeshSizes& sizes);
+
 // Reserves memory for the arrays of allocate_mesh(); `sizes` count the surface and the cap. Fails with
-// ErrorCode::out_of_memory, and with ErrorCode::input for more vertices than 32-bit indices can number.
+// ErrorCode::out_of_memory.
 [[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
                                                const ExtractOptions& options, const Context& context);
 
@@ -56,5 +60,11 @@ void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap
 // Writes the cap of `box` behind the surface, into the room that allocate_mesh() made.
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const field::IndexBox& box,
                 const OutputPlacement& placement);
+
+// Hands the cap of `box` to a sink, as the part behind the surface. Fails with ErrorCode::out_of_memory, and as the
+// sink does.
+[[nodiscard]] Result<void> deliver_cap(mesh::MeshSink& sink, const MeshSizes& surface, const BoundaryCap& cap,
+                                       const field::IndexBox& box, const OutputPlacement& placement,
+                                       const ExtractOptions& options, const Context& context);
 
 }  // namespace isoextract::extract

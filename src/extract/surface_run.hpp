@@ -41,6 +41,41 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // the vertex on the crossed edge from `p`
 };
 
+// A surface that can be made part by part.
+template <class S>
+concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink& sink, const Context& context) {
+  // Makes the parts of the mesh that emit() would write, and hands each to the sink. Fails as the sink does, and as
+  // emit().
+  { surface.deliver(sink, context) } -> std::same_as<Result<void>>;
+};
+
+// Offers the mesh to the sink of `options`. If the sink takes it, sets Extraction::taken and delivers the mesh and its
+// cap. Does nothing if the mesh must be edited as a whole after emit().
+template <SurfacePasses Surface>
+[[nodiscard]] Result<void> offer_to_sink(const ExtractOptions& options, Surface& surface, const MeshSizes& sizes,
+                                         const BoundaryCap& cap, const std::optional<field::IndexBox>& box,
+                                         const Context& context, Extraction& result) {
+  if constexpr (PartwisePasses<Surface>) {
+    const bool needs_whole_mesh = options.edge_keys || surface.has_holes() ||
+                                  (options.smooth_normals && result.stats.nan_samples != 0) || sizes.triangles == 0;
+    if (options.sink == nullptr || needs_whole_mesh) return {};
+    const MeshSizes all = with_cap(sizes, cap);
+    const mesh::MeshShape shape{.origin = surface.placement().origin(),
+                                .vertices = all.vertices,
+                                .triangles = all.triangles,
+                                .has_normals = options.smooth_normals,
+                                .may_be_open = result.stats.meets_boundary && !options.cap};
+    const bool takes = TRY(options.sink->begin(shape));
+    if (!takes) return {};
+    TRY(surface.deliver(*options.sink, context));
+    if (!cap.triangles.empty()) {
+      TRY(deliver_cap(*options.sink, sizes, cap, *box, surface.placement(), options, context));
+    }
+    result.taken = shape;
+  }
+  return {};
+}
+
 // Runs the passes of `surface` and returns its mesh. Checks that the frame fits float32, and reserves memory for the
 // counted size. Builds the cap from what the surface has at the faces of its box, and appends it behind the surface. If
 // NaN cells were left out, gives each fan of triangles its own vertex.
@@ -57,8 +92,7 @@ template <SurfacePasses Surface>
 
   const auto sizes = TRY(surface.count(result.stats));
   TRY(context.check());
-  auto memory = reserve_mesh(field, sizes, options, context);
-  if (!memory) return tl::unexpected(memory.error());
+  TRY(check_vertex_count(field, sizes));
   Stopwatch watch;
   BoundaryCap cap;
   Reservation cap_memory;
@@ -81,13 +115,18 @@ template <SurfacePasses Surface>
         [&](const glm::ivec3& p) { return surface.has_holes() && std::isnan(surface.value(p)); });
     numbers.release();
     cap_memory = TRY(reserve_cap(field, cap, context));
-    memory->release();
-    memory = reserve_mesh(field, with_cap(sizes, cap), options, context);
-    if (!memory) return tl::unexpected(memory.error());
+    TRY(check_vertex_count(field, with_cap(sizes, cap)));
   }
   result.stats.count += watch.elapsed();
 
   watch.restart();
+  TRY(offer_to_sink(options, surface, sizes, cap, box, context, result));
+  if (result.taken) {
+    result.stats.emit += watch.elapsed();
+    return result;
+  }
+  auto memory = reserve_mesh(field, with_cap(sizes, cap), options, context);
+  if (!memory) return tl::unexpected(memory.error());
   allocate_mesh(result.mesh, sizes, cap, options);
   TRY(surface.emit(result.mesh));
   if (options.smooth_normals && result.stats.nan_samples != 0) {

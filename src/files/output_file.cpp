@@ -113,6 +113,7 @@ struct OutputFile::State {
   [[nodiscard]] Result<void> flush();
   [[nodiscard]] Result<void> prepare_change();
   [[nodiscard]] Result<void> write_to(std::uint64_t place, std::span<const std::byte> span);
+  [[nodiscard]] Result<void> set_size(std::uint64_t size);
   [[nodiscard]] Result<void> read_from(std::uint64_t place, std::span<std::byte> span);
   [[nodiscard]] Result<void> prepare();
   [[nodiscard]] Result<void> publish();
@@ -184,14 +185,28 @@ Result<void> OutputFile::State::prepare_change() {
   return flush();
 }
 
-Result<void> OutputFile::State::write_to(std::uint64_t place, std::span<const std::byte> span) {
+// Writes bytes at `place`; returns the code of the system's error, or 0. Several threads may write at once.
+int write_at(int fd, std::uint64_t place, std::span<const std::byte> span) {
   while (!span.empty()) {
     const ssize_t written =
         retry_interrupted([&] { return ::pwrite(fd, span.data(), span.size(), static_cast<off_t>(place)); });
-    if (written < 0) return failed("write", errno);
+    if (written < 0) return errno;
     place += static_cast<std::uint64_t>(written);
     span = span.subspan(static_cast<std::size_t>(written));
   }
+  return 0;
+}
+
+Result<void> OutputFile::State::write_to(std::uint64_t place, std::span<const std::byte> span) {
+  if (const int code = write_at(fd, place, span); code != 0) return failed("write", code);
+  return {};
+}
+
+// Changes the size of the file; later bytes are appended at its end.
+Result<void> OutputFile::State::set_size(std::uint64_t size) {
+  bytes = size;
+  if (::ftruncate(fd, static_cast<off_t>(size)) != 0) return failed("write", errno);
+  if (::lseek(fd, 0, SEEK_END) < 0) return failed("write", errno);
   return {};
 }
 
@@ -330,6 +345,20 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
 
 Result<void> OutputFile::write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
 
+Result<std::uint64_t> OutputFile::extend(std::uint64_t count) {
+  State& state = *state_;
+  TRY(state.prepare_change());
+  const std::uint64_t place = state.bytes;
+  TRY(state.set_size(place + count));
+  return place;
+}
+
+Result<void> OutputFile::fill(std::uint64_t place, std::span<const std::byte> bytes) const {
+  const int code = write_at(state_->fd, place, bytes);
+  if (code != 0) return tl::unexpected<Error>(system_error(state_->shown, "write", code));
+  return {};
+}
+
 Result<void> OutputFile::overwrite(std::uint64_t place, std::span<const std::byte> bytes) {
   TRY(state_->prepare_change());
   return state_->write_to(place, bytes);
@@ -348,10 +377,7 @@ Result<void> OutputFile::move_end(std::uint64_t from, std::uint64_t to) {
     TRY(state.write_to(to + at, block.first(size)));
     done += size;
   }
-  state.bytes = to + count;
-  if (::ftruncate(state.fd, static_cast<off_t>(state.bytes)) != 0) return state.failed("write", errno);
-  if (::lseek(state.fd, 0, SEEK_END) < 0) return state.failed("write", errno);
-  return {};
+  return state.set_size(to + count);
 }
 
 void OutputFile::keep_hash() { state_->hasher.emplace(); }

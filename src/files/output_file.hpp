@@ -62,9 +62,13 @@ class OutputFile {
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> write(std::string_view text);
 
-  // overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard output, which
+  // extend(), overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard output, which
   // cannot be rewritten.
   //
+  // Makes room for `count` bytes at the end and returns the place of the first. Fill all of it with fill().
+  [[nodiscard]] Result<std::uint64_t> extend(std::uint64_t count);
+  // Writes into room that extend() made. Several threads may fill disjoint ranges at once.
+  [[nodiscard]] Result<void> fill(std::uint64_t place, std::span<const std::byte> bytes) const;
   // Replaces bytes at `place`; the whole range must have been written already.
   [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);
   // Moves all bytes from offset `from` on, so that they begin at offset `to`. If `to` is larger, the gap has undefined

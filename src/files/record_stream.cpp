@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <tbb/parallel_pipeline.h>
@@ -58,6 +59,20 @@ Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_
                                tbb::make_filter<Block*, void>(tbb::filter_mode::serial_in_order, write_block));
   }
   return written;
+}
+
+Result<void> fill_records(const OutputFile& file, std::uint64_t place, std::size_t count, std::size_t record_bytes,
+                          const FillRecords& fill) {
+  constexpr std::size_t kBlockBytes = std::size_t{1} << 18;  // stays in the cache of the core
+  const std::size_t per_block = std::min(count, std::max<std::size_t>(1, kBlockBytes / record_bytes));
+  Buffer<char> block(per_block * record_bytes);
+  for (std::size_t first = 0; first < count; first += per_block) {
+    const std::size_t last = std::min(count, first + per_block);
+    fill(first, last, block.data());
+    TRY(file.fill(place + first * record_bytes,
+                  std::as_bytes(std::as_const(block).span().first((last - first) * record_bytes))));
+  }
+  return {};
 }
 
 }  // namespace isoextract::files

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 
 #include "base/error.hpp"
@@ -17,5 +18,10 @@ using FillRecords = std::function<char*(std::size_t first, std::size_t last, cha
 // OutputFile::write().
 [[nodiscard]] Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes,
                                          const FillRecords& fill);
+
+// Fills the room of `count` records of `record_bytes` bytes each at `place` (OutputFile::extend()). Works on the
+// calling thread alone; several threads may fill disjoint ranges at once. Fails as OutputFile::fill().
+[[nodiscard]] Result<void> fill_records(const OutputFile& file, std::uint64_t place, std::size_t count,
+                                        std::size_t record_bytes, const FillRecords& fill);
 
 }  // namespace isoextract::files

@@ -15,19 +15,17 @@ constexpr std::size_t kTrianglesAtATime = 1 << 15;
 
 LocalBounds measure_local_bounds(const Mesh& mesh) {
   if (mesh.positions.empty()) return {};
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   return reduce_ranges(
-      mesh.positions.size(), kTrianglesAtATime, LocalBounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)},
-      [&](std::size_t begin, std::size_t end, LocalBounds bounds) {
-        for (std::size_t v = begin; v != end; ++v) {
-          bounds.min = glm::min(bounds.min, mesh.positions[v]);
-          bounds.max = glm::max(bounds.max, mesh.positions[v]);
-        }
-        return bounds;
-      },
-      [](const LocalBounds& a, const LocalBounds& b) {
-        return LocalBounds{glm::min(a.min, b.min), glm::max(a.max, b.max)};
-      });
+             mesh.positions.size(), kTrianglesAtATime, GrowingBounds(),
+             [&](std::size_t begin, std::size_t end, GrowingBounds bounds) {
+               bounds.add(mesh.positions.span().subspan(begin, end - begin));
+               return bounds;
+             },
+             [](GrowingBounds a, const GrowingBounds& b) {
+               a.add(b);
+               return a;
+             })
+      .get();
 }
 
 Bounds measure_bounds(const Mesh& mesh) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "mesh/mesh.hpp"
@@ -22,6 +23,26 @@ struct LocalBounds {
   glm::vec3 max{0.0F};
 };
 [[nodiscard]] LocalBounds measure_local_bounds(const Mesh& mesh);
+
+// Bounds of positions that come in parts. Of equal coordinates (0 and -0), those of the part added first stay.
+class GrowingBounds {
+ public:
+  void add(std::span<const glm::vec3> positions) {
+    for (const glm::vec3& position : positions) {
+      bounds_.min = glm::min(bounds_.min, position);
+      bounds_.max = glm::max(bounds_.max, position);
+    }
+  }
+  void add(const GrowingBounds& other) {
+    bounds_ = {glm::min(bounds_.min, other.bounds_.min), glm::max(bounds_.max, other.bounds_.max)};
+  }
+  // Returns infinite bounds, minimum above maximum, if nothing was added.
+  [[nodiscard]] const LocalBounds& get() const { return bounds_; }
+
+ private:
+  LocalBounds bounds_{glm::vec3(std::numeric_limits<float>::infinity()),
+                      glm::vec3(-std::numeric_limits<float>::infinity())};
+};
 
 // Returns the greatest absolute coordinate, which determines the resolution of float32; 0 without positions.
 [[nodiscard]] float farthest_coordinate(std::span<const glm::vec3> positions);

@@ -12,6 +12,7 @@
 #include "mesh_io/write/attempt.hpp"
 #include "mesh_io/write/coordinate_rounding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
+#include "mesh_io/write/partwise_writer.hpp"
 #include "mesh_io/write/vertex_order.hpp"
 
 namespace isoextract::mesh_io {
@@ -165,7 +166,9 @@ struct MeshWriter::State {
   std::optional<files::OutputFile> file;
   std::optional<files::OutputFile> binary;  // the .bin of .gltf
   std::unique_ptr<FormatWriter> format;
-  std::vector<std::string> left_out;  // names of attributes that the format cannot store
+  mesh::Mesh head;                        // of a mesh that comes in parts
+  std::unique_ptr<PartwiseWriter> parts;  // writes them; null if all meshes come whole
+  std::vector<std::string> left_out;      // names of attributes that the format cannot store
   Notes notes;
   std::optional<Error> failure;
 
@@ -175,6 +178,7 @@ struct MeshWriter::State {
   }
 
   [[nodiscard]] Result<void> check_vertex_precision(const mesh::Mesh& mesh);
+  [[nodiscard]] Result<void> open_file();
   [[nodiscard]] Result<void> open();
   [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
   [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
@@ -189,13 +193,18 @@ Result<void> MeshWriter::State::check_vertex_precision(const mesh::Mesh& mesh) {
   return {};
 }
 
-// Opens the files and makes the format's writer, on the first call.
-Result<void> MeshWriter::State::open() {
-  if (format != nullptr) return {};
+Result<void> MeshWriter::State::open_file() {
   auto opened = files::OutputFile::create(path);
   if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
   file = std::move(*opened);
   if (options.hash_files) file->keep_hash();
+  return {};
+}
+
+// Opens the files and makes the format's writer, on the first call.
+Result<void> MeshWriter::State::open() {
+  if (format != nullptr || parts != nullptr) return {};
+  TRY(open_file());
   switch (options.format) {
     case MeshFormat::glb: format = make_glb_writer(options, context, *file); break;
     case MeshFormat::ply: format = std::make_unique<OneMeshWriter>(write_ply, options, *file); break;
@@ -204,7 +213,7 @@ Result<void> MeshWriter::State::open() {
     case MeshFormat::drc: format = make_drc_writer(options, context, *file); break;
     case MeshFormat::gltf:
       const fs::path binary_path = fs::path(path).replace_extension(".bin");
-      opened = files::OutputFile::create(binary_path);
+      auto opened = files::OutputFile::create(binary_path);
       if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
       binary = std::move(*opened);
       if (options.hash_files) binary->keep_hash();
@@ -242,7 +251,7 @@ Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> la
   if (options.packing.quantizes() && !options.packing.box) options.packing.box = bounds_of(last);
   if (done) done = open();
   for (std::size_t m = 0; m < last.size() && done; ++m) done = write(last[m]);
-  if (done) done = format->finish(notes);
+  if (done) done = parts != nullptr ? parts->finish(notes) : format->finish(notes);
   const bool has_binary = done && binary && binary->bytes_written() > 0;
   if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
   if (!done) return tl::unexpected<Error>(std::move(done.error()));
@@ -286,6 +295,33 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
     return {};
   });
 }
+
+Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& shape) {
+  State& state = *state_;
+  const MeshWriteOptions& options = state.options;
+  const bool needs_whole_mesh = (options.format != MeshFormat::ply && options.format != MeshFormat::glb) ||
+                                options.ascii || options.flat_normals || options.hash_files ||
+                                options.packing.packs() || options.packing.optimize_order || !head.attributes.empty() ||
+                                shape.origin != glm::dvec3(0) || files::is_stream(state.path);
+  if (needs_whole_mesh || state.count > 0) return false;
+  return state.attempt([&]() -> Result<bool> {
+    TRY(check(1, state.path, options));
+    TRY(state.open_file());
+    state.head = std::move(head);
+    auto make = options.format == MeshFormat::ply ? make_partwise_ply_writer : make_partwise_glb_writer;
+    auto parts = make(state.head, options, *state.file);
+    const bool takes = TRY(parts->begin(shape));
+    if (!takes) {
+      state.file.reset();
+      return false;
+    }
+    state.parts = std::move(parts);
+    state.count = 1;
+    return true;
+  });
+}
+
+Result<void> MeshWriter::take_part(const mesh::MeshPart& part) const { return state_->parts->take(part); }
 
 Result<MeshWriteResult> MeshWriter::finish() {
   return state_->attempt([&] { return state_->finish(state_->held); });

@@ -17,6 +17,7 @@
 #include "base/error.hpp"
 #include "base/note.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/mesh_sink.hpp"
 #include "mesh_io/mesh_packing.hpp"
 
 namespace isoextract::mesh_io {
@@ -107,6 +108,14 @@ class MeshWriter {
   // differs from the original. Fails with the same code if rounding would destroy the mesh because it is far from the
   // origin (write/coordinate_rounding.hpp). After a failure every later call returns the first error.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
+
+  // Begins the only mesh of the file, whose parts take_part() writes to their places at once. `head` is the mesh
+  // without its arrays. Returns false, and does nothing, if the mesh must be added as a whole: this writes binary PLY
+  // and unpacked GLB with 32-bit indices to regular files, without attributes, flat normals, an origin or a hash. Fails
+  // like add().
+  [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape);
+  // Writes a part after begin_parts() returned true; see mesh::MeshSink::take(). Fails with ErrorCode::output.
+  [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;
 
   // Completes the file and gives it its name. Call once, last.
   [[nodiscard]] Result<MeshWriteResult> finish();

@@ -1,10 +1,9 @@
-#include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include "base/first_error.hpp"
 #include "base/machine.hpp"
 #include "base/parallel.hpp"
 #include "render/detail/ray_caster.hpp"
@@ -20,23 +19,6 @@ void add(RenderStatistics& sum, const RenderStatistics& part) {
   sum.samples_terminated += part.samples_terminated;
   sum.fragments += part.fragments;
 }
-
-// Keeps the first error of several threads.
-class FirstError {
- public:
-  void keep(Error error) {
-    const std::lock_guard lock(mutex_);
-    if (!error_) error_ = std::move(error);
-    any_.store(true, std::memory_order_relaxed);
-  }
-  [[nodiscard]] bool any() const { return any_.load(std::memory_order_relaxed); }
-  [[nodiscard]] std::optional<Error>& error() { return error_; }
-
- private:
-  std::mutex mutex_;
-  std::atomic<bool> any_{false};
-  std::optional<Error> error_;
-};
 
 // Data that is prepared from a volume before rays are cast.
 struct PreparedVolume {

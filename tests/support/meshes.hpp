@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <tuple>
 #include <vector>
 
@@ -32,6 +33,12 @@ inline std::vector<std::array<Point, 3>> triangle_set(const mesh::Mesh& mesh) {
   }
   std::sort(set.begin(), set.end());
   return set;
+}
+
+// Compares bit for bit: -0 differs from 0.
+template <class T>
+bool same_bytes(const Buffer<T>& a, const Buffer<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
 inline extract::Extraction extract(const field::ScalarField& field, const extract::ExtractOptions& options) {

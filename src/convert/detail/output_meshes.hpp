@@ -11,12 +11,27 @@
 
 #include "convert/detail/label_files.hpp"
 #include "convert/mesh_collector.hpp"
+#include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
+#include "convert/placement_record.hpp"
 #include "convert/stages/mesh_facts.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::convert {
+
+// Returns the options to write meshes of this job and source with.
+[[nodiscard]] inline mesh_io::MeshWriteOptions write_options(const ConversionJob& job, const Source& source,
+                                                             bool hash_files) {
+  const MeshFileOptions meshes = job.meshes();
+  return {meshes.format,
+          job.normals == Normals::flat,
+          meshes.ascii,
+          mesh_packing(meshes.packing, source),
+          copies_vertices(job),
+          write_placement_record(source.placement, meshes.format, source.written_kinds()),
+          hash_files};
+}
 
 struct OutputMeshes {
   const OutputFileJob& job;
@@ -37,8 +52,8 @@ struct OutputMeshes {
   void note(const Surface& surface, const std::string& label, const std::string& grid) {
     if (surface.facts) facts.push_back(facts_as_written(*surface.facts, job.path, surface.mesh, surface.error, grid));
     written.surfaces.push_back({label, surface.id, surface.end});
-    written.triangles += surface.mesh.triangles.size();
-    written.vertices += surface.mesh.positions.size();
+    written.triangles += surface.triangles();
+    written.vertices += surface.vertices();
     if (surface.welded) {
       written.welded.open_edges += surface.welded->open_edges;
       written.welded.nonmanifold_edges += surface.welded->nonmanifold_edges;

@@ -28,7 +28,8 @@ Result<extract::Extraction> extract_field(const SurfaceMaker& maker, const Resol
 Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
   const Source& source = maker.source;
   const Stopwatch watch;
-  const extract::ExtractOptions options = extract_options_of(maker.job, source, asked.id.iso_or_zero());
+  extract::ExtractOptions options = extract_options_of(maker.job, source, asked.id.iso_or_zero());
+  options.sink = maker.sink;
   auto extraction = TRY(extract_field(maker, asked, options));
   TRY(volume_io::check_mapping_intact(source.field));
   const extract::ExtractStats& stats = extraction.stats;
@@ -37,6 +38,7 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   Surface surface{.asked = asked.asked,
                   .id = asked.id,
                   .mesh = std::move(extraction.mesh),
+                  .taken = extraction.taken,
                   .end = open_boundary_of(stats, options, source),
                   .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
   const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
@@ -69,13 +71,13 @@ Error error_of_none(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSur
 Result<std::optional<Surface>> make_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
   const EmptyPolicy empty = maker.job.empty;
   Surface surface = TRY(extract_surface(maker, asked, made));
-  if (surface.mesh.triangles.empty() && empty != EmptyPolicy::write) {
+  if (surface.triangles() == 0 && empty != EmptyPolicy::write) {
     if (empty == EmptyPolicy::error) return tl::unexpected(error_of_none(maker, asked, made));
     if (made.cut_away) made.lost.push_back({asked.id, "clipping removed every triangle"});
     return std::optional<Surface>();
   }
   TRY(edit_surface({maker.job, maker.source, maker.facts(made.open), maker.context}, made.events, surface));
-  if (!surface.mesh.triangles.empty() || empty == EmptyPolicy::write) return surface;
+  if (surface.triangles() != 0 || empty == EmptyPolicy::write) return surface;
   made.lost.push_back({asked.id, "no component has the requested size"});
   return std::optional<Surface>();
 }

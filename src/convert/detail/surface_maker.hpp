@@ -42,6 +42,7 @@ struct SurfaceMaker {
   const SurfaceList& all;              // all surfaces of the grid
   bool mesh_facts;                     // measure Surface::facts
   const Context& context;
+  mesh::MeshSink* sink = nullptr;  // takes the mesh while it is made, if nothing edits it as a whole; null: none
 
   // Makes one surface. The source's inside must be set for it (Source::set_inside_side()). For labels, calls from
   // several threads do not disturb each other. Throws nothing but keeps exceptions in the result: one that left a

@@ -1,6 +1,7 @@
 // Runs the stages between a surface's extraction and its file.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "convert/stages.hpp"
 #include "convert/stages/vertex_colors.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/mesh_sink.hpp"
 #include "mesh/topology.hpp"
 
 namespace isoextract::convert {
@@ -21,6 +23,7 @@ struct Surface {
   IsoChoice asked;
   SurfaceId id;
   mesh::Mesh mesh;
+  std::optional<mesh::MeshShape> taken = {};  // of the mesh, if its file took it while it was made; `mesh` is empty then
   OpenBoundary end = {};
   bool counts_open_edges = false;                // only counting boundary edges tells whether the mesh is closed
   std::optional<Figures> error = {};             // set if it was measured
@@ -30,6 +33,9 @@ struct Surface {
   std::optional<mesh::Topology> welded = {};     // as readers of the file find it (topology_as_read())
   bool distinct_positions = false;               // no two vertices coincide in a file of float32; false: unknown
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
+
+  [[nodiscard]] std::uint64_t vertices() const { return taken ? taken->vertices : mesh.positions.size(); }
+  [[nodiscard]] std::uint64_t triangles() const { return taken ? taken->triangles : mesh.triangles.size(); }
 };
 
 // Facts about all surfaces of the job and about the current one.

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/first_error.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
@@ -122,11 +123,40 @@ class DenseExtraction final : private VariantChooser {
 
   Result<void> emit(mesh::Mesh& mesh) {
     emit_bricks(mesh);
-    if (samples_changed_) {
-      return fail(ErrorCode::input, fmt::format("{}: the samples changed during the extraction", field_.source),
-                  "wait until the program that writes the file has finished");
+    return check_samples();
+  }
+
+  // A part of the mesh is a slab: the rows of bricks of one index along z, whose vertices have consecutive numbers.
+  // Each thread makes one slab after another in the same memory; where memory is short, fewer threads work.
+  Result<void> deliver(mesh::MeshSink& sink, const Context& context) {
+    const int slabs = bricks_.rows_z();
+    MeshSizes largest;
+    for (int bk = 0; bk < slabs; ++bk) {
+      const MeshSizes sizes = slab_sizes(bk);
+      largest = {std::max(largest.vertices, sizes.vertices), std::max(largest.triangles, sizes.triangles)};
     }
-    return {};
+    std::vector<Reservation> memory;
+    memory.push_back(TRY(reserve_mesh(field_, largest, options_, context)));
+    for (const int most = std::min(usable_threads(), slabs); static_cast<int>(memory.size()) < most;) {
+      auto another = reserve_mesh(field_, largest, options_, context);
+      if (!another) break;
+      memory.push_back(std::move(*another));
+    }
+    context.progress().begin("extracting", static_cast<std::uint64_t>(slabs));
+    FirstError failure;
+    std::atomic<int> next{0};
+    for_each_index(memory.size(), [&](std::size_t /*thread*/) {
+      mesh::Mesh part;
+      allocate_mesh(part, largest, {}, options_);
+      for (int bk = next++; bk < slabs && !failure.any(); bk = next++) {
+        auto delivered = deliver_slab(bk, part, sink);
+        if (delivered) delivered = context.check();
+        if (!delivered) failure.keep(std::move(delivered.error()));
+        context.progress().advance(1);
+      }
+    });
+    if (failure.error()) return tl::unexpected(std::move(*failure.error()));
+    return check_samples();
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
@@ -156,6 +186,12 @@ class DenseExtraction final : private VariantChooser {
   }
 
  private:
+  [[nodiscard]] Result<void> check_samples() const {
+    if (!samples_changed_) return {};
+    return fail(ErrorCode::input, fmt::format("{}: the samples changed during the extraction", field_.source),
+                "wait until the program that writes the file has finished");
+  }
+
   [[nodiscard]] std::size_t row_index(int j, int k) const {
     return static_cast<std::size_t>(j) + static_cast<std::size_t>(view_.dims.y) * static_cast<std::size_t>(k);
   }
@@ -262,27 +298,57 @@ class DenseExtraction final : private VariantChooser {
     return sizes;
   }
 
+  // Returns how many vertices and triangles lie below a slab.
+  [[nodiscard]] MeshSizes below_slab(int bk) const {
+    const std::size_t row = row_index(0, std::min(kBrickRows * bk, view_.dims.z));
+    return {vertex_base(row)[0], triangle_base_[row]};
+  }
+
   void emit_bricks(mesh::Mesh& mesh) {
     std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
     for_each_brick_row("extracting", [&](int bj, int bk) {
-      const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
-      if (std::find(crossed_bricks, crossed_bricks + masks_.words(), 1) != crossed_bricks + masks_.words()) {
-        emit_vertices(mesh, bj, bk);
-        for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, j, k); });
-      }
-      if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) {
-        view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z));
-      }
+      emit_brick_row(mesh, {}, bj, bk);
+      if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) leave_slab(bk);
     });
   }
 
-  void emit_vertices(mesh::Mesh& mesh, int bj, int bk) {
+  void leave_slab(int bk) const { view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z)); }
+
+  [[nodiscard]] MeshSizes slab_sizes(int bk) const {
+    const MeshSizes first = below_slab(bk);
+    const MeshSizes end = below_slab(bk + 1);
+    return {end.vertices - first.vertices, end.triangles - first.triangles};
+  }
+
+  // Makes the slab at the start of `part` and hands it to the sink.
+  Result<void> deliver_slab(int bk, mesh::Mesh& part, mesh::MeshSink& sink) {
+    const MeshSizes first = below_slab(bk);
+    const MeshSizes sizes = slab_sizes(bk);
+    if (sizes.vertices != 0 || sizes.triangles != 0) {
+      for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(part, first, bj, bk);
+      TRY(sink.take({first.vertices, std::as_const(part.positions).span().first(sizes.vertices),
+                     std::as_const(part.normals).span().first(part.normals.empty() ? 0 : sizes.vertices),
+                     first.triangles, std::as_const(part.triangles).span().first(sizes.triangles)}));
+    }
+    leave_slab(bk);
+    return {};
+  }
+
+  // Writes the vertices and triangles of a row of bricks to a mesh that begins with vertex and triangle `first`.
+  void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, int bj, int bk) {
+    const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
+    if (std::find(crossed_bricks, crossed_bricks + masks_.words(), 1) == crossed_bricks + masks_.words()) return;
+    emit_vertices(mesh, first.vertices, bj, bk);
+    for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, j, k); });
+  }
+
+  void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, int bj, int bk) {
     EdgeList edges(directions_, view_.dims.x);
     VertexWriter writer({placement_, rule_, field_.scale}, mesh, 0);
     VertexBatch& batch = writer.batch();
     for_each_row(bj, bk, [&](int j, int k) {
       // The rows of a slice have consecutive numbers within a brick row, but not from slice to slice.
-      if (j == kBrickRows * bj) writer.continue_at(vertex_base(row_index(j, k))[0]);
+      if (j == kBrickRows * bj) writer.continue_at(vertex_base(row_index(j, k))[0] - first);
       const std::size_t row = row_index(j, k);
       if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
       list_edges(*drawings_, cell_row(j, k), edges);
@@ -344,7 +410,7 @@ class DenseExtraction final : private VariantChooser {
     return inward * boundary_derivative(at(0), at(inward), far);
   }
 
-  void emit_triangles(mesh::Mesh& mesh, int j, int k) {
+  void emit_triangles(mesh::Mesh& mesh, std::uint64_t first_triangle, int j, int k) {
     const std::size_t index = row_index(j, k);
     if (triangle_base_[index] == triangle_base_[index + 1]) return;
     const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
@@ -358,8 +424,8 @@ class DenseExtraction final : private VariantChooser {
     };
     const auto first = directions_ == 3 ? first_numbers(std::integral_constant<int, 3>{})
                                         : first_numbers(std::integral_constant<int, 7>{});
-    const auto room =
-        mesh.triangles.span().subspan(triangle_base_[index], triangle_base_[index + 1] - triangle_base_[index]);
+    const auto room = mesh.triangles.span().subspan(triangle_base_[index] - first_triangle,
+                                                    triangle_base_[index + 1] - triangle_base_[index]);
     if (!write_cells(*drawings_, cell_row(j, k), *this, first, room)) samples_changed_ = true;
   }
 

@@ -255,8 +255,8 @@ tinygltf::Primitive GltfModel::indexed(const GltfPart& part) {
   const std::uint64_t count = part.vertex_count();
   const std::uint64_t bytes = count * sizeof(glm::vec3);
   tinygltf::Primitive primitive = triangles(part);
-  primitive.attributes["POSITION"] =
-      positions(view(bytes, TINYGLTF_TARGET_ARRAY_BUFFER), count, mesh::measure_local_bounds(*part.mesh));
+  primitive.attributes["POSITION"] = positions(view(bytes, TINYGLTF_TARGET_ARRAY_BUFFER), count,
+                                               part.bounds ? *part.bounds : mesh::measure_local_bounds(*part.mesh));
   if (part.has_normals()) {
     primitive.attributes["NORMAL"] = vectors(view(bytes, TINYGLTF_TARGET_ARRAY_BUFFER), 0, count);
   }
@@ -264,7 +264,7 @@ tinygltf::Primitive GltfModel::indexed(const GltfPart& part) {
   primitive.indices =
       accessor(view(part.index_bytes(), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER), 0,
                part.short_indices ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
-               TINYGLTF_TYPE_SCALAR, 3 * std::uint64_t{part.mesh->triangles.size()});
+               TINYGLTF_TYPE_SCALAR, 3 * part.shape.triangles);
   return primitive;
 }
 

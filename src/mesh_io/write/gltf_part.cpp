@@ -149,12 +149,18 @@ std::string as_utf8(const std::string& text) {
   return nlohmann::json::parse(quoted).get<std::string>();
 }
 
-GltfPart::GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes) : mesh(&source) {
-  if (source.triangles.empty()) return;
+GltfPart::GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes)
+    : GltfPart(source, mesh::shape_of(source)) {
+  if (layout == Layout::nothing) return;
   semantics = semantics_of(source, notes);
-  layout = flat_normals ? Layout::split : Layout::indexed;
-  short_indices = source.positions.size() <= kMaxShortVertices;
+  if (flat_normals) layout = Layout::split;
 }
+
+GltfPart::GltfPart(const mesh::Mesh& head, const mesh::MeshShape& shape_of_mesh)
+    : mesh(&head),
+      shape(shape_of_mesh),
+      layout(shape.triangles == 0 ? Layout::nothing : Layout::indexed),
+      short_indices(layout == Layout::indexed && shape.vertices <= kMaxShortVertices) {}
 
 Result<GltfPart> GltfPart::make(const mesh::Mesh& source, const MeshWriteOptions& options, const Context& context,
                                 Notes& notes) {
@@ -170,12 +176,10 @@ bool GltfPart::has_colors() const {
                      [](const GltfSemantic& s) { return s.attribute->role == mesh::AttributeRole::color; });
 }
 
-std::uint64_t GltfPart::vertex_count() const {
-  return layout == Layout::split ? 3 * std::uint64_t{mesh->triangles.size()} : mesh->positions.size();
-}
+std::uint64_t GltfPart::vertex_count() const { return layout == Layout::split ? 3 * shape.triangles : shape.vertices; }
 
 std::uint64_t GltfPart::index_bytes() const {
-  return mesh->triangles.size() * (short_indices ? sizeof(ShortTriangle) : sizeof(glm::uvec3));
+  return shape.triangles * (short_indices ? sizeof(ShortTriangle) : sizeof(glm::uvec3));
 }
 
 std::uint64_t GltfPart::bytes() const {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@
 #include "base/note.hpp"
 #include "files/output_file.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/mesh_sink.hpp"
+#include "mesh/metrics.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 
 namespace isoextract::mesh_io {
@@ -41,6 +44,8 @@ struct GltfPackedPart;
 // The binary layout of one mesh: its positions, each attribute in turn, then the indices; or the packed form of these.
 struct GltfPart {
   const mesh::Mesh* mesh = nullptr;
+  mesh::MeshShape shape;                    // of the mesh
+  std::optional<mesh::LocalBounds> bounds;  // of the mesh, if they do not come from its array
   std::vector<GltfSemantic> semantics;
   enum class Layout {
     nothing,  // no triangles: glTF has no empty accessors
@@ -55,11 +60,14 @@ struct GltfPart {
   static constexpr std::size_t kSplitStride = 2 * sizeof(glm::vec3);
 
   GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes);
+  // Lays out a mesh of which only `head` is there: the mesh without arrays and attributes. Set `bounds` before the JSON
+  // is made.
+  GltfPart(const mesh::Mesh& head, const mesh::MeshShape& shape);
   // Packs as options.packing asks; its box must be set if positions are quantized. Fails as pack_part() does.
   [[nodiscard]] static Result<GltfPart> make(const mesh::Mesh& source, const MeshWriteOptions& options,
                                              const Context& context, Notes& notes);
 
-  [[nodiscard]] bool has_normals() const { return !mesh->normals.empty(); }
+  [[nodiscard]] bool has_normals() const { return shape.has_normals; }
   [[nodiscard]] bool has_colors() const;
   [[nodiscard]] std::uint64_t vertex_count() const;
   [[nodiscard]] std::uint64_t index_bytes() const;

@@ -1,8 +1,12 @@
 // glTF 2.0 (ISO/IEC 12113): TinyGLTF builds the model and its JSON (gltf_model); the binary data goes from the meshes'
 // buffers directly to the file.
 // Each mesh is laid out before it is written, so that the JSON knows every offset. In a GLB, whose JSON precedes the
-// data, all meshes are laid out first.
+// data, all meshes are laid out first. If its one mesh comes in parts, room for the JSON is left before the data.
 #include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -13,9 +17,35 @@
 #include "mesh_io/write/gltf_packed_part.hpp"
 #include "mesh_io/write/gltf_part.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
+#include "mesh_io/write/partwise_writer.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
+
+// Returns an error if a GLB cannot have this size.
+Result<void> check_glb_length(std::uint64_t json_bytes, std::uint64_t binary_bytes, const files::OutputFile& file) {
+  const std::uint64_t length = glb_bytes(json_bytes, binary_bytes);
+  if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
+  return fail(ErrorCode::output,
+              fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file.shown_name(), length),
+              {Remedy::set, Setting::mesh_format, "gltf or ply"});
+}
+
+// Returns whether the length of a file's JSON must not depend on the bounds of its positions, so that the JSON can be
+// written after the data: the file has one large mesh.
+bool reserves_bounds(const GltfPart& part) {
+  return part.packed == nullptr && part.layout == GltfPart::Layout::indexed && !part.short_indices;
+}
+
+// Returns the greatest length of the JSON of a file with this part, whatever its bounds are.
+std::size_t longest_json(GltfPart part, const std::string& placement) {
+  constexpr float kLongest = -std::numeric_limits<float>::min();  // -1.1754943508222875e-38
+  part.bounds = mesh::LocalBounds{glm::vec3(kLongest), glm::vec3(kLongest)};
+  GltfModel model(placement);
+  model.add(part);
+  Notes of_another;
+  return gltf_aligned(model.json({}, -1, of_another).size());
+}
 
 class GlbWriter final : public FormatWriter {
  public:
@@ -33,12 +63,15 @@ class GlbWriter final : public FormatWriter {
     for (const GltfPart& part : parts_) binary_bytes += part.bytes();
     // Checks the length before measuring the bounds, which would be wasted on a file that is too large, and exactly
     // below.
-    TRY(check_length(glb_bytes(0, binary_bytes)));
+    TRY(check_glb_length(0, binary_bytes, file_));
     GltfModel model(options_.placement);
     for (const GltfPart& part : parts_) model.add(part);
     std::string text = model.json({}, -1, notes);
     pad_glb_json(text);
-    TRY(check_length(glb_bytes(text.size(), binary_bytes)));
+    if (parts_.size() == 1 && reserves_bounds(parts_.front())) {
+      text.resize(longest_json(parts_.front(), options_.placement), ' ');
+    }
+    TRY(check_glb_length(text.size(), binary_bytes, file_));
     auto written = file_.write(glb_start(text.size(), binary_bytes));
     if (written) written = file_.write(text);
     if (!written || binary_bytes == 0) return written;
@@ -54,17 +87,68 @@ class GlbWriter final : public FormatWriter {
   }
 
  private:
-  [[nodiscard]] Result<void> check_length(std::uint64_t length) const {
-    if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
-    return fail(ErrorCode::output,
-                fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file_.shown_name(), length),
-                {Remedy::set, Setting::mesh_format, "gltf or ply"});
-  }
-
   MeshWriteOptions options_;
   Context context_;
   files::OutputFile& file_;
   std::vector<GltfPart> parts_;
+};
+
+class PartwiseGlbWriter final : public PartwiseWriter {
+ public:
+  PartwiseGlbWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
+      : head_(head), placement_(options.placement), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    const GltfPart part(head_, shape);
+    if (!reserves_bounds(part)) return false;
+    const std::size_t json_bytes = longest_json(part, placement_);
+    TRY(check_glb_length(json_bytes, part.bytes(), file_));
+    TRY(file_.write(glb_start(json_bytes, part.bytes())));
+    json_at_ = TRY(file_.extend(json_bytes));
+    json_bytes_ = json_bytes;
+    TRY(file_.write(glb_binary_head(part.bytes())));
+    positions_at_ = TRY(file_.extend(shape.vertices * sizeof(glm::vec3)));
+    normals_at_ = TRY(file_.extend(shape.has_normals ? shape.vertices * sizeof(glm::vec3) : 0));
+    triangles_at_ = TRY(file_.extend(shape.triangles * sizeof(glm::uvec3)));
+    part_.emplace(part);
+    return true;
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    mesh::GrowingBounds bounds;
+    bounds.add(part.positions);
+    {
+      const std::lock_guard lock(mutex_);
+      bounds_.emplace(part.first_vertex, bounds);
+    }
+    TRY(file_.fill(positions_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.positions)));
+    TRY(file_.fill(normals_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.normals)));
+    return file_.fill(triangles_at_ + part.first_triangle * sizeof(glm::uvec3), std::as_bytes(part.triangles));
+  }
+
+  Result<void> finish(Notes& notes) override {
+    mesh::GrowingBounds all;
+    for (const auto& [vertex, bounds] : bounds_) all.add(bounds);
+    part_->bounds = all.get();
+    GltfModel model(placement_);
+    model.add(*part_);
+    std::string text = model.json({}, -1, notes);
+    text.resize(json_bytes_, ' ');
+    return file_.fill(json_at_, std::as_bytes(std::span(std::as_const(text))));
+  }
+
+ private:
+  const mesh::Mesh& head_;
+  std::string placement_;
+  files::OutputFile& file_;
+  std::optional<GltfPart> part_;
+  std::size_t json_bytes_ = 0;
+  std::uint64_t json_at_ = 0;  // places in the file
+  std::uint64_t positions_at_ = 0;
+  std::uint64_t normals_at_ = 0;
+  std::uint64_t triangles_at_ = 0;
+  std::mutex mutex_;
+  std::multimap<std::uint64_t, mesh::GrowingBounds> bounds_;  // by the first vertex of their part
 };
 
 class GltfWriter final : public FormatWriter {
@@ -108,6 +192,11 @@ class GltfWriter final : public FormatWriter {
 std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, const Context& context,
                                               files::OutputFile& file) {
   return std::make_unique<GlbWriter>(options, context, file);
+}
+
+std::unique_ptr<PartwiseWriter> make_partwise_glb_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                         files::OutputFile& file) {
+  return std::make_unique<PartwiseGlbWriter>(head, options, file);
 }
 
 std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, const Context& context,

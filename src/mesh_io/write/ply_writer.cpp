@@ -12,6 +12,7 @@
 #include "mesh_io/detail/placement_entry.hpp"
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
+#include "mesh_io/write/partwise_writer.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -135,7 +136,8 @@ char* put_attribute_text(char* out, const mesh::Mesh& mesh, std::size_t vertex) 
   return out;
 }
 
-std::string header(const mesh::Mesh& mesh, const MeshWriteOptions& options, Notes& notes) {
+std::string header(const mesh::Mesh& mesh, const mesh::MeshShape& shape, const MeshWriteOptions& options,
+                   Notes& notes) {
   const auto vector = [](std::string_view type, std::string_view prefix) {
     return fmt::format("property {0} {1}x\nproperty {0} {1}y\nproperty {0} {1}z\n", type, prefix);
   };
@@ -143,13 +145,17 @@ std::string header(const mesh::Mesh& mesh, const MeshWriteOptions& options, Note
   std::string text =
       fmt::format("ply\nformat {} 1.0\ncomment {}\n", options.ascii ? "ascii" : "binary_little_endian", generator());
   if (!options.placement.empty()) text += fmt::format("comment {} {}\n", kPlacementEntry, options.placement);
-  text += fmt::format("element vertex {}\n", mesh.positions.size()) + vector(is_double ? "double" : "float", "");
-  if (!options.flat_normals && !mesh.normals.empty()) text += vector("float", "n");
+  text += fmt::format("element vertex {}\n", shape.vertices) + vector(is_double ? "double" : "float", "");
+  if (!options.flat_normals && shape.has_normals) text += vector("float", "n");
   text += attribute_properties(mesh, notes);
-  text += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", mesh.triangles.size());
+  text += fmt::format("element face {}\nproperty list uchar uint vertex_indices\n", shape.triangles);
   if (options.flat_normals) text += vector("float", "n");
   return text + "end_header\n";
 }
+
+constexpr std::size_t kTriangleBytes = sizeof(kCorners) + sizeof(glm::uvec3);
+
+char* put_triangle(char* out, const glm::uvec3& triangle) { return put_bytes(put_bytes(out, kCorners), triangle); }
 
 Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face_normals, files::OutputFile& file) {
   const auto write_vertices = [&](auto position) -> Result<void> {
@@ -169,11 +175,10 @@ Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face
   };
   TRY(with_world_positions(mesh, write_vertices));
 
-  const std::size_t record = sizeof(kCorners) + sizeof(glm::uvec3) + (face_normals ? sizeof(glm::vec3) : 0);
+  const std::size_t record = kTriangleBytes + (face_normals ? sizeof(glm::vec3) : 0);
   return files::write_records(file, mesh.triangles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
     for (std::size_t t = first; t < last; ++t) {
-      out = put_bytes(out, kCorners);
-      out = put_bytes(out, mesh.triangles[t]);
+      out = put_triangle(out, mesh.triangles[t]);
       if (face_normals) out = put_bytes(out, face_normal(mesh, mesh.triangles[t]));
     }
     return out;
@@ -212,10 +217,60 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
   });
 }
 
+class PartwisePlyWriter final : public PartwiseWriter {
+ public:
+  PartwisePlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
+      : head_(head), options_(options), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    Notes none;  // header() has notes about attributes only
+    TRY(file_.write(header(head_, shape, options_, none)));
+    vertex_bytes_ = sizeof(glm::vec3) * (shape.has_normals ? 2 : 1);
+    vertices_at_ = TRY(file_.extend(shape.vertices * vertex_bytes_));
+    triangles_at_ = TRY(file_.extend(shape.triangles * kTriangleBytes));
+    return true;
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    const std::uint64_t vertices_at = vertices_at_ + part.first_vertex * vertex_bytes_;
+    if (part.normals.empty()) {
+      TRY(file_.fill(vertices_at, std::as_bytes(part.positions)));
+    } else {
+      TRY(files::fill_records(file_, vertices_at, part.positions.size(), vertex_bytes_,
+                              [&](std::size_t first, std::size_t last, char* out) {
+                                for (std::size_t v = first; v < last; ++v) {
+                                  out = put_bytes(put_bytes(out, part.positions[v]), part.normals[v]);
+                                }
+                                return out;
+                              }));
+    }
+    return files::fill_records(file_, triangles_at_ + part.first_triangle * kTriangleBytes, part.triangles.size(),
+                               kTriangleBytes, [&](std::size_t first, std::size_t last, char* out) {
+                                 for (std::size_t t = first; t < last; ++t) out = put_triangle(out, part.triangles[t]);
+                                 return out;
+                               });
+  }
+
+  Result<void> finish(Notes& /*notes*/) override { return {}; }
+
+ private:
+  const mesh::Mesh& head_;
+  MeshWriteOptions options_;
+  files::OutputFile& file_;
+  std::size_t vertex_bytes_ = 0;
+  std::uint64_t vertices_at_ = 0;   // place of the first vertex in the file
+  std::uint64_t triangles_at_ = 0;  // place of the first triangle
+};
+
 }  // namespace
 
+std::unique_ptr<PartwiseWriter> make_partwise_ply_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                         files::OutputFile& file) {
+  return std::make_unique<PartwisePlyWriter>(head, options, file);
+}
+
 Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file, Notes& notes) {
-  TRY(file.write(header(mesh, options, notes)));
+  TRY(file.write(header(mesh, mesh::shape_of(mesh), options, notes)));
   const bool vertex_normals = !options.flat_normals && !mesh.normals.empty();
   return (options.ascii ? write_ascii : write_binary)(mesh, vertex_normals, options.flat_normals, file);
 }

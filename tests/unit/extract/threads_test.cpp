@@ -1,6 +1,4 @@
 // The bytes do not depend on the number of threads.
-#include <cstring>
-
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -9,11 +7,6 @@
 
 namespace isoextract::extract {
 namespace {
-
-template <class T>
-bool same_bytes(const Buffer<T>& a, const Buffer<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
-}
 
 class Threads : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Threads, testing::ValuesIn(test::all_methods()), test::method_name);
@@ -33,9 +26,9 @@ TEST_P(Threads, DoNotChangeBytes) {
         first = std::move(mesh);
         continue;
       }
-      EXPECT_TRUE(same_bytes(first->positions, mesh.positions));
-      EXPECT_TRUE(same_bytes(first->normals, mesh.normals));
-      EXPECT_TRUE(same_bytes(first->triangles, mesh.triangles));
+      EXPECT_TRUE(test::same_bytes(first->positions, mesh.positions));
+      EXPECT_TRUE(test::same_bytes(first->normals, mesh.normals));
+      EXPECT_TRUE(test::same_bytes(first->triangles, mesh.triangles));
     }
   }
 }

@@ -45,6 +45,27 @@ TEST(OutputFile, CommitsNameAndBytes) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
+TEST(OutputFile, FillsRoomFromSeveralThreads) {
+  const TempFolder folder;
+  auto file = must_create(folder / "out.bin");
+  ASSERT_TRUE(file.write("head"));
+  constexpr std::size_t kBytes = 100000;
+  const auto place = file.extend(2 * kBytes);
+  ASSERT_TRUE(place);
+  EXPECT_EQ(*place, 4U);
+  ASSERT_TRUE(file.write("tail"));  // follows the room
+  const auto fill = [&](char letter, std::uint64_t at) {
+    const std::string text(kBytes, letter);
+    EXPECT_TRUE(file.fill(at, std::as_bytes(std::span(text))));
+  };
+  std::thread other(fill, 'b', *place + kBytes);
+  fill('a', *place);
+  other.join();
+  EXPECT_EQ(file.bytes_written(), 2 * kBytes + 8);
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(read_bytes(folder / "out.bin"), "head" + std::string(kBytes, 'a') + std::string(kBytes, 'b') + "tail");
+}
+
 TEST(OutputFile, KeepsOrderOfSmallWrites) {
   const TempFolder folder;
   auto file = must_create(folder / "out.txt");

@@ -1,0 +1,36 @@
+// Surfaces that go to their file while they are made, so that no whole mesh is in memory.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "convert/conversion_job.hpp"
+#include "convert/source.hpp"
+#include "convert/stages/vertex_colors.hpp"
+#include "mesh/mesh_sink.hpp"
+#include "mesh_io/mesh_writer.hpp"
+
+namespace isoextract::convert {
+
+class PartwiseOutput final : public mesh::MeshSink {
+ public:
+  // `head` returns the mesh without its arrays. The writer must outlive the output.
+  using MakeHead = std::function<mesh::Mesh(const mesh::MeshShape& shape)>;
+  PartwiseOutput(mesh_io::MeshWriter& writer, MakeHead head) : writer_(writer), head_(std::move(head)) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override { return writer_.begin_parts(head_(shape), shape); }
+  Result<void> take(const mesh::MeshPart& part) override { return writer_.take_part(part); }
+
+ private:
+  mesh_io::MeshWriter& writer_;
+  MakeHead head_;
+};
+
+// Returns a sink that writes the surface `id` as the only mesh of the writer's file. Returns null if a stage of the job
+// needs the whole mesh. `source`, `all` (the surfaces of the grid) and the writer must outlive the sink.
+[[nodiscard]] std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source,
+                                                              const SurfaceList& all, const SurfaceId& id,
+                                                              mesh_io::MeshWriter& writer);
+
+}  // namespace isoextract::convert

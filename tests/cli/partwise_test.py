@@ -1,0 +1,79 @@
+"""Meshes that go to their file while they are made: the same bytes, in memory that does not grow with the mesh."""
+
+import json
+import resource
+import struct
+
+from support import ProgramTest, main
+
+MIB = 1 << 20
+GYROID = ("demo:gyroid?size=160", "--iso", 0)
+
+
+class PartwiseTest(ProgramTest):
+    def assert_same_bytes(self, name, *arguments):
+        """A report examines the whole mesh, so the mesh is in memory then."""
+        self.convert(*arguments, "-o", f"parts_{name}")
+        self.convert(*arguments, "-o", f"whole_{name}", "--report", "r.json", "--quiet")
+        parts, whole = ((self.folder / f"{how}_{name}").read_bytes() for how in ("parts", "whole"))
+        self.assertEqual(len(parts), len(whole), arguments)
+        self.assertTrue(parts == whole, arguments)
+        return parts
+
+    def test_bytes_are_those_of_whole_meshes(self):
+        for arguments in (GYROID, (*GYROID, "--cap"), (*GYROID, "--cap", "--normals", "none"),
+                          (*GYROID, "--normals", "smooth"), (*GYROID, "--normals", "flat"),
+                          (*GYROID, "--method", "mt"), (*GYROID, "--roi", "-.5,-.4,-.3,.9,.9,.8"),
+                          (*GYROID, "--roi", "-.5,-.4,-.3,.9,.9,.8", "--roi-snap"), (*GYROID, "--clip", "1,0,0,.1"),
+                          (*GYROID, "--smooth", 3), (*GYROID, "--threads", 1), (*GYROID, "--scale", 1e-3),
+                          (*GYROID, "--translate", "1e7,0,0"), ("demo:sphere?size=20", "--iso", 0)):
+            for name in ("a.ply", "a.glb"):
+                with self.subTest(arguments=arguments, name=name):
+                    self.assert_same_bytes(name, *arguments)
+
+    def test_holes_around_nan(self):
+        samples = [((x * 7 + y * 5 + z * 3) % 11) / 11 for z in range(9) for y in range(9) for x in range(9)]
+        samples[400] = float("nan")
+        (self.folder / "nan.raw").write_bytes(struct.pack("<729f", *samples))
+        raw = ("nan.raw", "--dims", "9,9,9", "--dtype", "f32", "--iso", .5)
+        for policy in ("hole", "outside"):
+            self.assert_same_bytes("a.ply", *raw, "--nan", policy)
+            self.assert_same_bytes("b.ply", *raw, "--nan", policy, "--normals", "smooth")
+
+    def test_json_of_a_glb_has_room_for_any_bounds(self):
+        content = self.assert_same_bytes("a.glb", *GYROID)
+        [length] = struct.unpack("<I", content[12:16])
+        text = content[20:20 + length]
+        model = json.loads(text)
+        self.assertEqual(model["accessors"][0]["min"], [-1, -1, -1])
+        self.assertEqual(model["accessors"][0]["max"], [1, 1, 1])
+        self.assertEqual(content[20 + length + 4:20 + length + 8], b"BIN\0")
+
+    def write_layers(self, size):
+        """Bytes whose surface has 2 size^3 triangles: every second layer of samples is inside."""
+        layer = [bytes([255 * (z % 2)]) * size**2 for z in range(2)]
+        (self.folder / "layers.raw").write_bytes(b"".join(layer[z % 2] for z in range(size)))
+        return ("layers.raw", "--dims", f"{size},{size},{size}", "--iso", 100)
+
+    def test_memory_does_not_grow_with_the_mesh(self):
+        layers = self.write_layers(160)
+        for name in ("a.ply", "a.glb"):
+            # 8 million triangles: 96 MiB of triangles and 48 MiB of vertices.
+            self.convert(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M")  # with any number of threads
+            self.assertGreater((self.folder / name).stat().st_size, 140 * MIB)
+            (self.folder / name).unlink()
+            whole = self.run_program(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M", "--report", "r.json")
+            self.assert_fails(2, whole, "triangles", "--memory-limit")
+        self.assertEqual(self.files(), ["layers.raw", "r.json"])
+
+    def test_no_file_is_left_if_writing_fails(self):
+        for name in ("a.ply", "a.glb"):
+            def limit():
+                resource.setrlimit(resource.RLIMIT_FSIZE, (MIB, MIB))
+            run = self.run_program(*GYROID, "-o", name, preexec_fn=limit)
+            self.assert_fails(4, run, name, "ulimit -f")
+            self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    main()
