@@ -211,8 +211,8 @@ class Conversion {
   // Returns what writes the only surface of a file while it is made; null if the surface must be whole before.
   std::unique_ptr<mesh::MeshSink> sink_of(std::span<const ResolvedIso> isos, OutputMeshes& file) const {
     const bool is_only = file.job.isos.size() == 1 && isos.size() == 1 && job_.source.more_grids.empty() && !labels_;
-    if (!is_only || collector_ != nullptr || extras_.mesh_facts) return nullptr;
-    return partwise_output(job_, source_, all_, isos.front().id, file.writer);
+    const bool may = is_only && collector_ == nullptr && !extras_.mesh_facts;
+    return may ? partwise_output(job_, source_, all_, isos.front().id, file.writer) : nullptr;
   }
 
   // Adds a surface to the file, whole or split into bodies, or writes it to the file of its label.
@@ -253,8 +253,8 @@ class Conversion {
   }
 
   [[nodiscard]] OutputMeshes open(const OutputFileJob& output) const {
-    const auto options = write_options(job_, source_, extras_.hash_files);
-    return {output, mesh_io::MeshWriter(output.path, options, context_), LabelFileNames(output.path)};
+    return {
+        output, {output.path, write_options(job_, source_, extras_.hash_files), context_}, LabelFileNames(output.path)};
   }
 
   // Adds the bodies as meshes of one file, or writes each to its own file.

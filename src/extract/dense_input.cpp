@@ -14,11 +14,12 @@ Result<field::IndexBox> dense_region(const field::ScalarField& field, const fiel
   return clip_region(field, {glm::ivec3(0), samples.dims - 1}, options);
 }
 
-Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, const Context& context) {
-  auto memory =
-      TRY(context.reserve(DenseMasks::bytes(dims), fmt::format("{}: the inside masks of its {} x {} x {} samples",
-                                                               field.source, dims.x, dims.y, dims.z)));
-  return DenseMasks(dims, std::move(memory));
+Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, int slices,
+                              const Context& context) {
+  auto memory = TRY(context.reserve(
+      DenseMasks::bytes({dims.x, dims.y, slices}),
+      fmt::format("{}: the inside masks of its {} x {} x {} samples", field.source, dims.x, dims.y, slices)));
+  return DenseMasks(dims, slices, std::move(memory));
 }
 
 }  // namespace isoextract::extract

@@ -28,10 +28,15 @@ template <class T>
           whole.stride_z, whole.transient};
 }
 
-// Returns masks with one bit a sample, uninitialized. They keep their memory reserved in `context` as long as they
-// live. Fails with ErrorCode::out_of_memory.
-[[nodiscard]] Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims,
+// Returns masks with one bit a sample for `slices` of the slices along z, uninitialized. They keep their memory
+// reserved in `context` as long as they live. Fails with ErrorCode::out_of_memory.
+[[nodiscard]] Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, int slices,
                                             const Context& context);
+// Returns masks for all samples.
+[[nodiscard]] inline Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims,
+                                                   const Context& context) {
+  return make_masks(field, dims, dims.z, context);
+}
 // Compares the samples of `view` with the iso value; fills `masks` and the classification figures of `stats`. `low` is
 // the index of the view's first sample in the field. Returns the threshold of inside samples. Returns nullopt if no
 // number of the type is inside; the bits of `masks` are then invalid, and `stats` need not be filled. Fails with

@@ -1,12 +1,19 @@
 #include "extract/dense_masks.hpp"
 
-#include <atomic>
+#include <mutex>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
 
 #include "base/parallel.hpp"
 #include "extract/detail/classify_samples.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
+
+std::uint64_t DenseMasks::hash(int begin, int end) const {
+  return XXH3_64bits(row(0, begin), static_cast<std::size_t>(row(0, end) - row(0, begin)) * sizeof(std::uint64_t));
+}
 
 BoundarySides DenseMasks::boundary_of_row(int j, int k) const {
   const std::uint64_t* bits = row(j, k);
@@ -25,35 +32,38 @@ BoundarySides DenseMasks::boundary_of_row(int j, int k) const {
 }
 
 template <class T>
-std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
-                       Progress* progress) {
-  const auto [nx, ny, nz] = std::array{view.dims.x, view.dims.y, view.dims.z};
-  std::atomic<std::uint64_t> nan{0};
-  std::atomic<bool> boundary_inside{false};
-  std::atomic<bool> boundary_outside{false};
-  if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(nz));
-  for_each_index(nz, [&, nx = nx, ny = ny](int k) {
-    std::uint64_t slice_nan = 0;
-    BoundarySides slice_sides;
-    for (int j = 0; j < ny; ++j) {
-      std::uint64_t* bits = masks.row(j, k);
-      slice_nan += classify_samples(view.row(j, k), static_cast<std::size_t>(nx), threshold, bits);
-      bits[masks.words()] = 0;
-      const BoundarySides sides = masks.boundary_of_row(j, k);
-      slice_sides.inside |= sides.inside;
-      slice_sides.outside |= sides.outside;
-    }
-    view.leave_slices(k, k + 1);
-    if (slice_nan != 0) nan.fetch_add(slice_nan, std::memory_order_relaxed);
-    if (slice_sides.inside) boundary_inside.store(true, std::memory_order_relaxed);
-    if (slice_sides.outside) boundary_outside.store(true, std::memory_order_relaxed);
-    if (progress != nullptr) progress->advance(1);
-  });
-  masks.set_boundary({boundary_inside.load(), boundary_outside.load()});
-  return nan.load();
+SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k) {
+  SliceSides slice;
+  for (int j = 0; j < view.dims.y; ++j) {
+    std::uint64_t* bits = masks.row(j, k);
+    slice.nan += classify_samples(view.row(j, k), static_cast<std::size_t>(view.dims.x), threshold, bits);
+    bits[masks.words()] = 0;
+    slice.add({0, masks.boundary_of_row(j, k)});
+  }
+  return slice;
 }
 
-#define ISOEXTRACT_INSTANTIATE(T) \
+template <class T>
+std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
+                       Progress* progress) {
+  std::mutex mutex;
+  SliceSides all;
+  if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(view.dims.z));
+  for_each_index(view.dims.z, [&](int k) {
+    const SliceSides slice = classify_slice(view, threshold, masks, k);
+    view.leave_slices(k, k + 1);
+    {
+      const std::lock_guard lock(mutex);
+      all.add(slice);
+    }
+    if (progress != nullptr) progress->advance(1);
+  });
+  masks.set_boundary(all.boundary);
+  return all.nan;
+}
+
+#define ISOEXTRACT_INSTANTIATE(T)                                                                       \
+  template SliceSides classify_slice(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, int); \
   template std::uint64_t classify(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, Progress*);
 ISOEXTRACT_EACH_SAMPLE_TYPE(ISOEXTRACT_INSTANTIATE)
 #undef ISOEXTRACT_INSTANTIATE

@@ -38,11 +38,15 @@ struct DenseView {
 class DenseMasks {
  public:
   // `memory` is the reservation of bytes(dims) bytes.
-  explicit DenseMasks(const glm::ivec3& dims, Reservation memory = {})
+  explicit DenseMasks(const glm::ivec3& dims, Reservation memory = {}) : DenseMasks(dims, dims.z, std::move(memory)) {}
+  // Makes masks with room for some of the slices (planes of equal z): those from the slice of move_to() on, 0 at first.
+  // `memory` is the reservation of bytes(dims) bytes with as many slices.
+  DenseMasks(const glm::ivec3& dims, int slices, Reservation memory)
       : dims_(dims),
         words_((dims.x + 63) / 64),
         memory_(std::move(memory)),
-        bits_(bytes(dims) / sizeof(std::uint64_t)) {}
+        bits_(bytes({dims.x, dims.y, slices}) / sizeof(std::uint64_t)) {}
+  void move_to(int slice) { first_slice_ = slice; }
 
   [[nodiscard]] static std::uint64_t bytes(const glm::ivec3& dims) {
     const glm::u64vec3 wide(dims);
@@ -57,6 +61,9 @@ class DenseMasks {
   [[nodiscard]] const std::uint64_t* row(int j, int k) const { return bits_.data() + offset(j, k); }
   [[nodiscard]] std::uint64_t* row(int j, int k) { return bits_.data() + offset(j, k); }
 
+  // Returns a hash of the masks of slices begin to end - 1.
+  [[nodiscard]] std::uint64_t hash(int begin, int end) const;
+
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return (row(p.y, p.z)[p.x / 64] >> (p.x % 64) & 1) != 0; }
 
   // Returns the sides of the outermost samples. Valid once all samples are classified.
@@ -69,11 +76,13 @@ class DenseMasks {
  private:
   [[nodiscard]] std::size_t offset(int j, int k) const {
     return static_cast<std::size_t>(words_ + 1) *
-           (static_cast<std::size_t>(j) + static_cast<std::size_t>(dims_.y) * static_cast<std::size_t>(k));
+           (static_cast<std::size_t>(j) +
+            static_cast<std::size_t>(dims_.y) * static_cast<std::size_t>(k - first_slice_));
   }
 
   glm::ivec3 dims_;
   int words_;
+  int first_slice_ = 0;
   Reservation memory_;
   Buffer<std::uint64_t> bits_;
   BoundarySides boundary_sides_;
@@ -93,6 +102,22 @@ template <class T>
   }
   return glm::ivec3(0);
 }
+
+// Facts about the samples of a slice.
+struct SliceSides {
+  std::uint64_t nan = 0;  // samples that are NaN
+  BoundarySides boundary;
+
+  void add(const SliceSides& other) {
+    nan += other.nan;
+    boundary.inside |= other.boundary.inside;
+    boundary.outside |= other.boundary.outside;
+  }
+};
+
+// Fills the masks of slice `k` of the view, whose dims the masks have.
+template <class T>
+SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k);
 
 // Reads every sample once, in parallel. Fills `masks`, which have the dims of the view, and their boundary sides.
 // Returns the number of NaN samples. `progress` may be null.

@@ -58,8 +58,9 @@ struct ExtractOptions {
   bool shared_origin = false;  // all regions of one field use one mesh origin, so vertices on a shared face are equal
                                // bit for bit; large fields lose precision (edge_geometry.hpp)
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
-  // Receives the mesh part by part if the extraction can make it that way: on the CPU, by mc or mt, from dense samples,
-  // without edge keys, and without NaN samples that need holes or normals. May decline (MeshSink::begin()). Null: none.
+  // Receives the mesh part by part. This needs the CPU, mc or mt, and dense samples, and excludes edge keys; with NaN
+  // samples, it excludes holes and normals. Otherwise, and if the sink declines (MeshSink::begin()), Extraction::mesh
+  // is the mesh. Null: no sink.
   mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;

@@ -43,10 +43,10 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
 
 // A surface that can be made part by part.
 template <class S>
-concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink& sink, const Context& context) {
+concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink& sink) {
   // Makes the parts of the mesh that emit() would write, and hands each to the sink. Fails as the sink does, and as
   // emit().
-  { surface.deliver(sink, context) } -> std::same_as<Result<void>>;
+  { surface.deliver(sink) } -> std::same_as<Result<void>>;
 };
 
 // Offers the mesh to the sink of `options`. If the sink takes it, sets Extraction::taken and delivers the mesh and its
@@ -67,7 +67,7 @@ template <SurfacePasses Surface>
                                 .may_be_open = result.stats.meets_boundary && !options.cap};
     const bool takes = TRY(options.sink->begin(shape));
     if (!takes) return {};
-    TRY(surface.deliver(*options.sink, context));
+    TRY(surface.deliver(*options.sink));
     if (!cap.triangles.empty()) {
       TRY(deliver_cap(*options.sink, sizes, cap, *box, surface.placement(), options, context));
     }

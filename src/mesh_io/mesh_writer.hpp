@@ -110,9 +110,8 @@ class MeshWriter {
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Begins the only mesh of the file, whose parts take_part() writes to their places at once. `head` is the mesh
-  // without its arrays. Returns false, and does nothing, if the mesh must be added as a whole: this writes binary PLY
-  // and unpacked GLB with 32-bit indices to regular files, without attributes, flat normals, an origin or a hash. Fails
-  // like add().
+  // without its arrays. Works for binary PLY and unpacked GLB with 32-bit indices in regular files, without attributes,
+  // flat normals, an origin or a hash. Otherwise returns false and does nothing: add the whole mesh. Fails like add().
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape);
   // Writes a part after begin_parts() returned true; see mesh::MeshSink::take(). Fails with ErrorCode::output.
   [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;

@@ -23,7 +23,7 @@ struct Surface {
   IsoChoice asked;
   SurfaceId id;
   mesh::Mesh mesh;
-  std::optional<mesh::MeshShape> taken = {};  // of the mesh, if its file took it while it was made; `mesh` is empty then
+  std::optional<mesh::MeshShape> taken = {};  // if the file took the mesh part by part; `mesh` is then empty
   OpenBoundary end = {};
   bool counts_open_edges = false;                // only counting boundary edges tells whether the mesh is closed
   std::optional<Figures> error = {};             // set if it was measured

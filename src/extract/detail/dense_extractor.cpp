@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -11,13 +12,15 @@
 
 #include <fmt/format.h>
 
-#include "base/first_error.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
 #include "extract/dense_input.hpp"
+#include "extract/detail/brick_flags.hpp"
 #include "extract/detail/cell_rows.hpp"
 #include "extract/detail/cell_streams.hpp"
+#include "extract/detail/sample_gradient.hpp"
+#include "extract/detail/slab_workers.hpp"
 #include "extract/detail/vertex_batch.hpp"
 #include "extract/row_bits.hpp"
 #include "extract/surface_run.hpp"
@@ -25,63 +28,11 @@
 namespace isoextract::extract {
 namespace {
 
-constexpr int kBrickRows = 8;  // a brick is the 64 cells of a mask word, in 8x8 rows
-
-// Marks the bricks with samples on both sides. The samples of a brick include those that its last cells share with the
-// next brick.
-class BrickFlags {
- public:
-  explicit BrickFlags(const DenseMasks& masks)
-      : masks_(masks),
-        words_(masks.words()),
-        rows_y_((masks.dims().y + kBrickRows - 1) / kBrickRows),
-        rows_z_((masks.dims().z + kBrickRows - 1) / kBrickRows) {}
-
-  [[nodiscard]] std::uint64_t bytes() const { return count(); }
-  void allocate() { crossed_ = Buffer<std::uint8_t>(count()); }
-
-  [[nodiscard]] int rows_y() const { return rows_y_; }
-  [[nodiscard]] int rows_z() const { return rows_z_; }
-  [[nodiscard]] std::uint64_t count() const {
-    return static_cast<std::uint64_t>(words_) * static_cast<std::uint64_t>(rows_y_) *
-           static_cast<std::uint64_t>(rows_z_);
-  }
-  [[nodiscard]] std::uint64_t count_crossed() const {
-    return static_cast<std::uint64_t>(std::count(crossed_.begin(), crossed_.end(), std::uint8_t{1}));
-  }
-
-  // Returns one byte a word for brick row (bj, bk).
-  [[nodiscard]] const std::uint8_t* row(int bj, int bk) const { return crossed_.data() + offset(bj, bk); }
-
-  void measure(int bj, int bk) {
-    std::array<const std::uint64_t*, (kBrickRows + 1) * (kBrickRows + 1)> rows;
-    std::size_t count = 0;
-    for (int k = kBrickRows * bk; k < std::min(kBrickRows * (bk + 1) + 1, masks_.dims().z); ++k) {
-      for (int j = kBrickRows * bj; j < std::min(kBrickRows * (bj + 1) + 1, masks_.dims().y); ++j) {
-        rows[count++] = masks_.row(j, k);
-      }
-    }
-    mark_crossed_words(std::span(rows).first(count), masks_.dims().x, crossed_.data() + offset(bj, bk));
-  }
-
- private:
-  [[nodiscard]] std::size_t offset(int bj, int bk) const {
-    return static_cast<std::size_t>(words_) *
-           (static_cast<std::size_t>(bj) + static_cast<std::size_t>(rows_y_) * static_cast<std::size_t>(bk));
-  }
-
-  const DenseMasks& masks_;
-  int words_;
-  int rows_y_;
-  int rows_z_;
-  Buffer<std::uint8_t> crossed_;
-};
-
 template <class T>
 class DenseExtraction final : private VariantChooser {
  public:
   DenseExtraction(const field::ScalarField& field, const DenseView<T>& whole, const field::IndexBox& region,
-                  DenseMasks masks, const ExtractOptions& options, const Context& context)
+                  std::optional<DenseMasks> masks, const ExtractOptions& options, const Context& context)
       : field_(field),
         options_(options),
         context_(context),
@@ -93,14 +44,16 @@ class DenseExtraction final : private VariantChooser {
         directions_(static_cast<int>(table_.directions.size())),
         placement_(output_placement(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
         masks_(std::move(masks)),
-        bricks_(masks_) {}
+        bricks_(view_.dims) {}
 
   [[nodiscard]] const OutputPlacement& placement() const { return placement_; }
 
   Result<bool> classify(ExtractStats& stats) {
     stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
     stats.bricks = bricks_.count();
-    const auto threshold = TRY(classify_dense(field_, view_, region_.min, options_, masks_, stats, context_));
+    if (!masks_) return find_threshold(stats);
+    const auto threshold = TRY(classify_dense(field_, view_, region_.min, options_, *masks_, stats, context_));
+    sides_ = masks_->boundary_sides();
     has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
     return threshold.has_value();
   }
@@ -114,7 +67,13 @@ class DenseExtraction final : private VariantChooser {
                              fmt::format("{}: the table of its {} rows of samples", field_.source, rows - 1)));
     bricks_.allocate();
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
-    stats.hole_cells = count_rows();
+    vertex_base_ = Buffer<std::uint32_t>(rows * static_cast<std::size_t>(directions_));
+    triangle_base_ = Buffer<std::uint64_t>(rows);
+    if (masks_) {
+      stats.hole_cells = count_rows();
+    } else {
+      TRY(count_slabs(stats));
+    }
     stats.bricks_visited = bricks_.count_crossed();
     const MeshSizes sizes = place_rows();
     stats.count = watch.elapsed();
@@ -122,52 +81,48 @@ class DenseExtraction final : private VariantChooser {
   }
 
   Result<void> emit(mesh::Mesh& mesh) {
-    emit_bricks(mesh);
+    if (masks_) {
+      emit_bricks(mesh, *masks_);
+    } else {
+      TRY(for_each_slab("extracting", {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
+        if (!is_as_counted(slab)) return {};
+        for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(mesh, {}, slab.masks, bj, slab.bk);
+        return {};
+      }));
+    }
     return check_samples();
   }
 
   // A part of the mesh is a slab: the rows of bricks of one index along z, whose vertices have consecutive numbers.
-  // Each thread makes one slab after another in the same memory; where memory is short, fewer threads work.
-  Result<void> deliver(mesh::MeshSink& sink, const Context& context) {
-    const int slabs = bricks_.rows_z();
+  Result<void> deliver(mesh::MeshSink& sink) {
     MeshSizes largest;
-    for (int bk = 0; bk < slabs; ++bk) {
+    for (int bk = 0; bk < bricks_.rows_z(); ++bk) {
       const MeshSizes sizes = slab_sizes(bk);
       largest = {std::max(largest.vertices, sizes.vertices), std::max(largest.triangles, sizes.triangles)};
     }
-    std::vector<Reservation> memory;
-    memory.push_back(TRY(reserve_mesh(field_, largest, options_, context)));
-    for (const int most = std::min(usable_threads(), slabs); static_cast<int>(memory.size()) < most;) {
-      auto another = reserve_mesh(field_, largest, options_, context);
-      if (!another) break;
-      memory.push_back(std::move(*another));
-    }
-    context.progress().begin("extracting", static_cast<std::uint64_t>(slabs));
-    FirstError failure;
-    std::atomic<int> next{0};
-    for_each_index(memory.size(), [&](std::size_t /*thread*/) {
-      mesh::Mesh part;
-      allocate_mesh(part, largest, {}, options_);
-      for (int bk = next++; bk < slabs && !failure.any(); bk = next++) {
-        auto delivered = deliver_slab(bk, part, sink);
-        if (delivered) delivered = context.check();
-        if (!delivered) failure.keep(std::move(delivered.error()));
-        context.progress().advance(1);
-      }
-    });
-    if (failure.error()) return tl::unexpected(std::move(*failure.error()));
+    TRY(for_each_slab("extracting", largest, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
+      const MeshSizes first = below_slab(slab.bk);
+      const MeshSizes sizes = slab_sizes(slab.bk);
+      if ((sizes.vertices == 0 && sizes.triangles == 0) || !is_as_counted(slab)) return {};
+      for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(part, first, slab.masks, bj, slab.bk);
+      return sink.take({first.vertices, std::as_const(part.positions).span().first(sizes.vertices),
+                        std::as_const(part.normals).span().first(part.normals.empty() ? 0 : sizes.vertices),
+                        first.triangles, std::as_const(part.triangles).span().first(sizes.triangles)});
+    }));
     return check_samples();
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
-  [[nodiscard]] BoundarySides boundary_sides() const { return masks_.boundary_sides(); }
+  [[nodiscard]] BoundarySides boundary_sides() const { return sides_; }
   [[nodiscard]] bool draws_at_boundary() const {
     return extract::draws_at_boundary(
         region_, [this](const glm::ivec3& p) { return inside(p); },
         [this](const glm::ivec3& p) { return std::isnan(value(p)); });
   }
   [[nodiscard]] bool has_holes() const { return has_holes_; }
-  [[nodiscard]] bool inside(const glm::ivec3& p) const { return masks_.inside(p - region_.min); }
+  [[nodiscard]] bool inside(const glm::ivec3& p) const {
+    return masks_ ? masks_->inside(p - region_.min) : rule_(value(p));
+  }
   [[nodiscard]] double value(const glm::ivec3& p) const {
     return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
   }
@@ -175,17 +130,118 @@ class DenseExtraction final : private VariantChooser {
   // Returns the number of one vertex by counting; slow, for the few vertices that are not visited in order.
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& sample, int direction) const {
     const glm::ivec3 p = sample - region_.min;
-    const CellRow row = cell_row(p.y, p.z);
-    const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
+    const glm::ivec3 upper = p + direction_step(direction & ~1);
     std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
     for (int w = 0; w <= p.x / 64; ++w) {
-      const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
-      number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));
+      const std::uint64_t here = mask_word(upper.y, upper.z, w);
+      const std::uint64_t ends = (direction & 1) != 0 ? here >> 1U | mask_word(upper.y, upper.z, w + 1) << 63U : here;
+      number += static_cast<std::uint32_t>(std::popcount((mask_word(p.y, p.z, w) ^ ends) & bits_below(w, p.x)));
     }
     return number;
   }
 
  private:
+  // A slab at work, with the masks of its samples and of the slice behind it.
+  struct Slab {
+    int bk;
+    const DenseMasks& masks;
+    SliceSides sides;  // of its samples alone; unknown if the extraction has masks of all samples
+  };
+
+  // Runs work(slab, part) for every slab, in parallel. `part` is memory of the thread: a mesh with room for `room`.
+  // Releases the pages of each slab. Fails as `work` does, and as run_slabs().
+  template <class Work>
+  Result<void> for_each_slab(const char* stage, const MeshSizes& room, const Work& work) {
+    struct Worker {
+      std::optional<DenseMasks> masks;
+      Reservation memory;
+      mesh::Mesh part;
+    };
+    const auto make = [&]() -> Result<Worker> {
+      Worker worker;
+      if (!masks_) worker.masks = TRY(make_masks(field_, view_.dims, std::min(kSlabSlices, view_.dims.z), context_));
+      worker.memory = TRY(reserve_mesh(field_, room, options_, context_));
+      allocate_mesh(worker.part, room, {}, options_);
+      return worker;
+    };
+    return run_slabs(bricks_.rows_z(), stage, context_, make, [&](int bk, Worker& worker) -> Result<void> {
+      const SliceSides sides = worker.masks ? mark_slab(bk, *worker.masks) : SliceSides();
+      TRY(work(Slab{bk, worker.masks ? *worker.masks : *masks_, sides}, worker.part));
+      view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z));
+      return {};
+    });
+  }
+
+  // Compares the samples of a slab and of the slice behind it with iso.
+  [[nodiscard]] SliceSides mark_slab(int bk, DenseMasks& masks) const {
+    SliceSides sides;
+    const int end = std::min(kBrickRows * (bk + 1), view_.dims.z);
+    masks.move_to(kBrickRows * bk);
+    for (int k = kBrickRows * bk; k < std::min(end + 1, view_.dims.z); ++k) {
+      const SliceSides slice = classify_slice(view_, threshold_, masks, k);
+      if (k < end) sides.add(slice);
+    }
+    return sides;
+  }
+
+  // Does what classify() does if there is no room for masks of all samples: count() then compares the samples, unless
+  // none of them can be inside.
+  Result<bool> find_threshold(ExtractStats& stats) {
+    const auto threshold = find_inside_threshold<T>(rule_, field_.scale);
+    threshold_ = threshold.value_or(InsideThreshold<T>{});
+    if (threshold || !field::is_floating_sample<T> || options_.nan != NanPolicy::error) return threshold.has_value();
+    std::atomic<std::uint64_t> nan{0};
+    TRY(for_each_slab("classifying samples", {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
+      nan += slab.sides.nan;
+      return {};
+    }));
+    TRY(check_nan(nan, stats));
+    return false;
+  }
+
+  Result<void> check_nan(std::uint64_t nan, ExtractStats& stats) const {
+    stats.nan_samples = nan;
+    if (nan == 0 || options_.nan != NanPolicy::error) return {};
+    return nan_error(field_, nan, region_.min + first_nan(view_));
+  }
+
+  // Compares the samples and counts, slab by slab.
+  Result<void> count_slabs(ExtractStats& stats) {
+    std::mutex mutex;
+    SliceSides all;
+    slab_hashes_.resize(static_cast<std::size_t>(bricks_.rows_z()));
+    TRY(for_each_slab("counting", {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
+      slab_hashes_[static_cast<std::size_t>(slab.bk)] = hash_of(slab);
+      for (int bj = 0; bj < bricks_.rows_y(); ++bj) count_brick_row(slab.masks, bj, slab.bk);
+      const std::lock_guard lock(mutex);
+      all.add(slab.sides);
+      return {};
+    }));
+    sides_ = all.boundary;
+    const glm::u64vec3 dims(view_.dims);
+    stats.samples_classified = dims.x * dims.y * dims.z;
+    return check_nan(all.nan, stats);
+  }
+
+  [[nodiscard]] std::uint64_t hash_of(const Slab& slab) const {
+    return slab.masks.hash(kBrickRows * slab.bk, std::min(kBrickRows * slab.bk + kSlabSlices, view_.dims.z));
+  }
+
+  // Returns whether the masks of a slab are those that were counted. If not, the counts must not be used.
+  [[nodiscard]] bool is_as_counted(const Slab& slab) {
+    if (masks_ || hash_of(slab) == slab_hashes_[static_cast<std::size_t>(slab.bk)]) return true;
+    samples_changed_ = true;
+    return false;
+  }
+
+  // Returns word `w` of the mask of row (j, k), zero behind the last.
+  [[nodiscard]] std::uint64_t mask_word(int j, int k, int w) const {
+    if (masks_) return masks_->row(j, k)[w];
+    const int rest = view_.dims.x - 64 * w;
+    std::uint64_t nan = 0;
+    return rest > 0 ? InsideClassifier<T>(threshold_)(view_.row(j, k) + 64 * w, std::min(rest, 64), nan) : 0;
+  }
+
   [[nodiscard]] Result<void> check_samples() const {
     if (!samples_changed_) return {};
     return fail(ErrorCode::input, fmt::format("{}: the samples changed during the extraction", field_.source),
@@ -203,9 +259,7 @@ class DenseExtraction final : private VariantChooser {
     const int brick_rows = rows_y * bricks_.rows_z();
     context_.progress().begin(stage, static_cast<std::uint64_t>(brick_rows));
     for_each_index(brick_rows, [&](int b) {
-      const int bj = b % rows_y;
-      const int bk = b / rows_y;
-      f(bj, bk);
+      f(b % rows_y, b / rows_y);
       context_.progress().advance(1);
     });
   }
@@ -220,13 +274,13 @@ class DenseExtraction final : private VariantChooser {
     }
   }
 
-  [[nodiscard]] CellRow cell_row(int j, int k) const {
+  [[nodiscard]] CellRow cell_row(const DenseMasks& masks, int j, int k) const {
     CellRow row;
     row.origin = {0, j, k};
     for (int r = 0; r < 4; ++r) {
       const int y = j + (r & 1);
       const int z = k + (r >> 1);
-      row.bits[static_cast<std::size_t>(r)] = y < view_.dims.y && z < view_.dims.z ? masks_.row(y, z) : nullptr;
+      row.bits[static_cast<std::size_t>(r)] = y < view_.dims.y && z < view_.dims.z ? masks.row(y, z) : nullptr;
     }
     row.samples = view_.dims.x;
     row.crossed_bricks = bricks_.row(j / kBrickRows, k / kBrickRows);
@@ -235,21 +289,25 @@ class DenseExtraction final : private VariantChooser {
 
   // Returns how many cells NanPolicy::hole leaves out.
   std::uint64_t count_rows() {
-    const std::size_t rows = row_index(0, view_.dims.z);
-    vertex_base_ = Buffer<std::uint32_t>((rows + 1) * static_cast<std::size_t>(directions_));
-    triangle_base_ = Buffer<std::uint64_t>(rows + 1);
     std::atomic<std::uint64_t> left_out{0};
     for_each_brick_row("counting", [&](int bj, int bk) {
-      bricks_.measure(bj, bk);
-      for_each_row(bj, bk, [&](int j, int k) {
-        const RowCounts counts = count_cells(*drawings_, cell_row(j, k), *this);
-        const std::size_t row = row_index(j, k);
-        std::copy_n(counts.vertices.begin(), directions_, vertex_base(row));
-        triangle_base_[row] = counts.cells.triangles;
-        if (counts.cells.left_out != 0) left_out.fetch_add(counts.cells.left_out, std::memory_order_relaxed);
-      });
+      left_out.fetch_add(count_brick_row(*masks_, bj, bk), std::memory_order_relaxed);
     });
     return left_out.load();
+  }
+
+  // Does the same for one row of bricks.
+  std::uint64_t count_brick_row(const DenseMasks& masks, int bj, int bk) {
+    std::uint64_t left_out = 0;
+    bricks_.measure(masks, bj, bk);
+    for_each_row(bj, bk, [&](int j, int k) {
+      const RowCounts counts = count_cells(*drawings_, cell_row(masks, j, k), *this);
+      const std::size_t row = row_index(j, k);
+      std::copy_n(counts.vertices.begin(), directions_, vertex_base(row));
+      triangle_base_[row] = counts.cells.triangles;
+      left_out += counts.cells.left_out;
+    });
+    return left_out;
   }
 
   // Returns the first vertex numbers of a row, by direction.
@@ -304,15 +362,15 @@ class DenseExtraction final : private VariantChooser {
     return {vertex_base(row)[0], triangle_base_[row]};
   }
 
-  void emit_bricks(mesh::Mesh& mesh) {
+  void emit_bricks(mesh::Mesh& mesh, const DenseMasks& masks) {
     std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
     for_each_brick_row("extracting", [&](int bj, int bk) {
-      emit_brick_row(mesh, {}, bj, bk);
-      if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) leave_slab(bk);
+      emit_brick_row(mesh, {}, masks, bj, bk);
+      if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) {
+        view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z));
+      }
     });
   }
-
-  void leave_slab(int bk) const { view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z)); }
 
   [[nodiscard]] MeshSizes slab_sizes(int bk) const {
     const MeshSizes first = below_slab(bk);
@@ -320,29 +378,14 @@ class DenseExtraction final : private VariantChooser {
     return {end.vertices - first.vertices, end.triangles - first.triangles};
   }
 
-  // Makes the slab at the start of `part` and hands it to the sink.
-  Result<void> deliver_slab(int bk, mesh::Mesh& part, mesh::MeshSink& sink) {
-    const MeshSizes first = below_slab(bk);
-    const MeshSizes sizes = slab_sizes(bk);
-    if (sizes.vertices != 0 || sizes.triangles != 0) {
-      for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(part, first, bj, bk);
-      TRY(sink.take({first.vertices, std::as_const(part.positions).span().first(sizes.vertices),
-                     std::as_const(part.normals).span().first(part.normals.empty() ? 0 : sizes.vertices),
-                     first.triangles, std::as_const(part.triangles).span().first(sizes.triangles)}));
-    }
-    leave_slab(bk);
-    return {};
-  }
-
   // Writes the vertices and triangles of a row of bricks to a mesh that begins with vertex and triangle `first`.
-  void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, int bj, int bk) {
-    const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
-    if (std::find(crossed_bricks, crossed_bricks + masks_.words(), 1) == crossed_bricks + masks_.words()) return;
-    emit_vertices(mesh, first.vertices, bj, bk);
-    for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, j, k); });
+  void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const DenseMasks& masks, int bj, int bk) {
+    if (!bricks_.is_row_crossed(bj, bk)) return;
+    emit_vertices(mesh, first.vertices, masks, bj, bk);
+    for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, masks, j, k); });
   }
 
-  void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, int bj, int bk) {
+  void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const DenseMasks& masks, int bj, int bk) {
     EdgeList edges(directions_, view_.dims.x);
     VertexWriter writer({placement_, rule_, field_.scale}, mesh, 0);
     VertexBatch& batch = writer.batch();
@@ -351,7 +394,7 @@ class DenseExtraction final : private VariantChooser {
       if (j == kBrickRows * bj) writer.continue_at(vertex_base(row_index(j, k))[0] - first);
       const std::size_t row = row_index(j, k);
       if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
-      list_edges(*drawings_, cell_row(j, k), edges);
+      list_edges(*drawings_, cell_row(masks, j, k), edges);
       for (int d = 0; d < directions_; ++d) {
         const int direction = table_.directions[static_cast<std::size_t>(d)];
         for (const std::int32_t* x = edges.begin(d); x != edges.end(d);) {
@@ -387,30 +430,14 @@ class DenseExtraction final : private VariantChooser {
     for (int end = 0; end < 2; ++end) {
       const glm::ivec3 row = low + end * step;
       for (i = first; i < batch.count; ++i) {
-        const glm::dvec3 g = sample_gradient({row.x + positions[static_cast<std::size_t>(i - first)], row.y, row.z});
+        const glm::dvec3 g =
+            sample_gradient(whole_, {row.x + positions[static_cast<std::size_t>(i - first)], row.y, row.z});
         for (int axis = 0; axis < 3; ++axis) batch.gradient[end][axis][i] = g[axis];
       }
     }
   }
 
-  // Returns the gradient of the stored numbers at a sample of the whole field: central differences, or one-sided ones
-  // of the same order at the data boundary (sample_derivative(), boundary_derivative()).
-  [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
-    const T* center = whole_.row(p.y, p.z) + p.x;
-    return {axis_derivative(center, 1, p.x, whole_.dims.x),
-            axis_derivative(center, whole_.stride_y, p.y, whole_.dims.y),
-            axis_derivative(center, whole_.stride_z, p.z, whole_.dims.z)};
-  }
-
-  static double axis_derivative(const T* center, std::int64_t stride, int index, int size) {
-    const auto at = [&](int steps) { return static_cast<double>(center[steps * stride]); };
-    if (index > 0 && index + 1 < size) return sample_derivative(at(-1), at(0), at(1));
-    const int inward = index == 0 ? 1 : -1;
-    const double far = size == 2 ? std::numeric_limits<double>::quiet_NaN() : at(2 * inward);
-    return inward * boundary_derivative(at(0), at(inward), far);
-  }
-
-  void emit_triangles(mesh::Mesh& mesh, std::uint64_t first_triangle, int j, int k) {
+  void emit_triangles(mesh::Mesh& mesh, std::uint64_t first_triangle, const DenseMasks& masks, int j, int k) {
     const std::size_t index = row_index(j, k);
     if (triangle_base_[index] == triangle_base_[index + 1]) return;
     const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
@@ -426,7 +453,7 @@ class DenseExtraction final : private VariantChooser {
                                         : first_numbers(std::integral_constant<int, 7>{});
     const auto room = mesh.triangles.span().subspan(triangle_base_[index] - first_triangle,
                                                     triangle_base_[index + 1] - triangle_base_[index]);
-    if (!write_cells(*drawings_, cell_row(j, k), *this, first, room)) samples_changed_ = true;
+    if (!write_cells(*drawings_, cell_row(masks, j, k), *this, first, room)) samples_changed_ = true;
   }
 
   const field::ScalarField& field_;
@@ -439,7 +466,10 @@ class DenseExtraction final : private VariantChooser {
   const CaseTable& table_;
   int directions_;
   OutputPlacement placement_;
-  DenseMasks masks_;
+  std::optional<DenseMasks> masks_;         // of all samples; nullopt: passes compare the samples slab by slab
+  InsideThreshold<T> threshold_{};          // if there are no masks of all samples
+  std::vector<std::uint64_t> slab_hashes_;  // of the masks that were counted, likewise
+  BoundarySides sides_;
   BrickFlags bricks_;
   bool has_holes_ = false;                    // NaN samples were found under NanPolicy::hole
   std::atomic<bool> samples_changed_{false};  // the mapped file changed between two reads
@@ -455,7 +485,11 @@ class DenseExtraction final : private VariantChooser {
 Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
                                  const ExtractOptions& options, const Context& context) {
   const auto region = TRY(dense_region(field, samples, options));
-  auto masks = TRY(make_masks(field, glm::ivec3(region.dims()), context));
+  // Without masks of all samples, each sample is compared twice. Holes need them.
+  const glm::ivec3 dims(region.dims());
+  const bool by_slabs = DenseMasks::bytes(dims) > context.memory().left() / 2 && options.nan != NanPolicy::hole;
+  std::optional<DenseMasks> masks;
+  if (!by_slabs) masks = TRY(make_masks(field, dims, context));
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     const DenseView<T> view = dense_view<T>(samples);
     DenseExtraction<T> surface(field, view, region, std::move(masks), options, context);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "extract/dense_masks.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
@@ -81,7 +82,7 @@ TEST_P(Partwise, GivesSameMesh) {
         const Extraction taken = test::extract(field, options);
         ASSERT_TRUE(taken.taken);
         EXPECT_TRUE(taken.mesh.positions.empty() && taken.mesh.triangles.empty());
-        EXPECT_GT(sink.parts, 2);
+        EXPECT_GE(sink.parts, 2);
         EXPECT_TRUE(sink.is_complete());
         EXPECT_EQ(taken.taken->vertices, whole.mesh.positions.size());
         EXPECT_EQ(taken.taken->triangles, whole.mesh.triangles.size());
@@ -131,6 +132,70 @@ TEST_P(Partwise, FailsIfSinkFails) {
   const auto made = make_cpu_extractor()->extract(field, options, Context());
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().message, "the disk is full");
+}
+
+// Where masks of all samples would take more than half of the memory, samples are compared slab by slab, twice.
+class Slabs : public Partwise {
+ protected:
+  static constexpr std::uint64_t kLittle = 8'000'000;  // masks of all samples take 4,176,000 bytes
+
+  static field::ScalarField balls(bool with_nan = false) {
+    return test::dense_field<float>({300, 300, 290}, [&](int i, int j, int k) {
+      if (with_nan && i == 7 && j == 8 && k == 285) return test::kNaN;
+      const auto ball = [&](const glm::dvec3& center, double radius) {
+        return radius - glm::length(glm::dvec3(i, j, k) - center);
+      };
+      return std::max({ball({70, 80, 61}, 33), ball({200, 190, 287}, 21), ball({299, 4, 150}, 9)});
+    });
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, Slabs, testing::ValuesIn(test::cell_methods()), test::method_name);
+
+TEST_P(Slabs, GiveSameMesh) {
+  const field::ScalarField field = balls();
+  for (const bool cap : {false, true}) {
+    ASSERT_GT(DenseMasks::bytes({300, 300, 290}), kLittle / 2);
+    ExtractOptions options = test::options_of(GetParam(), 0, cap);
+    options.smooth_normals = true;
+    const Extraction whole = test::extract(field, options);
+    const auto extract = [&] {
+      const Context little(MemoryBudget{kLittle});
+      auto made = make_cpu_extractor()->extract(field, options, little);
+      if (!made) throw std::runtime_error(made.error().message);
+      EXPECT_EQ(made->stats.samples_classified, whole.stats.samples_classified);
+      EXPECT_EQ(made->stats.bricks_visited, whole.stats.bricks_visited);
+      EXPECT_EQ(made->stats.meets_boundary, whole.stats.meets_boundary);
+      EXPECT_EQ(made->stats.inside_at_boundary, whole.stats.inside_at_boundary);
+      return std::move(*made);
+    };
+    const Extraction made = extract();
+    EXPECT_TRUE(test::same_bytes(made.mesh.positions, whole.mesh.positions));
+    EXPECT_TRUE(test::same_bytes(made.mesh.normals, whole.mesh.normals));
+    EXPECT_TRUE(test::same_bytes(made.mesh.triangles, whole.mesh.triangles));
+    Assembler sink;
+    options.sink = &sink;
+    ASSERT_TRUE(extract().taken);
+    EXPECT_TRUE(sink.is_complete());
+    EXPECT_TRUE(test::same_bytes(sink.mesh.positions, whole.mesh.positions));
+    EXPECT_TRUE(test::same_bytes(sink.mesh.normals, whole.mesh.normals));
+    EXPECT_TRUE(test::same_bytes(sink.mesh.triangles, whole.mesh.triangles));
+  }
+}
+
+TEST_P(Slabs, FindNan) {
+  const field::ScalarField field = balls(true);
+  for (const double iso : {0.0, 1e30}) {  // nothing is above the largest number
+    ExtractOptions options = test::options_of(GetParam(), iso);
+    const Context little(MemoryBudget{kLittle});
+    const auto refused = make_cpu_extractor()->extract(field, options, little);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::input);
+    EXPECT_NE(refused.error().message.find("(7, 8, 285)"), std::string::npos) << refused.error().message;
+    options.nan = NanPolicy::outside;
+    const auto made = make_cpu_extractor()->extract(field, options, little);
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ(made->mesh.triangles.empty(), iso > 0);
+  }
 }
 
 }  // namespace

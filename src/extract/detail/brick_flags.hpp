@@ -1,0 +1,77 @@
+// Marks the bricks of dense samples that the surface crosses.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+#include "extract/dense_masks.hpp"
+#include "extract/detail/cell_rows.hpp"
+
+namespace isoextract::extract {
+
+inline constexpr int kBrickRows = 8;                // a brick is the 64 cells of a mask word, in 8x8 rows
+inline constexpr int kSlabSlices = kBrickRows + 1;  // slices of samples in the cells of a slab, a layer of bricks
+
+// Marks the bricks with samples on both sides. The samples of a brick include those that its last cells share with the
+// next brick.
+class BrickFlags {
+ public:
+  // `dims` is the number of samples along each axis.
+  explicit BrickFlags(const glm::ivec3& dims)
+      : dims_(dims),
+        words_((dims.x + 63) / 64),
+        rows_y_((dims.y + kBrickRows - 1) / kBrickRows),
+        rows_z_((dims.z + kBrickRows - 1) / kBrickRows) {}
+
+  [[nodiscard]] std::uint64_t bytes() const { return count(); }
+  void allocate() { crossed_ = Buffer<std::uint8_t>(count()); }
+
+  [[nodiscard]] int rows_y() const { return rows_y_; }
+  [[nodiscard]] int rows_z() const { return rows_z_; }
+  [[nodiscard]] std::uint64_t count() const {
+    return static_cast<std::uint64_t>(words_) * static_cast<std::uint64_t>(rows_y_) *
+           static_cast<std::uint64_t>(rows_z_);
+  }
+  [[nodiscard]] std::uint64_t count_crossed() const {
+    return static_cast<std::uint64_t>(std::count(crossed_.begin(), crossed_.end(), std::uint8_t{1}));
+  }
+
+  // Returns one byte a word for brick row (bj, bk).
+  [[nodiscard]] const std::uint8_t* row(int bj, int bk) const { return crossed_.data() + offset(bj, bk); }
+
+  [[nodiscard]] bool is_row_crossed(int bj, int bk) const {
+    return std::find(row(bj, bk), row(bj, bk) + words_, 1) != row(bj, bk) + words_;
+  }
+
+  // Marks the crossed bricks of brick row (bj, bk).
+  void measure(const DenseMasks& masks, int bj, int bk) {
+    std::array<const std::uint64_t*, (kBrickRows + 1) * (kBrickRows + 1)> rows;
+    std::size_t count = 0;
+    for (int k = kBrickRows * bk; k < std::min(kBrickRows * (bk + 1) + 1, dims_.z); ++k) {
+      for (int j = kBrickRows * bj; j < std::min(kBrickRows * (bj + 1) + 1, dims_.y); ++j) {
+        rows[count++] = masks.row(j, k);
+      }
+    }
+    mark_crossed_words(std::span(rows).first(count), dims_.x, crossed_.data() + offset(bj, bk));
+  }
+
+ private:
+  [[nodiscard]] std::size_t offset(int bj, int bk) const {
+    return static_cast<std::size_t>(words_) *
+           (static_cast<std::size_t>(bj) + static_cast<std::size_t>(rows_y_) * static_cast<std::size_t>(bk));
+  }
+
+  glm::ivec3 dims_;
+  int words_;
+  int rows_y_;
+  int rows_z_;
+  Buffer<std::uint8_t> crossed_;
+};
+
+}  // namespace isoextract::extract

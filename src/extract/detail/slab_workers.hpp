@@ -1,0 +1,49 @@
+// Divides work on slabs, the parts of a volume along z, among threads.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "base/first_error.hpp"
+#include "base/parallel.hpp"
+
+namespace isoextract::extract {
+
+// Runs work(slab, worker) for the slabs 0 to slabs - 1, in parallel. make() returns the memory that a thread works in,
+// as a Result; the thread does one slab after another in it. Where make() fails for lack of memory, fewer threads work.
+// Fails as `work` does, as the first make() does, or if cancelled.
+template <class Make, class Work>
+[[nodiscard]] Result<void> run_slabs(int slabs, const char* stage, const Context& context, const Make& make,
+                                     const Work& work) {
+  auto first = make();
+  if (!first) return tl::unexpected(std::move(first.error()));
+  std::vector<std::remove_reference_t<decltype(*first)>> workers;
+  workers.push_back(std::move(*first));
+  for (const int most = std::min(usable_threads(), slabs); static_cast<int>(workers.size()) < most;) {
+    auto another = make();
+    if (!another) break;
+    workers.push_back(std::move(*another));
+  }
+  context.progress().begin(stage, static_cast<std::uint64_t>(slabs));
+  FirstError failure;
+  std::atomic<int> next{0};
+  for_each_index(workers.size(), [&](std::size_t number) {
+    for (int slab = next++; slab < slabs && !failure.any(); slab = next++) {
+      auto done = work(slab, workers[number]);
+      if (done) done = context.check();
+      if (!done) failure.keep(std::move(done.error()));
+      context.progress().advance(1);
+    }
+  });
+  if (failure.error()) return tl::unexpected(std::move(*failure.error()));
+  return {};
+}
+
+}  // namespace isoextract::extract
