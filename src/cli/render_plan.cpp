@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -229,16 +228,15 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
     plan.notes.push_back({NoteId::no_effect, "--roi cuts only the surfaces: render draws the whole volume"});
   plan.transfer_range = flags.transfer_range;
   plan.unit_length = flags.unit_length;
-  plan.camera = flags.camera.value_or(plan.camera);
-  plan.camera.look_at = flags.look_at;
-  if (flags.field_of_view) plan.fovy = *flags.field_of_view * std::numbers::pi / 180;
+  plan.camera = flags.view.angles();
+  plan.fovy = flags.view.fovy();
   if (flags.up) plan.up = convert::render_up_axis(*flags.up);
-  plan.options.size = flags.size.value_or(plan.options.size);
+  plan.options.size = flags.view.size.value_or(plan.options.size);
   plan.options.samples_per_voxel = flags.samples.value_or(plan.options.samples_per_voxel);
   plan.options.early_termination = flags.termination != 0.0;
   if (flags.termination.value_or(0) > 0) plan.options.termination = *flags.termination;
   plan.options.empty_space_skipping = !flags.no_skipping;
-  plan.background = flags.background.value_or(plan.background);
+  plan.background = flags.view.background.value_or(plan.background);
   plan.mesh_colors = flags.mesh_colors.value_or(plan.mesh_colors);
   if (plan.mesh_colors.size() > 1 && plan.mesh_colors.size() != plan.meshes.size()) {
     return refuse_usage(

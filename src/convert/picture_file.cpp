@@ -31,6 +31,20 @@ render::Surface surface_of(const mesh::Mesh& mesh) {
 
 render::UpAxis render_up_axis(UpAxis up) { return up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z; }
 
+render::PreviewOptions preview_of(const PictureFileOptions& picture, UpAxis up, double front) {
+  const auto side = [](std::int64_t pixels) {  // keeps sizes out of range, which draw_preview() rejects
+    return static_cast<int>(std::clamp<std::int64_t>(pixels, 0, PictureFileOptions::kMaxSide + 1));
+  };
+  render::PreviewOptions options;
+  options.size = {side(picture.width), side(picture.height)};
+  options.angles = picture.angles;
+  options.angles.front = front;
+  options.fovy = picture.fovy;
+  options.background = picture.background;
+  options.up = render_up_axis(up);
+  return options;
+}
+
 image_io::LightImage light_of(const render::Picture& picture) {
   return {picture.width, picture.height, picture.color.span(), picture.depth.span(), picture.normals.span()};
 }
@@ -48,15 +62,8 @@ Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const P
                                      const Context& context) {
   std::vector<render::Surface> surfaces;
   for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
-  render::PreviewOptions options;
-  const auto side = [](std::int64_t pixels) {  // keeps sizes out of range, which draw_preview() rejects
-    return static_cast<int>(std::clamp<std::int64_t>(pixels, 0, PictureFileOptions::kMaxSide + 1));
-  };
-  options.size = {side(picture.width), side(picture.height)};
-  options.angles = picture.angles;
-  options.angles.front = front;
+  render::PreviewOptions options = preview_of(picture, placement.up, front);
   if (!placement.unit.empty()) options.unit = placement.to_unit;
-  options.up = render_up_axis(placement.up);
   const auto renderer = render::make_cpu_renderer();
   auto drawn = TRY(render::draw_preview(surfaces, options, *renderer, context));
   const auto bytes = TRY(write_png(output.path, drawn.picture, context));

@@ -12,6 +12,7 @@
 #include "mesh/mesh.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "render/picture.hpp"
+#include "render/preview.hpp"
 #include "render/scene.hpp"
 
 namespace isoextract::convert {
@@ -21,6 +22,9 @@ namespace isoextract::convert {
 [[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
 
 [[nodiscard]] render::UpAxis render_up_axis(UpAxis up);
+
+// Returns how to draw a picture in which the axis `up` points up and the front is at the azimuth `front` in degrees.
+[[nodiscard]] render::PreviewOptions preview_of(const PictureFileOptions& picture, UpAxis up, double front);
 
 // Returns an image that refers to the memory of `picture`.
 [[nodiscard]] image_io::LightImage light_of(const render::Picture& picture);

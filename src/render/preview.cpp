@@ -12,8 +12,6 @@
 namespace isoextract::render {
 namespace {
 
-constexpr glm::dvec4 kGround{0.82, 0.84, 0.87, 1.0};
-
 // A light from the upper left, and a weaker one from the right, so that no side is black.
 const std::vector<Light>& preview_lights() {
   static const std::vector<Light> lights{Light{{-0.4, 0.6, 0.7}, true, glm::dvec3(0.9)},
@@ -49,15 +47,15 @@ Result<Picture> halved(const Picture& fine, const Context& context) {
   return made;
 }
 
-void draw_scale_bar(Picture& picture, const ScaleBar& bar) {
+void draw_scale_bar(Picture& picture, const ScaleBar& bar, const glm::vec3& color) {
   const int dot = std::max(1, picture.height / 360);
   const int margin = 8 * dot;
   const glm::ivec2 low{margin, picture.height - margin};
-  fill_box(picture, {low.x, low.y - 2 * dot}, {low.x + bar.pixels, low.y}, kTextColor);
+  fill_box(picture, {low.x, low.y - 2 * dot}, {low.x + bar.pixels, low.y}, color);
   for (const int x : {low.x, low.x + bar.pixels - dot})
-    fill_box(picture, {x, low.y - 6 * dot}, {x + dot, low.y}, kTextColor);
+    fill_box(picture, {x, low.y - 6 * dot}, {x + dot, low.y}, color);
   const glm::ivec2 words = text_size(bar.text, dot);
-  draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, kTextColor);
+  draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, color);
 }
 
 bool is_empty(const Surface& surface) { return surface.mesh->triangles.empty(); }
@@ -80,7 +78,7 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
                               const Context& context) {
   Scene scene;
   scene.lights = preview_lights();
-  scene.background = kGround;
+  scene.background = options.background;
   std::ranges::remove_copy_if(surfaces, std::back_inserter(scene.surfaces), is_empty);
   field::Box box{glm::dvec3(-1), glm::dvec3(1)};
   if (options.box) {
@@ -91,14 +89,14 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
   const bool fine = 2 * std::max(options.size.width, options.size.height) <= PictureSize::kMaxSide;
   RenderOptions drawn;
   drawn.size = fine ? PictureSize{2 * options.size.width, 2 * options.size.height} : options.size;
-  const Camera camera = frame_box_closely(box, options.angles, options.up, options.size);
+  const Camera camera = frame_box_closely(box, options.angles, options.up, options.size, options.fovy);
   auto rendered = renderer.draw(scene, camera, drawn, context);
   if (!rendered) return rendered;
   if (fine) {
     rendered->picture = TRY(halved(rendered->picture, context));
   }
   if (options.scale_bar && !scene.surfaces.empty()) {
-    draw_scale_bar(rendered->picture, scale_bar(camera, options.size, options.unit));
+    draw_scale_bar(rendered->picture, scale_bar(camera, options.size, options.unit), text_color(options.background));
   }
   return rendered;
 }

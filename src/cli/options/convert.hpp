@@ -18,13 +18,13 @@
 #include "cli/options/placement.hpp"
 #include "cli/options/run.hpp"
 #include "cli/options/surface.hpp"
+#include "cli/options/view.hpp"
 #include "cli/values.hpp"
 #include "convert/conversion_job.hpp"
 #include "edit/colormap.hpp"
 #include "field/interpolant.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "particle_io/particle_writer.hpp"
-#include "render/camera.hpp"
 
 namespace isoextract::cli {
 
@@ -232,27 +232,11 @@ struct ConvertFlags : OptionSet {
       "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};
   Value<OutputFormat> format{only_convert(OptionGroup::output), "--format", output_formats(),
                              "Format of the output, whatever the extension."};
-  Value<render::PictureSize> size{only_convert(OptionGroup::output),
-                                  "--size",
-                                  "WxH",
-                                  parse_picture_size,
-                                  "Size of a picture in pixels (default: 960x720).",
-                                  About::picture};
-  Value<render::ViewAngles> camera{
-      only_convert(OptionGroup::output),
-      "--camera",
-      "AZ,EL[,DISTANCE]",
-      render::parse_view_angles,
-      "Camera of a picture: azimuth, elevation, distance. Degrees around the up axis from the front, degrees above the "
-      "ground, distance from the center of the surfaces. Default: 35,20, and far enough to see all of them.",
-      About::picture};
-  Value<glm::dvec3> look_at{only_convert(OptionGroup::output),
-                            "--look-at",
-                            "X,Y,Z",
-                            parse_vector,
-                            "Point that the camera of a picture looks at. In the coordinates of the surfaces. Default: "
-                            "their center. With the distance of --camera all frames of a sequence have one camera.",
-                            About::picture};
+  ViewFlags view{of_ == Of::convert ? this : nullptr,
+                 {"--background-color", "light gray",
+                  "(default: 960x720). Also of each picture on a page or a contact sheet, by default 320x240 there.",
+                  "In the coordinates of the surfaces; pages and contact sheets take those of the mesh file.",
+                  "the center of the surfaces"}};
   Flag half{only_convert(OptionGroup::output), "--half", "Store a field as 16-bit floats (.vdb, .npy)."};
   Value<std::string> report{everyday(only_convert(OptionGroup::output)), "--report", "FILE", parse_text,
                             "Write a JSON report of the conversion. It has options, input, time and memory of each "
