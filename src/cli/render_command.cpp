@@ -21,6 +21,7 @@
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 #include "image_io/exr_writer.hpp"
+#include "render/antialias.hpp"
 #include "render/gpu_renderer.hpp"
 
 namespace isoextract::cli {
@@ -169,7 +170,8 @@ class Pictures {
     const auto frame = plan_.pictures.size() == 1 ? render::frame_box_closely : render::frame_turn;
     const render::Camera camera = frame(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
     const Stopwatch watch;
-    const auto rendered = TRY(renderer_.draw(scene, camera, plan_.options, context_));
+    const int rays_across = plan_.rays_across.value_or(scene.surfaces.empty() ? 1 : 2);
+    const auto rendered = TRY(render::draw_antialiased(renderer_, scene, camera, plan_.options, rays_across, context_));
     TRY(source.check_mapping_intact());
     const StageTime drawing = watch.elapsed();
     const Stopwatch write_watch;

@@ -1,50 +1,24 @@
 #include "render/preview.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "render/antialias.hpp"
 #include "render/picture_text.hpp"
 
 namespace isoextract::render {
 namespace {
+
+constexpr int kRaysAcross = 2;  // of a pixel
 
 // A light from the upper left, and a weaker one from the right, so that no side is black.
 const std::vector<Light>& preview_lights() {
   static const std::vector<Light> lights{Light{{-0.4, 0.6, 0.7}, true, glm::dvec3(0.9)},
                                          Light{{0.8, 0.1, 0.4}, true, glm::dvec3(0.25)}};
   return lights;
-}
-
-// Returns the picture at half the width and height. Colors are means of four pixels, which is right for premultiplied
-// light.
-Result<Picture> halved(const Picture& fine, const Context& context) {
-  auto made = make_picture(fine.width / 2, fine.height / 2, context);
-  if (!made) return made;
-  Picture& coarse = *made;
-  for (int y = 0; y < coarse.height; ++y) {
-    for (int x = 0; x < coarse.width; ++x) {
-      const std::size_t first =
-          2 * static_cast<std::size_t>(x) + static_cast<std::size_t>(fine.width) * 2 * static_cast<std::size_t>(y);
-      const std::size_t below = first + static_cast<std::size_t>(fine.width);
-      const std::array<std::size_t, 4> four{first, first + 1, below, below + 1};
-      const std::size_t at =
-          static_cast<std::size_t>(x) + static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(y);
-      glm::vec4 sum{0.0F};
-      std::size_t nearest = first;
-      for (const std::size_t i : four) {
-        sum += fine.color[i];
-        if (fine.depth[i] < fine.depth[nearest]) nearest = i;
-      }
-      coarse.color[at] = 0.25F * sum;
-      coarse.depth[at] = fine.depth[nearest];
-      coarse.normals[at] = fine.normals[nearest];
-    }
-  }
-  return made;
 }
 
 void draw_scale_bar(Picture& picture, const ScaleBar& bar, const glm::vec3& color) {
@@ -86,15 +60,11 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
   } else if (!scene.surfaces.empty()) {
     box = TRY(box_of(scene));
   }
-  const bool fine = 2 * std::max(options.size.width, options.size.height) <= PictureSize::kMaxSide;
   RenderOptions drawn;
-  drawn.size = fine ? PictureSize{2 * options.size.width, 2 * options.size.height} : options.size;
+  drawn.size = options.size;
   const Camera camera = frame_box_closely(box, options.angles, options.up, options.size, options.fovy);
-  auto rendered = renderer.draw(scene, camera, drawn, context);
+  auto rendered = draw_antialiased(renderer, scene, camera, drawn, kRaysAcross, context);
   if (!rendered) return rendered;
-  if (fine) {
-    rendered->picture = TRY(halved(rendered->picture, context));
-  }
   if (options.scale_bar && !scene.surfaces.empty()) {
     draw_scale_bar(rendered->picture, scale_bar(camera, options.size, options.unit), text_color(options.background));
   }

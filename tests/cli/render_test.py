@@ -93,10 +93,59 @@ class RenderTest(ProgramTest):
         opaque = self.picture("demo:sphere?size=24", *options, "--opacity", "1")
         self.assertGreater(max(abs(a - b) for a, b in zip(opaque.pixel(24, 16), middle)), 10)
 
+    def test_edges_of_surfaces_are_smooth(self):
+        for mesh in (False, True):
+            if mesh:
+                self.convert(SPHERE, "--iso", "0", "-o", "ball.glb")
+            scene = ("ball.glb",) if mesh else (SPHERE, "--tf", "none", "--iso", "0")
+            usual, twice, hard = (self.picture(*scene, *rays) for rays in ((), ("--antialias", "2"), ("--antialias", "1")))
+            self.assertEqual(usual.difference(twice), 0)
+            self.assertEqual({pixel[3] for pixel in hard.pixels()}, {0, 255})
+            between = [pixel[3] for pixel in usual.pixels() if 0 < pixel[3] < 255]
+            # Four rays a pixel: quarters, along the whole silhouette.
+            self.assertLessEqual(set(between), {63, 64, 127, 128, 191, 192})
+            self.assertGreater(len(between), 20)
+            # The area covered stays the same.
+            covered = [sum(pixel[3] for pixel in picture.pixels()) / 255 for picture in (usual, hard)]
+            self.assertAlmostEqual(covered[0] / covered[1], 1, delta=0.05)
+        finer = self.picture(SPHERE, "--tf", "none", "--iso", "0", "--antialias", "4")
+        self.assertGreater(len({pixel[3] for pixel in finer.pixels()}), 6)
+        volume = self.picture(SPHERE)
+        self.assertEqual(volume.difference(self.picture(SPHERE, "--antialias", "1")), 0)
+
+    def test_labels_have_their_colours(self):
+        """The labels' surfaces as in -o x.png: a label in the middle of the picture, in the color of the table."""
+        self.write_raw("map.raw", (15, 9, 9), lambda x, y, z: 1 + x // 5 if 2 <= y < 7 and 2 <= z < 7 and x % 5 else 0, "B")
+        (self.folder / "lut.txt").write_text("1 Left 255 0 0 0\n2 Middle 0 200 0 0\n3 Right 0 0 255 0\n")
+        arguments = ("map.raw", "--dims", "15,9,9", "--dtype", "u8", "--label-names", "lut.txt")
+        view = ("--size", "64x40", "--camera", "0,0")
+
+        def colours(command, labels, *more):
+            self.convert(*command, *arguments, "--labels", labels, *view, *more, "-o", "a.png")
+            png = Png((self.folder / "a.png").read_bytes())
+            found = []
+            for pixel in (png.pixel(x, 20) for x in range(64)):
+                strong = max(range(3), key=lambda i: pixel[i])
+                rest = max(pixel[i] for i in range(3) if i != strong)
+                if pixel[strong] > 60 and pixel[strong] > 2 * rest and (not found or found[-1] != strong):
+                    found.append(strong)
+            return found
+
+        for command in (("render",), ()):
+            self.assertEqual(colours(command, "1-40"), [0, 1, 2], command)
+            self.assertEqual(colours(command, "Left,3"), [0, 2], command)
+            self.assertEqual(colours(command, "all", "--method", "voxels"), [0, 1, 2], command)
+        self.assertEqual(colours(("render",), "all", "--opacity", "0.9"), [0, 1, 2])
+        # Numbers of labels are no densities: without --tf only the surfaces are drawn.
+        labels = self.picture(*arguments, "--labels", "2", name="a.png")
+        alone = self.picture(*arguments, "--labels", "2", "--tf", "none", name="b.png")
+        self.assertEqual(labels.difference(alone), 0)
+        self.assertGreater(labels.difference(self.picture(*arguments, "--labels", "2", "--tf", "grey")), 10)
+
     def test_particles_inside_of_their_surface_are_seen(self):
         spots = "".join(f"{x} {y} {z}\n" for z in range(6) for y in range(6) for x in range(6))
         (self.folder / "block.xyz").write_text(f"216\nblock\n{spots}")
-        options = ("--particles", "sph", "--radius", "0.6", "--tf", "smoke", "--unit-length", "4")
+        options = ("--particles", "sph", "--radius", "0.6", "--tf", "smoke", "--unit-length", "4", "--antialias", "1")
         alone = self.picture("block.xyz", *options, name="alone.png")
         self.assertGreater(alone.pixel(24, 16)[3], 40)
         # Next to nothing of a surface: what is seen is the volume, without a hole where the surface asks for no samples.
@@ -222,6 +271,14 @@ class RenderTest(ProgramTest):
             ((SPHERE, "--frames", "3", "-o", "-"), 1, "render writes several pictures to files"),
             ((SPHERE, "--frames", "1-5"), 1, "expected the number of pictures for one turn of the camera"),
             ((SPHERE, "--background", "blue"), 1, "expected none, black, white or a color as RRGGBB"),
+            ((SPHERE, "--antialias", "5"), 1, "--antialias: expected a whole number from 1 to 4, found '5'"),
+            ((SPHERE, "--labels", "1", "--iso", "0"), 1, "--labels and --iso exclude each other"),
+            ((SPHERE, "--labels", "1", "--method", "mc"), 1, "--labels does not work with marching cubes"),
+            ((SPHERE, "--labels", "1", "--blur", "1"), 1, "--blur does not work with --labels"),
+            ((SPHERE, "--labels", "all", "--opacity", "0.5,0.6"), 1, "the number of labels is not known"),
+            ((SPHERE, "--labels", "1", "--tf-range", "0,1"), 1, "--tf-range applies to the volume"),
+            ((SPHERE, "--label-names", "a.txt"), 1, "--label-names needs --labels"),
+            (("a.ply", "--labels", "1"), 1, "--labels needs a volume"),
             ((SPHERE, "--iso", "7"), 2, "iso"),
             (("none.nrrd",), 2, "none.nrrd"),
             (("none.ply",), 2, "none.ply"),

@@ -81,38 +81,7 @@ struct ConvertFlags : OptionSet {
           " Several times for {}. Default: 0 for level sets, the usual value for particles; other inputs need one.",
           of_ == Of::convert ? "several surfaces" : "the several surfaces of a mesh")};
   SurfaceFlags surface{*this};
-  Value<std::vector<convert::IsoChoice>> labels{
-      in(OptionGroup::surface),
-      "--labels",
-      "all|L,...",
-      parse_labels,
-      "Labels of a label map to extract, in place of --iso. all takes every label but the background (the default for "
-      "files that name their labels); or list numbers, ranges and names, !TERM for all but these: "
-      "1-40,Hippocampus*,!Skull. Each becomes a mesh of its own, called label L or by its name. Samples must be "
-      "integers. With --method surface-nets (the default then) or voxels.",
-      About::surface};
-  Value<std::uint64_t> labels_min_voxels{in(OptionGroup::surface),
-                                         "--labels-min-voxels",
-                                         "N",
-                                         parse_count,
-                                         "Leave out labels with fewer than N voxels. A note tells which.",
-                                         About::surface};
-  Value<std::int64_t> background{in(OptionGroup::surface),
-                                 "--background",
-                                 "L",
-                                 parse_label,
-                                 "Label without a mesh in --labels all (default: 0). The label 0 then is a label like "
-                                 "the others.",
-                                 About::surface};
-  Value<std::string> label_names{only_convert(OptionGroup::surface),
-                                 "--label-names",
-                                 "FILE",
-                                 parse_text,
-                                 "Table with names and colors of labels. As ITK-SNAP, FreeSurfer or 3D Slicer write "
-                                 "it. Meshes get the names, and in glb, gltf and ply the colors. Default: the names in "
-                                 "the file of the labels, else a table beside it (NAME.ctbl, NAME_ColorTable.ctbl, "
-                                 "NAME_LUT.txt or the only *.ctbl); none: no table.",
-                                 About::surface};
+  LabelFlags labels{*this, of_ == Of::convert ? LabelFlags::Taken::all : LabelFlags::Taken::samples};
   Flag heightfield{
       only_convert(OptionGroup::surface), "--heightfield",
       "Make terrain of a picture or array of heights. For single images (TIFF, GeoTIFF, PNG, OpenEXR), "

@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include "render/antialias.hpp"
+
 namespace isoextract::cli {
 
 std::string transfer_list() {
@@ -21,6 +23,13 @@ Result<double> parse_samples(std::string_view text) {
   if (samples && *samples >= 1.0 / 64 && *samples <= 64) return *samples;
   return fail(ErrorCode::usage,
               fmt::format("expected a number of samples per voxel, from 0.015625 to 64, found '{}'", text));
+}
+
+Result<int> parse_rays_across(std::string_view text) {
+  const auto rays = parse_positive_count(text);
+  if (rays && *rays <= render::kMostRaysAcross) return static_cast<int>(*rays);
+  return fail(ErrorCode::usage,
+              fmt::format("expected a whole number from 1 to {}, found '{}'", render::kMostRaysAcross, text));
 }
 
 Result<double> parse_termination(std::string_view text) {

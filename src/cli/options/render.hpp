@@ -28,6 +28,7 @@ namespace isoextract::cli {
 // Parses the value of an option. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::array<double, 2>> parse_value_range(std::string_view text);  // MIN,MAX, MIN below MAX
 [[nodiscard]] Result<double> parse_samples(std::string_view text);                     // 1/64 to 64
+[[nodiscard]] Result<int> parse_rays_across(std::string_view text);                    // 1 to 4
 [[nodiscard]] Result<double> parse_termination(std::string_view text);                 // 0 or more, below 1
 
 struct RenderFlags : OptionSet {
@@ -42,6 +43,7 @@ struct RenderFlags : OptionSet {
                             "which frames of a sequence to draw, as in convert. Default: all frames."};
   IsoOption isos{in(OptionGroup::surface), "Draw a surface of the volume as well. ", ""};
   SurfaceFlags surface{*this};
+  LabelFlags labels{*this, LabelFlags::Taken::names};
   Value<ColorFlag> color{in(OptionGroup::vertices),
                          "--color-by",
                          "iso[:MAP][:MIN,MAX]",
@@ -51,7 +53,7 @@ struct RenderFlags : OptionSet {
   Value<std::vector<double>> opacity{
       in(OptionGroup::vertices), "--opacity", "A[,B...]", parse_opacity,
       "Opacity of surfaces and meshes, above 0, at most 1. One for all, or one for each: "
-      "surfaces of --iso first, then meshes. Default: opaque."};
+      "surfaces of --iso or --labels first, then meshes. Default: opaque."};
   Value<std::string> output{in(OptionGroup::output), "-o,--output", "FILE", parse_text,
                             "Picture to write (default: INPUT.png). .png, or .exr with linear light, depth and "
                             "normals; - is stdout, as PNG. Several pictures need a pattern, such as turn_{:04}.png."};
@@ -81,12 +83,15 @@ struct RenderFlags : OptionSet {
       About::drawn_volume};
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "
-                                 "takes one normal per triangle."};
+                                 "takes one normal per triangle, and is the default with --method voxels."};
   Value<std::vector<glm::dvec3>> mesh_colors{
       in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
       "Color of meshes without vertex colors. One for all, or one for each in order. Default: gray."};
   Value<double> samples{in(OptionGroup::output), "--samples", "N", parse_samples,
                         "Samples per voxel along a ray (default: 1). Per shortest edge of a voxel."};
+  Value<int> antialias{in(OptionGroup::output), "--antialias", "N", parse_rays_across,
+                       "Rays per pixel along each axis, 1 to 4. Default: 2 with surfaces or meshes, whose edges it "
+                       "smooths; 1 for a volume alone. The time grows with N x N."};
   Value<double> termination{in(OptionGroup::output), "--termination", "T", parse_termination,
                             fmt::format("Share of light at which a ray ends, 0 for never. Default: {:.6g}.",
                                         render::RenderOptions::kTermination)};
