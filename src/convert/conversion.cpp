@@ -79,7 +79,6 @@ class Conversion {
       events_.note({NoteId::volume_changed, *text + extras_.volume_hint});
     }
     outcome_.front = front_azimuth(source_.field, source_.placement);
-    if (collector_ != nullptr) collector_->front = outcome_.front;
     if (const auto text = note_of_touching(outcome_.reports)) events_.note({NoteId::moved_apart, *text});
     if (wants_source()) collector_->source = std::move(source_);
     return {};
