@@ -38,6 +38,7 @@ Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context
   for (const std::string& file : meshes_[n].files) {
     auto read = TRY(mesh_io::read_mesh(file, context));
     if (read.y_up) options.up = render::UpAxis::y;
+    TRY(convert::color_by_materials(read, context));
     TRY(render::add_normals(read.mesh, file, context));
     files.push_back(std::move(read));
   }

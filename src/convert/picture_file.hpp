@@ -10,6 +10,7 @@
 #include "convert/conversion_job.hpp"
 #include "image_io/light_image.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "render/picture.hpp"
 #include "render/preview.hpp"
@@ -20,6 +21,11 @@ namespace isoextract::convert {
 // Returns how to draw a mesh: with its material, its vertex colors, and its normals if it has them. Keeps a pointer to
 // `mesh`.
 [[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
+
+// Gives the vertices of a file with several meshes the colors and opacities of their materials, multiplied by the
+// colors that they have, as glTF prescribes. Does nothing if no mesh has a material. Fails with
+// ErrorCode::out_of_memory if memory is short.
+[[nodiscard]] Result<void> color_by_materials(mesh_io::MeshFile& file, const Context& context);
 
 [[nodiscard]] render::UpAxis render_up_axis(UpAxis up);
 

@@ -59,7 +59,7 @@ struct RenderFlags : OptionSet {
                             "normals; - is stdout, as PNG. Several pictures need a pattern, such as turn_{:04}.png."};
   ViewFlags view{this,
                  {"--background,--background-color", "none", "(default: 960x540).", "In world coordinates.",
-                  "the center of the first input"}};
+                  "the center of what is visible"}};
   Value<convert::UpAxis> up{in(OptionGroup::output), "--up",
                             "Axis that points up in volume and picture. With z, meshes of glTF files, which are y up, "
                             "are turned to z up. Default: z; y where only meshes that state it are drawn."};
@@ -72,7 +72,8 @@ struct RenderFlags : OptionSet {
       "--tf-range",
       "MIN,MAX",
       parse_value_range,
-      "Values that a named transfer function covers. Default: smallest to largest sample; level sets from 0 inwards.",
+      "Values that a named transfer function covers. Default: from above the noise of the background to the 99.9th "
+      "percentile of the samples above; level sets from 0 inwards; fields alike on both sides of 0 on both sides.",
       About::drawn_volume};
   Value<double> unit_length{
       in(OptionGroup::output),
@@ -84,9 +85,9 @@ struct RenderFlags : OptionSet {
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "
                                  "takes one normal per triangle, and is the default with --method voxels."};
-  Value<std::vector<glm::dvec3>> mesh_colors{
-      in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
-      "Color of meshes without vertex colors. One for all, or one for each in order. Default: gray."};
+  Value<std::vector<glm::dvec3>> mesh_colors{in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
+                                             "Color of meshes without vertex colors. One for all, or one for each in "
+                                             "order. Default: their materials, else gray."};
   Value<double> samples{in(OptionGroup::output), "--samples", "N", parse_samples,
                         "Samples per voxel along a ray (default: 1). Per shortest edge of a voxel."};
   Value<int> antialias{in(OptionGroup::output), "--antialias", "N", parse_rays_across,
