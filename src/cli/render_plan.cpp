@@ -194,6 +194,13 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
   const Inputs inputs = sorted_inputs(flags, plan.memory);
   TRY(refuse_several_grids(flags.input, "render"));
   plan.job.source.read = TRY(plan_read(flags.input));
+  if (!inputs.volumes.empty() && !is_frame_pattern(inputs.volumes.front()) &&
+      draws_all_labels(flags, inputs.volumes.front(), Context(plan.memory))) {
+    flags.labels.chosen = std::vector{convert::IsoChoice::all_labels()};
+    plan.notes.push_back({NoteId::iso_chosen,
+                          "all labels, because the file names its labels; choose some with --labels L,..., or give "
+                          "--iso V or --tf NAME"});
+  }
   TRY(take_labels(flags.labels, flags.surface, flags.isos));
   plan.job.source.particles = TRY(plan_particles(flags.particles, flags.surface.nan));
   plan.job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;

@@ -23,6 +23,10 @@ namespace {
 
 constexpr std::string_view kNoTable = "none";  // of --label-names
 
+bool is_for_labels(extract::Method method) {
+  return method == extract::Method::voxels || method == extract::Method::surface_nets;
+}
+
 // Returns whether the grid that the options choose names its labels.
 bool names_labels(const std::string& input, const volume_io::ReadOptions& read, const Context& context) {
   const auto grids = volume_io::list_grids(input, read, context.beside());
@@ -49,10 +53,7 @@ bool is_table_named(const LabelFlags& flags) { return flags.names && *flags.name
 Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input, const Context& context) {
   const bool chooses = flags.labels.chosen || !flags.isos.empty() || flags.batch.iso_table || !makes_surfaces(flags);
   if (chooses || flags.input.grids.size() > 1) return std::string();
-  if (flags.surface.method) {
-    const extract::Method method = *flags.surface.method;
-    if (method != extract::Method::voxels && method != extract::Method::surface_nets) return std::string();
-  }
+  if (flags.surface.method && !is_for_labels(*flags.surface.method)) return std::string();
   volume_io::ReadOptions read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
   if (particles.expected || (files::is_standard_input(input) && !read.format)) return std::string();
@@ -76,6 +77,14 @@ Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& i
   return std::string("all labels, because the file names its labels; choose some with --labels L,..., or give --iso V");
 }
 
+bool draws_all_labels(const RenderFlags& flags, const std::string& volume, const Context& context) {
+  const bool chooses = flags.labels.chosen || !flags.isos.empty() || flags.transfer || flags.particles.method;
+  if (chooses || (flags.surface.method && !is_for_labels(*flags.surface.method))) return false;
+  if (files::is_standard_input(volume) || volume.starts_with(field::kDemoPrefix)) return false;
+  const auto read = plan_read(flags.input);
+  return read && names_labels(volume, *read, context);
+}
+
 Result<void> take_labels(const LabelFlags& flags, SurfaceFlags& surface, IsoOption& isos) {
   if (!flags.chosen) {
     if (is_table_named(flags)) return refuse_usage("--label-names needs --labels", "give --labels all");
@@ -85,7 +94,7 @@ Result<void> take_labels(const LabelFlags& flags, SurfaceFlags& surface, IsoOpti
   }
   if (!surface.method) surface.method = extract::Method::surface_nets;
   const extract::MethodInfo& method = extract::method_info(*surface.method);
-  if (method.method != extract::Method::voxels && method.method != extract::Method::surface_nets) {
+  if (!is_for_labels(method.method)) {
     return refuse_usage(
         fmt::format(
             "--labels does not work with {}, which places surfaces between ordered values, and labels have no order",

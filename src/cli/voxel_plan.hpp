@@ -28,6 +28,10 @@ namespace isoextract::cli {
 [[nodiscard]] Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input,
                                                      const Context& context);
 
+// Returns whether `isoextract render` draws all labels of a volume although no option says so: the file names them, and
+// the options choose neither surfaces nor a transfer function. Files that it cannot read name none.
+[[nodiscard]] bool draws_all_labels(const RenderFlags& flags, const std::string& volume, const Context& context);
+
 // A table of labels beside an input.
 struct TableBeside {
   std::string path;

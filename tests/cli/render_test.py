@@ -217,6 +217,20 @@ class RenderTest(ProgramTest):
         self.assertLessEqual(usual.pixel(24 + 6, 16)[3], 2)
         self.assertGreater(everything.pixel(24 + 6, 16)[3], 10)
 
+    def test_blackbody_colours_follow_the_temperature(self):
+        """Slabs of 1050, 2000 and 3000 K: from dark red to light orange."""
+        self.write_raw("t.raw", (12, 6, 6), lambda x, y, z: (1050, 2000, 3000)[x // 4])
+        picture = self.picture("t.raw", "--dims", "12,6,6", "--dtype", "f32", "--tf", "blackbody", "--tf-range", "1000,3000",
+                               "--unit-length", "0.02", "--camera", "0,0,16", "--background", "black", "--look-at", "5.5,2.5,2.5")
+        cold, warm, hot = (picture.pixel(x, 16) for x in (15, 24, 33))
+        for red, green, blue in (cold, warm, hot):
+            self.assertGreater(red, green)
+            self.assertGreaterEqual(green, blue)
+        self.assertLess(cold[0], warm[0])
+        self.assertLess(warm[0], hot[0])
+        self.assertEqual(cold[2], 0)
+        self.assertGreater(hot[2], 70)
+
     def test_particles_inside_of_their_surface_are_seen(self):
         spots = "".join(f"{x} {y} {z}\n" for z in range(6) for y in range(6) for x in range(6))
         (self.folder / "block.xyz").write_text(f"216\nblock\n{spots}")

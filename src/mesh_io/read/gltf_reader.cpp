@@ -101,8 +101,8 @@ class ModelReader {
       const std::string_view name = text_of(mesh, "name").substr(0, kNameBytes);
       source_.memory.make_room(surface_.parts, 1);
       source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
-      surface_.parts.push_back({std::string(name), surface_.positions.size(), surface_.triangles.size(),
-                                gltf_mesh_material(model_, mesh)});
+      surface_.parts.push_back(
+          {std::string(name), surface_.positions.size(), surface_.triangles.size(), gltf_mesh_material(model_, mesh)});
       add_mesh(mesh, transform);
     }
     for (const std::string& name : left_out_) {
