@@ -24,7 +24,7 @@ struct VisibleRange {
 // field::suggest_iso() gives (Otsu's threshold). With their median m and their 1st percentile p, the range begins at
 // min(t, m + 1.3 (m - p)), the upper end of a symmetric noise. It ends at the 99.9th percentile of the samples above,
 // but at most 8 times as far from the beginning as their mean, so that a few large values do not hide the others.
-// If one bin of the histogram has 98 % of the samples and their mean is over 3 times as far above the least value as
+// If one bin of the histogram has 90 % of the samples and their mean is over 3 times as far above the least value as
 // their median, as in densities over many powers of ten, the range is from the least value to 8 times that mean.
 //
 // A field with values on both sides of 0, alike and with long tails, such as seismic amplitudes and wave functions, is
