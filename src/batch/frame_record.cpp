@@ -146,7 +146,8 @@ Json json_of(const FrameFigures& figures) {
           {"bytes", figures.bytes},
           {"wall_seconds", figures.wall_seconds},
           {"memory", figures.memory},
-          {"unit", figures.unit}};
+          {"unit", figures.unit},
+          {"front", figures.front}};
 }
 
 std::vector<SurfaceFigures> surfaces_of(const Json& json) {
@@ -171,6 +172,7 @@ FrameFigures figures_of(const Json& json) {
   figures.time = {optional_of<std::int64_t>(json, "step"), optional_of<double>(json, "time")};
   figures.lacked_attributes = json.value("lacked_attributes", std::vector<std::string>());
   figures.unit = json.value("unit", std::string());
+  figures.front = json.value("front", 0.0);
   figures.bytes = json.at("bytes").get<std::uint64_t>();
   figures.wall_seconds = json.at("wall_seconds").get<double>();
   figures.memory = json.at("memory").get<std::uint64_t>();
@@ -325,6 +327,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
                     value_at<double>(made, {Key::frame, Key::time})};
   }
   figures.unit = text_at(outcome, StageName::place, Key::unit_of_lengths);
+  figures.front = outcome.front;
   for (const mesh_io::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
   figures.wall_seconds = outcome.total.wall_seconds;
   figures.memory = outcome.reserved_memory;

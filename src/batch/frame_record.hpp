@@ -50,6 +50,7 @@ struct FrameFigures {
   particle_io::FrameTime time;                 // of a frame of particles
   std::vector<std::string> lacked_attributes;  // optional attributes that the input lacks
   std::string unit = {};                       // of lengths in the meshes: "mm"; empty if unknown
+  double front = 0;                            // azimuth of a patient's front in the meshes, in degrees
 
   friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
 };

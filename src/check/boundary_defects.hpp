@@ -18,8 +18,6 @@ struct EdgeDefects {
   std::uint64_t nonmanifold = 0;
   std::uint64_t misoriented = 0;
   std::uint64_t nonmanifold_vertices = 0;
-
-  [[nodiscard]] bool none() const { return open + nonmanifold + misoriented + nonmanifold_vertices == 0; }
 };
 
 // The rim of a hole: open edges connected through fans of triangles. A vertex with several fans counts as one vertex

@@ -129,6 +129,11 @@ std::string reason(Requirement requirement, const MeshCheck& check, std::uint64_
 
 }  // namespace
 
+bool MeshCheck::has_volume() const {
+  return !components.empty() && topology.repeated_index_triangles == 0 &&
+         std::ranges::all_of(components, &Component::has_inside);
+}
+
 std::uint64_t MeshCheck::count(Shell shell) const {
   return static_cast<std::uint64_t>(std::ranges::count(components, shell, &Component::shell));
 }

@@ -35,6 +35,8 @@ struct MeshCheck {
   std::optional<NormalFigures> normals;
   Reservation memory;  // for loops and components
 
+  // Returns whether the mesh encloses a volume: it has triangles, and all components have an inside.
+  [[nodiscard]] bool has_volume() const;
   // Counts the components with this shell type.
   [[nodiscard]] std::uint64_t count(Shell shell) const;
 };

@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -73,18 +74,61 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
           static_cast<std::int64_t>(component.vertices) - edge_count + static_cast<std::int64_t>(component.triangles);
       component.genus = (2 - static_cast<std::int64_t>(component.loops) - euler) / 2;
     }
-    if (!edges.none()) component.volume = 0;
   }
   return result;
 }
 
+// Sets the type of components without an inside, and their volume to 0. The type of others is body for now.
+Result<void> find_insides(const mesh::Mesh& mesh, const mesh::Components& components, std::vector<Component>& all,
+                          const Context& context) {
+  std::uint64_t unclear = 0;  // triangles of components for which only the edges of several sheets decide
+  for (Component& component : all) {
+    component.shell = component.edges.open > 0          ? Shell::open
+                      : component.edges.misoriented > 0 ? Shell::not_oriented
+                                                        : Shell::body;
+    if (component.shell == Shell::body && component.edges.nonmanifold > 0) unclear += component.triangles;
+  }
+  struct HalfEdge {
+    std::uint32_t low;
+    std::uint32_t high;
+    bool rises;
+  };
+  const auto memory = TRY(context.reserve(3 * unclear * sizeof(HalfEdge), mesh.name + ": edges where sheets touch"));
+  std::vector<HalfEdge> edges;
+  edges.reserve(3 * unclear);
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (unclear == 0 || mesh::has_repeated_index(t)) continue;
+    const Component& component = all[components.of_vertex(t.x)];
+    if (component.shell != Shell::body || component.edges.nonmanifold == 0) continue;
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t from = t[c];
+      const std::uint32_t to = t[(c + 1) % 3];
+      edges.push_back({std::min(from, to), std::max(from, to), from < to});
+    }
+  }
+  std::ranges::sort(edges, {}, [](const HalfEdge& edge) { return std::pair(edge.low, edge.high); });
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::int64_t more_rise = 0;
+    std::size_t end = begin;
+    while (end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high) {
+      more_rise += edges[end++].rises ? 1 : -1;
+    }
+    if (more_rise != 0) all[components.of_vertex(edges[begin].low)].shell = Shell::not_oriented;
+    begin = end;
+  }
+  for (Component& component : all) {
+    if (!component.has_inside()) component.volume = 0;
+  }
+  return {};
+}
+
 mesh::Facing facing_of(const Component& component) {
-  if (!component.edges.none()) return mesh::Facing::open;
+  if (!component.has_inside()) return mesh::Facing::open;
   return component.volume < 0 ? mesh::Facing::inward : mesh::Facing::outward;
 }
 
 Shell shell_of(const Component& component) {
-  if (!component.edges.none()) return Shell::open;
+  if (!component.has_inside()) return component.shell;
   if (component.within % 2 == 0) return component.volume < 0 ? Shell::inside_out : Shell::body;
   return component.volume < 0 ? Shell::hollow : Shell::nested;
 }
@@ -98,6 +142,7 @@ Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const
   const auto memory = TRY(context.reserve(components.count() * of_one, what));
   try {
     std::vector<Component> all = measure_components(mesh, components, defects);
+    TRY(find_insides(mesh, components, all, context));
     mesh::ShellQuery question;
     for (const Component& component : all) question.facing.push_back(facing_of(component));
     if (all.size() - std::ranges::count(question.facing, mesh::Facing::open) > 1) {

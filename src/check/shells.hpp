@@ -17,18 +17,24 @@
 
 namespace isoextract::check {
 
-// A closed shell inside an even number of other shells bounds a body; its triangles should face outward. One inside an
-// odd number bounds a cavity; its triangles should face inward.
+// A component without open edges, each of whose edges has as many triangles along it as against it, has an inside, also
+// if sheets of it touch at edges or vertices. One inside an even number of other shells bounds a body; its triangles
+// should face outward. One inside an odd number bounds a cavity; its triangles should face inward.
 enum class Shell {
-  open,        // not closed, not manifold or not oriented: has no inside
-  body,        // faces outward, inside an even number of shells
-  hollow,      // faces inward, inside an odd number
-  inside_out,  // faces inward, inside an even number
-  nested       // faces outward, inside an odd number: a body inside a body
+  open,          // has open edges: no inside
+  not_oriented,  // closed, but an edge has more triangles along it than against it: no inside
+  body,          // faces outward, inside an even number of shells
+  hollow,        // faces inward, inside an odd number
+  inside_out,    // faces inward, inside an even number
+  nested         // faces outward, inside an odd number: a body inside a body
 };
 constexpr auto words_of(Shell /*type*/) {
-  return std::array{Word{Shell::open, "open"}, Word{Shell::body, "body"}, Word{Shell::hollow, "hollow"},
-                    Word{Shell::inside_out, "inside out"}, Word{Shell::nested, "body within a body"}};
+  return std::array{Word{Shell::open, "open"},
+                    Word{Shell::not_oriented, "not oriented"},
+                    Word{Shell::body, "body"},
+                    Word{Shell::hollow, "hollow"},
+                    Word{Shell::inside_out, "inside out"},
+                    Word{Shell::nested, "body within a body"}};
 }
 
 struct Component {
@@ -37,11 +43,13 @@ struct Component {
   EdgeDefects edges;
   std::uint64_t loops = 0;  // loops of open edges
   double area = 0;
-  double volume = 0;  // enclosed; negative if it faces inward, 0 for Shell::open
+  double volume = 0;  // enclosed; negative if it faces inward, 0 without an inside
   mesh::Bounds bounds;
   std::optional<std::int64_t> genus;  // absent if an edge or a vertex is non-manifold or an edge is misoriented
   Shell shell = Shell::open;
-  std::uint32_t within = 0;  // number of other closed shells around it; 0 for an open one
+  std::uint32_t within = 0;  // number of other shells around it; 0 without an inside
+
+  [[nodiscard]] bool has_inside() const { return shell != Shell::open && shell != Shell::not_oriented; }
 };
 
 // Describes each component, in the order of `components`. mesh/shells.hpp decides which shell lies inside which. The

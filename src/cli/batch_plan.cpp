@@ -302,7 +302,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
                                    : batch::find_frames(flags.input.inputs, flags.batch.frames, flags.heightfield));
   const std::string usual_labels = TRY(set_default_labels(one, found.frames.front().input, context));
   TRY(take_labels(one));
-  if (one.labels) flags.labels = *one.labels;
+  if (one.labels.chosen) flags.labels.chosen = *one.labels.chosen;
   if (!usual_labels.empty()) found.notes.push_back({NoteId::iso_chosen, usual_labels});
   std::string usual_iso;
   if (!flags.batch.iso_table && makes_surfaces(flags)) {
@@ -313,7 +313,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto sources = TRY(sources_of(flags, found));
   auto common = TRY(plan_conversion(one, sources.front().isos, context));
   plan.common = std::move(common);
-  TRY(plan_found_table(one, found.frames.front().input, context, found.notes, plan.common.job));
+  TRY(plan_found_table(one.labels, found.frames.front().input, context, found.notes, plan.common.job));
   plan.frame_notes = plan.common.notes;
   if (!usual_iso.empty()) plan.frame_notes.push_back({NoteId::iso_chosen, std::move(usual_iso)});
   if (std::string note = changing_isos(flags, sources.size()); !note.empty())

@@ -37,7 +37,13 @@ class Findings {
     tell_bodies();
     tell_shading();
     if (slicers_.empty()) {
-      slicer("It needs no repair: the mesh is closed, manifold, faces outward and does not intersect itself.");
+      const std::uint64_t touching = check_.topology.nonmanifold_vertices;
+      slicer(
+          touching == 0
+              ? "It needs no repair: the mesh is closed, manifold, faces outward and does not intersect itself."
+              : fmt::format("It needs no repair: the mesh is closed, faces outward and does not intersect itself; {} "
+                            "surfaces touch at, do not matter to it.",
+                            amount(touching, "vertex, which", "vertices, which")));
     }
     tell_size();
     slicers_.insert(slicers_.end(), engines_.begin(), engines_.end());

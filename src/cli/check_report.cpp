@@ -117,18 +117,18 @@ void add_mesh(NamedLines& lines, const CheckReport& report, const MeshCheck& che
   lines.add("bounds", fmt::format("{} .. {}", point_in_words(check.bounds.min), point_in_words(check.bounds.max)));
   lines.add("area",
             fmt::format("{:.9g}{}", check.size.area, report.unit ? fmt::format(" {}2", report.unit->name) : ""));
-  if (check.topology.is_closed_oriented_manifold()) {
+  if (check.has_volume()) {
     lines.add("volume",
               fmt::format("{:.9g}{}", check.size.volume, report.unit ? fmt::format(" {}3", report.unit->name) : ""));
-    lines.add("genus", fmt::format("{}", check.topology.genus()));
   }
+  if (check.topology.is_closed_oriented_manifold()) lines.add("genus", fmt::format("{}", check.topology.genus()));
   lines.add("components", components_line(check));
   lines.add("closed", closed_line(check));
   lines.add("manifold", answer(Requirement::manifold, check));
   lines.add("oriented", answer(Requirement::oriented, check));
-  lines.add("outward", check.components.empty() || check.count(Shell::open) < check.components.size()
+  lines.add("outward", check.components.empty() || std::ranges::any_of(check.components, &Component::has_inside)
                            ? answer(Requirement::outward, check)
-                           : "unknown: no component is closed");
+                           : "unknown: no component has an inside");
   lines.add("intersections", intersection_line(check));
   lines.add("zero area", none_or(Requirement::no_zero_area, check));
   lines.add("duplicates", none_or(Requirement::no_duplicates, check));
@@ -144,11 +144,10 @@ void add_components(NamedLines& lines, const MeshCheck& check) {
   const auto rows = largest_components(check, kRowsOfText);
   for (const std::size_t row : rows) {
     const Component& component = check.components[row];
-    const bool closed = component.shell != Shell::open;
-    lines.plain(fmt::format("  {:>10} {:>10} {:>8} {:>12.6g} {:>12} {:>6} {:>6}  {}", row, component.triangles,
-                            component.loops, component.area, closed ? fmt::format("{:.6g}", component.volume) : "-",
-                            component.genus ? fmt::format("{}", *component.genus) : "-", component.within,
-                            word_of(component.shell)));
+    lines.plain(fmt::format(
+        "  {:>10} {:>10} {:>8} {:>12.6g} {:>12} {:>6} {:>6}  {}", row, component.triangles, component.loops,
+        component.area, component.has_inside() ? fmt::format("{:.6g}", component.volume) : "-",
+        component.genus ? fmt::format("{}", *component.genus) : "-", component.within, word_of(component.shell)));
   }
   if (check.components.size() > rows.size()) {
     lines.plain(fmt::format("  and {} smaller components", check.components.size() - rows.size()));
@@ -182,7 +181,6 @@ Json edges_json(const check::EdgeDefects& edges) {
 Json bounds_json(const mesh::Bounds& bounds) { return convert::json_of(field::Box{bounds.min, bounds.max}); }
 
 Json component_json(const Component& component, std::size_t number) {
-  const bool closed = component.shell != Shell::open;
   Json json{{"component", number},
             {"shell", word_of(component.shell)},
             {"within", component.within},
@@ -192,7 +190,7 @@ Json component_json(const Component& component, std::size_t number) {
   json["loops"] = component.loops;
   json["genus"] = convert::optional_json(component.genus);
   json["area"] = component.area;
-  json["volume"] = closed ? Json(component.volume) : Json(nullptr);
+  json["volume"] = component.has_inside() ? Json(component.volume) : Json(nullptr);
   json["bounds"] = bounds_json(component.bounds);
   return json;
 }
@@ -260,7 +258,7 @@ Json mesh_json(const MeshCheck& check) {
                {"largest_components", std::move(components)},
                {"genus", closed ? Json(topology.genus()) : Json(nullptr)},
                {"area", check.size.area},
-               {"volume", closed ? Json(check.size.volume) : Json(nullptr)},
+               {"volume", check.has_volume() ? Json(check.size.volume) : Json(nullptr)},
                {"bounds", bounds_json(check.bounds)},
                {"normals", normals_json(check.normals)}});
   return json;

@@ -26,6 +26,7 @@
 #include "cli/field_plan.hpp"
 #include "cli/foreign_options.hpp"
 #include "cli/iso_of_labels_note.hpp"
+#include "cli/label_table.hpp"
 #include "cli/messages.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
@@ -133,6 +134,9 @@ class ConversionPrinter final : public convert::Events {
       bar_.above([&] {
         messages_.summary(line);
         for (const Line& other : lines_) tell(other);
+        if (!output.surfaces.empty() && output.surfaces.front().id.is_label()) {
+          for (const std::string& row : label_table(output)) messages_.detail(row);
+        }
       });
     }
     lines_.clear();

@@ -49,7 +49,10 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFo
     return flags.normals.value_or(is_gltf(format) ? convert::Normals::area : convert::Normals::none);
   const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface, flags.input).method);
   if (!method.traits.gradient_normals) {
-    if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
+    // Pictures of surface nets are shaded like the smooth surfaces they approximate.
+    const bool shades_smoothly = writes_picture(flags) && method.method == extract::Method::surface_nets;
+    const convert::Normals usual = shades_smoothly ? convert::Normals::area : convert::Normals::none;
+    if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(usual);
     return refuse_usage(fmt::format("--normals smooth: {}", extract::why_no_gradient_normals(method)),
                         "use --normals flat or --normals area");
   }
@@ -90,7 +93,7 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
     std::string_view why;
   };
   const std::array<OfOneGrid, 7> of_one_grid{
-      OfOneGrid{flags.labels.has_value(), "--labels needs one label map"},
+      OfOneGrid{flags.labels.chosen.has_value(), "--labels needs one label map"},
       OfOneGrid{job.writes<convert::FieldFileOptions>() != nullptr, "a field as output is one grid"},
       OfOneGrid{flags.placement.center,
                 "--center moves each grid by the center of its own samples, which shifts the "
@@ -194,7 +197,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   TRY(plan_region(flags.surface, job.source));
   TRY(plan_resolution(flags.surface, job.source));
-  TRY(plan_labels(flags, job));
+  TRY(plan_labels(flags.labels, flags.surface, flags.input, job));
   plan_heights(flags, job);
   job.source.filters = flags.surface.filters;
   TRY(plan_edits(flags, job));
@@ -223,7 +226,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (!note.empty()) plan->notes.push_back({NoteId::iso_chosen, std::move(note)});
   if (!labels_note.empty()) plan->notes.push_back({NoteId::iso_chosen, labels_note});
   plan->job.source.input = inputs.front();
-  TRY(plan_found_table(flags, inputs.front(), context, plan->notes, plan->job));
+  TRY(plan_found_table(flags.labels, inputs.front(), context, plan->notes, plan->job));
   const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.meshes().format);
   TRY(check_output_name(flags, format));
   const auto found = TRY(batch::find_frames(inputs, std::nullopt, flags.heightfield));

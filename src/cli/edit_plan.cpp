@@ -12,10 +12,6 @@ namespace isoextract::cli {
 
 Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) {
   const EditFlags& edits = flags.edits;
-  if (!flags.surface.blurs.empty() && flags.labels) {
-    return refuse_usage("--blur does not work with --labels: the average of two labels is no label",
-                        "leave --blur out, or smooth the meshes with --smooth");
-  }
   if (edits.split && flags.error) {
     return refuse_usage("--error measures a whole surface, and --split-components writes each body as its own mesh",
                         "leave one of them out");
@@ -49,10 +45,10 @@ Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& p
   const bool tells_apart = path.find("{iso}") != std::string::npos ||
                            path.find(convert::kLabelPlaceholder) != std::string::npos ||
                            path.find(convert::kNamePlaceholder) != std::string::npos;
-  if ((has_all_labels(flags) || flags.isos.size() > 1) && !tells_apart) {
-    return refuse_usage(
-        fmt::format("-o {}: bodies of several surfaces would have the same file names", path),
-        has_all_labels(flags) ? "put {label} into the file name as well" : "put {iso} into the file name as well");
+  if ((flags.labels.is_set_of_labels() || flags.isos.size() > 1) && !tells_apart) {
+    return refuse_usage(fmt::format("-o {}: bodies of several surfaces would have the same file names", path),
+                        flags.labels.is_set_of_labels() ? "put {label} into the file name as well"
+                                                        : "put {iso} into the file name as well");
   }
   return {};
 }

@@ -19,7 +19,7 @@ struct Refused {
 std::vector<Refused> refused_options(const ConvertFlags& flags) {
   return {{flags.isos, "terrain has no iso value"},
           {flags.batch.iso_table, "terrain has no iso value"},
-          {flags.labels, "terrain has no labels"},
+          {flags.labels.chosen, "terrain has no labels"},
           {flags.surface.method, "terrain has one method"},
           {flags.input.inside, "inside is always below the heights"},
           {flags.surface.roi, "the region of a volume has three axes; --clip cuts terrain"},

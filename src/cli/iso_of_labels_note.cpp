@@ -29,4 +29,13 @@ std::optional<Note> iso_of_labels_note(const field::ScalarField& field, const co
                           label)};
 }
 
+std::optional<Note> volume_of_labels_note(const field::ScalarField& field) {
+  if (field::guess_label_map(field) != field::LabelMapKind::label_map) return std::nullopt;
+  return Note{
+      NoteId::iso_of_labels,
+      fmt::format("{}: the samples look like a label map: the volume takes the numbers of labels for densities; "
+                  "--labels all draws the surface of each label",
+                  convert::field_label(field))};
+}
+
 }  // namespace isoextract::cli

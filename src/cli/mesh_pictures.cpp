@@ -13,11 +13,10 @@
 
 namespace isoextract::cli {
 
-Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const render::PictureSize& size,
-                                        convert::UpAxis up, const Context& context) {
+Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, render::PreviewOptions options,
+                                        const Context& context) {
   MeshPictures pictures;
-  pictures.options_.size = size;
-  pictures.options_.up = convert::render_up_axis(up);
+  pictures.options_ = std::move(options);
   std::optional<field::Box>& box = pictures.options_.box;
   for (const WrittenMesh& written : meshes) {
     if (meshes.size() == 1) break;  // a single mesh is framed by its own box
@@ -39,6 +38,7 @@ Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context
   for (const std::string& file : meshes_[n].files) {
     auto read = TRY(mesh_io::read_mesh(file, context));
     if (read.y_up) options.up = render::UpAxis::y;
+    TRY(convert::color_by_materials(read, context));
     TRY(render::add_normals(read.mesh, file, context));
     files.push_back(std::move(read));
   }
@@ -50,7 +50,7 @@ Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context
   const int dot = std::max(1, picture.height / 120);
   const glm::ivec2 size = render::text_size(meshes_[n].text_if_empty, dot);
   render::draw_text(picture, {(picture.width - size.x) / 2, (picture.height - size.y) / 2}, meshes_[n].text_if_empty,
-                    dot, render::kTextColor);
+                    dot, render::text_color(options.background));
   return std::move(picture);
 }
 

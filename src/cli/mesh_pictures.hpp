@@ -9,8 +9,6 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
-#include "convert/placement.hpp"
-#include "field/affine.hpp"
 #include "render/preview.hpp"
 
 namespace isoextract::cli {
@@ -23,10 +21,11 @@ struct WrittenMesh {
 
 class MeshPictures {
  public:
-  // If there are several meshes, reads all files once to find their common box; else reads nothing. `up` is the up axis
-  // for formats that prescribe none. Fails as mesh_io::read_mesh() and Context::check() do.
-  [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, const render::PictureSize& size,
-                                                 convert::UpAxis up, const Context& context);
+  // If there are several meshes, reads all files once to find their common box, which replaces that of `options`; else
+  // reads nothing. The up axis of `options` is for formats that prescribe none. Fails as mesh_io::read_mesh() and
+  // Context::check() do.
+  [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, render::PreviewOptions options,
+                                                 const Context& context);
 
   [[nodiscard]] std::size_t count() const { return meshes_.size(); }
   [[nodiscard]] const WrittenMesh& mesh(std::size_t n) const { return meshes_[n]; }

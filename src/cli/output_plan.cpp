@@ -72,7 +72,7 @@ batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::
   };
   reads(flags.config, "has the options");
   reads(flags.batch.iso_table, "has the iso values");
-  reads(flags.label_names, "has the names of labels");
+  reads(flags.labels.names, "has the names of labels");
   may_write(flags.batch.table, "the table");
   may_write(flags.batch.plot, "the plot");
   may_write(flags.html, "the page");

@@ -1,5 +1,6 @@
 #include "cli/pages_plan.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "cli/gnuplot.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "convert/picture_file.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
@@ -37,10 +39,23 @@ std::vector<WrittenMesh> meshes_of(std::span<const batch::FrameRow> rows) {
   return meshes;
 }
 
+// Returns how to draw the meshes of the rows in pictures whose size is `usual` unless an option sets it.
+render::PreviewOptions view_of(const PagesPlan& plan, const render::PictureSize& usual,
+                               std::span<const batch::FrameRow> rows, convert::UpAxis up) {
+  const auto has_mesh = std::ranges::find_if(rows, [](const batch::FrameRow& row) { return !row.outputs.empty(); });
+  const double front = has_mesh != rows.end() ? has_mesh->figures.front : 0;
+  convert::PictureFileOptions view = plan.view;
+  if (plan.has_usual_size) {
+    view.width = usual.width;
+    view.height = usual.height;
+  }
+  return convert::preview_of(view, up, front);
+}
+
 }  // namespace
 
 Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job) {
-  PagesPlan plan{flags.html, flags.contact_sheet};
+  PagesPlan plan{flags.html, flags.contact_sheet, plan_view(flags.view), !flags.view.size};
   if (!plan.any()) return plan;
   const std::string_view option = flags.html ? flags.html.name() : flags.contact_sheet.name();
   if (plan.html && (plan.html->empty() || *plan.html == "-")) return refuse_usage("--html needs the name of a file");
@@ -66,8 +81,8 @@ Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::Conversio
 Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows, const HtmlPage& page,
                          convert::UpAxis up, const std::vector<std::string>& arguments, const Context& context) {
   if (plan.contact_sheet) {
-    const auto pictures =
-        TRY(MeshPictures::open(evenly_spaced(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context));
+    const auto pictures = TRY(MeshPictures::open(evenly_spaced(meshes_of(rows), kPicturesOfSheet),
+                                                 view_of(plan, kOnSheet, rows, up), context));
     if (pictures.count() == 0) {
       return fail(ErrorCode::output, fmt::format("{}: the run wrote no mesh to draw", *plan.contact_sheet));
     }
@@ -79,7 +94,7 @@ Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow>
     svg = TRY(run_gnuplot(frame_plot_script(rows, PictureFormat::svg)));
   }
   const auto pictures = TRY(MeshPictures::open(evenly_spaced(meshes_of(rows), kPicturesOfPage),
-                                               rows.size() == 1 ? kAlone : kOnPage, up, context));
+                                               view_of(plan, rows.size() == 1 ? kAlone : kOnPage, rows, up), context));
   const auto text = TRY(page.text(rows, pictures, svg, arguments, context));
   return files::write_file(*plan.html, text);
 }

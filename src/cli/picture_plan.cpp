@@ -13,22 +13,29 @@ bool writes_picture(const ConvertFlags& flags) {
   return flags.output && extension_of(*flags.output) == fmt::format(".{}", kPictureFormat);
 }
 
-Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags) {
-  if (!writes_picture(flags)) {
-    TRY(flags.refuse(About::picture, "{} applies to pictures, but the output is not a picture",
-                     "give an output name that ends in .png"));
-    return std::nullopt;
-  }
-  TRY(flags.refuse(About::mesh_file, "{} applies to mesh files, but the output is a picture",
-                   "leave {} out, or give the output a name of a mesh format"));
+convert::PictureFileOptions plan_view(const ViewFlags& flags) {
   convert::PictureFileOptions picture;
   if (flags.size) {
     picture.width = flags.size->width;
     picture.height = flags.size->height;
   }
-  picture.angles = flags.camera.value_or(picture.angles);
-  picture.angles.look_at = flags.look_at;
+  picture.angles = flags.angles();
+  picture.fovy = flags.fovy();
+  picture.background = flags.background.value_or(picture.background);
   return picture;
+}
+
+Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags) {
+  if (!writes_picture(flags)) {
+    if (!flags.html && !flags.contact_sheet) {
+      TRY(flags.refuse(About::picture, "{} applies to pictures, but the command draws none",
+                       "give an output name that ends in .png, or --html or --contact-sheet"));
+    }
+    return std::nullopt;
+  }
+  TRY(flags.refuse(About::mesh_file, "{} applies to mesh files, but the output is a picture",
+                   "leave {} out, or give the output a name of a mesh format"));
+  return plan_view(flags.view);
 }
 
 std::string cameras_note(const convert::PictureFileOptions& picture) {

@@ -16,8 +16,11 @@ inline constexpr std::string_view kPictureFormat = "png";  // also the extension
 // Returns whether the output is a picture: by --format, or else by the extension of -o.
 [[nodiscard]] bool writes_picture(const ConvertFlags& flags);
 
-// Returns nullopt if the output is a mesh or a field. Fails with ErrorCode::usage for options of mesh files
-// if the output is a picture, and for options of pictures if it is not.
+// Returns how to draw a picture; options that are not given have the defaults of convert::PictureFileOptions.
+[[nodiscard]] convert::PictureFileOptions plan_view(const ViewFlags& flags);
+
+// Returns nullopt if the output is a mesh or a field. Fails with ErrorCode::usage for options of mesh files if the
+// output is a picture, and for options of pictures if the command draws none.
 [[nodiscard]] Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags);
 
 // Returns a note if the pictures of several frames have different cameras; otherwise empty.

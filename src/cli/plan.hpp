@@ -21,10 +21,12 @@
 
 namespace isoextract::cli {
 
-// Paths of the HTML page and the contact sheet that show the results.
+// The HTML page and the contact sheet that show the results.
 struct PagesPlan {
-  std::optional<std::string> html;
-  std::optional<std::string> contact_sheet;
+  std::optional<std::string> html;           // path
+  std::optional<std::string> contact_sheet;  // path
+  convert::PictureFileOptions view = {};     // how to draw the meshes
+  bool has_usual_size = true;  // the page and the sheet have their own usual size in place of that of `view`
 
   [[nodiscard]] bool any() const { return html || contact_sheet; }
 };

@@ -21,7 +21,9 @@
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 #include "image_io/exr_writer.hpp"
+#include "render/antialias.hpp"
 #include "render/gpu_renderer.hpp"
+#include "render/visible_box.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -161,15 +163,19 @@ class Pictures {
     const bool shows_something = scene.volume != nullptr || !scene.surfaces.empty();
     if (!box_ || (plan_.camera.is_fixed() && shows_something)) {  // the box then only determines near and far
       box_ = TRY(render::box_of(scene));
+      // Later frames may show more, so a sequence frames the whole volume.
+      seen_ = plan_.is_sequence ? *box_ : TRY(render::visible_box_of(scene, context_));
     }
     render::ViewAngles angles = plan_.camera;
     angles.azimuth += picture.turn;
     angles.front = source.front();
     // Pictures of a turn or a sequence have one distance.
     const auto frame = plan_.pictures.size() == 1 ? render::frame_box_closely : render::frame_turn;
-    const render::Camera camera = frame(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
+    render::Camera camera = frame(seen_, angles, source.up(), plan_.options.size, plan_.fovy);
+    render::enclose_box(camera, *box_);
     const Stopwatch watch;
-    const auto rendered = TRY(renderer_.draw(scene, camera, plan_.options, context_));
+    const int rays_across = plan_.rays_across.value_or(scene.surfaces.empty() ? 1 : 2);
+    const auto rendered = TRY(render::draw_antialiased(renderer_, scene, camera, plan_.options, rays_across, context_));
     TRY(source.check_mapping_intact());
     const StageTime drawing = watch.elapsed();
     const Stopwatch write_watch;
@@ -204,7 +210,8 @@ class Pictures {
   const Messages& messages_;
   render::Renderer& renderer_;
   const Context& context_;
-  std::optional<field::Box> box_;
+  std::optional<field::Box> box_;  // of everything
+  field::Box seen_;                // to frame
   convert::Json records_ = convert::Json::array();
 };
 

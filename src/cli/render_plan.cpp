@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,6 +16,7 @@
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/voxel_plan.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/surface_edits.hpp"
 #include "files/file_bytes.hpp"
@@ -145,7 +145,10 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
   if (!surfaces) {
     TRY(flags.refuse(About::drawn_surface, "{} applies to surfaces of the volume and needs --iso", "give --iso V"));
   }
-  if (surfaces && inputs.volumes.empty()) return refuse_usage("--iso needs a volume, but all inputs are meshes");
+  if (surfaces && inputs.volumes.empty()) {
+    return refuse_usage(
+        fmt::format("{} needs a volume, but all inputs are meshes", flags.labels.chosen ? "--labels" : "--iso"));
+  }
   if (flags.opacity && !surfaces && inputs.meshes.empty()) {
     return refuse_usage("--opacity applies to surfaces and meshes, and the scene has none");
   }
@@ -153,12 +156,16 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
     return refuse_usage("--color-by: 'isoextract render' colors surfaces only by their iso values",
                         "give --color-by iso");
   }
+  if (flags.opacity && flags.opacity->size() > 1 && flags.labels.is_set_of_labels()) {
+    return refuse_usage("--opacity: expected one value, because the number of labels is not known yet");
+  }
   const std::size_t parts = plan.isos.size() + inputs.meshes.size();
   if (flags.opacity && flags.opacity->size() != 1 && flags.opacity->size() != parts) {
     return refuse_usage(fmt::format("--opacity: expected one value or {}, found {}", parts, flags.opacity->size()));
   }
   if (!plan.draws_volume) {
-    TRY(flags.refuse(About::drawn_volume, "{} applies to the volume, which --tf none does not draw"));
+    TRY(flags.refuse(About::drawn_volume, "{} applies to the volume, which --tf none and --labels do not draw",
+                     "give --tf NAME"));
   }
   if (plan.transfer_file && flags.transfer_range) {
     return refuse_usage("--tf-range scales named transfer functions, but --tf names a file that states its own values");
@@ -178,7 +185,8 @@ std::optional<PictureFile> picture_file_of(const std::string& path) {
   return std::nullopt;
 }
 
-Result<RenderPlan> plan_render(const RenderFlags& flags) {
+Result<RenderPlan> plan_render(const RenderFlags& given) {
+  RenderFlags flags = given;
   if (flags.input.inputs.empty())
     return refuse_usage("INPUT is missing", "isoextract render INPUT [MESH...] -o FILE.png");
   RenderPlan plan;
@@ -186,6 +194,14 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   const Inputs inputs = sorted_inputs(flags, plan.memory);
   TRY(refuse_several_grids(flags.input, "render"));
   plan.job.source.read = TRY(plan_read(flags.input));
+  if (!inputs.volumes.empty() && !is_frame_pattern(inputs.volumes.front()) &&
+      draws_all_labels(flags, inputs.volumes.front(), Context(plan.memory))) {
+    flags.labels.chosen = std::vector{convert::IsoChoice::all_labels()};
+    plan.notes.push_back({NoteId::iso_chosen,
+                          "all labels, because the file names its labels; choose some with --labels L,..., or give "
+                          "--iso V or --tf NAME"});
+  }
+  TRY(take_labels(flags.labels, flags.surface, flags.isos));
   plan.job.source.particles = TRY(plan_particles(flags.particles, flags.surface.nan));
   plan.job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   TRY(plan_region(flags.surface, plan.job.source));
@@ -193,10 +209,12 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.job.source.filters = flags.surface.filters;
   plan.job.source.blurs = flags.surface.blurs;
   plan.job.surface = plan_surface(flags.surface, flags.input);
+  TRY(plan_labels(flags.labels, flags.surface, flags.input, plan.job));
   plan.isos = flags.isos;
   TRY(check_isos(plan.isos));
   plan.meshes = inputs.meshes;
-  plan.shading = flags.shading.value_or(plan.shading);
+  const bool has_voxel_faces = plan.job.surface.method == extract::Method::voxels;
+  plan.shading = flags.shading.value_or(has_voxel_faces ? render::Shading::flat : render::Shading::smooth);
   const bool gradients = extract::method_info(plan.job.surface.method).traits.gradient_normals;
   plan.job.normals =
       plan.shading == render::Shading::smooth && gradients ? convert::Normals::smooth : convert::Normals::none;
@@ -204,12 +222,13 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
     plan.job.color = convert::ColorChoice{std::nullopt, flags.color->map, flags.color->range};
   }
   plan.opacity = flags.opacity.value_or(plan.opacity);
-  plan.draws_volume = !inputs.volumes.empty();
+  plan.draws_volume = !inputs.volumes.empty() && !flags.labels.chosen;
   if (flags.transfer) {
     if (inputs.volumes.empty()) return refuse_usage("--tf needs a volume, but all inputs are meshes");
     const auto named = value_of<render::BuiltInTransfer>(*flags.transfer);
-    if (*flags.transfer == "none") {
-      plan.draws_volume = false;
+    plan.draws_volume = *flags.transfer != "none";
+    if (!plan.draws_volume) {
+      // Surfaces only.
     } else if (named) {
       plan.transfer = *named;
     } else {
@@ -229,16 +248,16 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
     plan.notes.push_back({NoteId::no_effect, "--roi cuts only the surfaces: render draws the whole volume"});
   plan.transfer_range = flags.transfer_range;
   plan.unit_length = flags.unit_length;
-  plan.camera = flags.camera.value_or(plan.camera);
-  plan.camera.look_at = flags.look_at;
-  if (flags.field_of_view) plan.fovy = *flags.field_of_view * std::numbers::pi / 180;
+  plan.camera = flags.view.angles();
+  plan.fovy = flags.view.fovy();
   if (flags.up) plan.up = convert::render_up_axis(*flags.up);
-  plan.options.size = flags.size.value_or(plan.options.size);
+  plan.options.size = flags.view.size.value_or(plan.options.size);
   plan.options.samples_per_voxel = flags.samples.value_or(plan.options.samples_per_voxel);
   plan.options.early_termination = flags.termination != 0.0;
   if (flags.termination.value_or(0) > 0) plan.options.termination = *flags.termination;
+  plan.rays_across = flags.antialias;
   plan.options.empty_space_skipping = !flags.no_skipping;
-  plan.background = flags.background.value_or(plan.background);
+  plan.background = flags.view.background.value_or(plan.background);
   plan.mesh_colors = flags.mesh_colors.value_or(plan.mesh_colors);
   if (plan.mesh_colors.size() > 1 && plan.mesh_colors.size() != plan.meshes.size()) {
     return refuse_usage(
@@ -259,6 +278,9 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
                           "--camera AZ,EL,DISTANCE and --look-at X,Y,Z set another camera"});
   }
   TRY(name_pictures(flags, inputs, plan.pictures));
+  if (const auto& volume = plan.pictures.front().input) {
+    TRY(plan_found_table(flags.labels, *volume, Context(plan.memory), plan.notes, plan.job));
+  }
   return plan;
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/iso_of_labels_note.hpp"
 #include "cli/up_axis_note.hpp"
 #include "convert/conversion.hpp"
 #include "convert/picture_file.hpp"
@@ -15,6 +16,7 @@
 #include "files/text_file.hpp"
 #include "mesh_io/mesh_reader.hpp"
 #include "render/surface_normals.hpp"
+#include "render/visible_range.hpp"
 #include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
@@ -33,6 +35,9 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
   context.progress().begin("reading meshes", 0);
   auto file = TRY(mesh_io::read_mesh(path, context));
   for (const Note& note : file.notes) events.note(note);
+  if (plan.mesh_colors.empty()) {
+    TRY(convert::color_by_materials(file, context));
+  }
   const auto record = convert::parse_placement_record(file.placement);
   if (!record && !file.placement.empty()) {
     events.note({NoteId::placement_unknown,
@@ -51,24 +56,12 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
   return PlacedMesh{std::move(file.mesh), record && !in_voxels && record->placement.up == convert::UpAxis::y};
 }
 
-// Returns the built-in function over the inside values. For a level set these are below 0, and the least value is the
-// most opaque.
 std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const field::ScalarField& field,
                                                  const field::FieldStatistics& statistics) {
-  std::array<double, 2> range{0, 1};
-  const bool below = field.kind == field::FieldKind::level_set;
-  if (plan.transfer_range) {
-    range = *plan.transfer_range;
-  } else {
-    range = {statistics.min, below ? std::min(statistics.max, 0.0) : statistics.max};
-  }
-  // If all samples are equal, any range will do: nothing is visible.
-  if (!(range[1] > range[0])) range[1] = range[0] + std::max(std::abs(range[0]), 1.0);
-  if (!below) return render::built_in_points(plan.transfer, range[0], range[1]);
-  auto points = render::built_in_points(plan.transfer, -range[1], -range[0]);
-  for (render::ControlPoint& point : points) point.value = -point.value;
-  std::ranges::reverse(points);
-  return points;
+  const render::VisibleRange range = plan.transfer_range
+                                         ? render::VisibleRange{(*plan.transfer_range)[0], (*plan.transfer_range)[1]}
+                                         : render::visible_range(field, statistics);
+  return render::built_in_points(plan.transfer, range, field.kind);
 }
 
 Result<render::TransferFunction> read_transfer(const std::string& path, const Context& context) {
@@ -122,6 +115,11 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   job.source.input = input;
   const auto field_notes = [&](const field::ScalarField& field) {
     Notes notes;
+    if (!std::exchange(printed_label_note_, true)) {
+      auto note = iso_of_labels_note(field, job);
+      if (!note && plan_->draws_volume && job.isos().empty()) note = volume_of_labels_note(field);
+      if (note) notes.push_back(std::move(*note));
+    }
     if (plan_->up || printed_up_axis_note_) return notes;
     if (const auto note = up_axis_note(field, convert::UpAxis::z, "the picture shows it on its side")) {
       printed_up_axis_note_ = true;
@@ -140,7 +138,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
       events.note({NoteId::no_surface, outcome.error->message});
     }
     surfaces_ = std::move(collected.meshes);
-    front_ = collected.front;
+    front_ = outcome.front;
     source_ = std::move(collected.source);
   }
   if (plan_->draws_volume && !source_) {

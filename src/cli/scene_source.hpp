@@ -62,6 +62,7 @@ class SceneSource {
   double front_ = 0;
   std::optional<render::TransferFunction> transfer_;
   std::optional<double> unit_length_;
+  bool printed_label_note_ = false;    // the samples of an earlier volume were looked at for labels
   bool printed_up_axis_note_ = false;  // the note about the up axis was printed for an earlier volume
 };
 

@@ -17,7 +17,7 @@ Result<void> check_backends_only(const ConvertFlags& flags) {
                    "{} edits an extracted surface, but without MESH verify compares the backends, which only "
                    "extract",
                    "leave {} out, or give the mesh that isoextract wrote with it"));
-  if (flags.labels) {
+  if (flags.labels.chosen) {
     return refuse_usage(
         "--labels needs MESH: without MESH, verify compares the CPU with the GPU, which cannot extract labels",
         "give the mesh that isoextract wrote with --labels");

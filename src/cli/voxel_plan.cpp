@@ -23,6 +23,10 @@ namespace {
 
 constexpr std::string_view kNoTable = "none";  // of --label-names
 
+bool is_for_labels(extract::Method method) {
+  return method == extract::Method::voxels || method == extract::Method::surface_nets;
+}
+
 // Returns whether the grid that the options choose names its labels.
 bool names_labels(const std::string& input, const volume_io::ReadOptions& read, const Context& context) {
   const auto grids = volume_io::list_grids(input, read, context.beside());
@@ -42,17 +46,14 @@ bool stores_integers(const std::string& input, const volume_io::ReadOptions& rea
   return grid != grids->end() && std::ranges::find(kIntegers, grid->type) != kIntegers.end();
 }
 
-bool is_table_named(const ConvertFlags& flags) { return flags.label_names && *flags.label_names != kNoTable; }
+bool is_table_named(const LabelFlags& flags) { return flags.names && *flags.names != kNoTable; }
 
 }  // namespace
 
 Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input, const Context& context) {
-  const bool chooses = flags.labels || !flags.isos.empty() || flags.batch.iso_table || !makes_surfaces(flags);
+  const bool chooses = flags.labels.chosen || !flags.isos.empty() || flags.batch.iso_table || !makes_surfaces(flags);
   if (chooses || flags.input.grids.size() > 1) return std::string();
-  if (flags.surface.method) {
-    const extract::Method method = *flags.surface.method;
-    if (method != extract::Method::voxels && method != extract::Method::surface_nets) return std::string();
-  }
+  if (flags.surface.method && !is_for_labels(*flags.surface.method)) return std::string();
   volume_io::ReadOptions read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
   if (particles.expected || (files::is_standard_input(input) && !read.format)) return std::string();
@@ -72,59 +73,78 @@ Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& i
         "--iso V, or give --labels all for a surface of each label",
         kAboveZero);
   }
-  flags.labels = std::vector{convert::IsoChoice::all_labels()};
+  flags.labels.chosen = std::vector{convert::IsoChoice::all_labels()};
   return std::string("all labels, because the file names its labels; choose some with --labels L,..., or give --iso V");
 }
 
-Result<void> take_labels(ConvertFlags& flags) {
-  if (!flags.labels) {
+bool draws_all_labels(const RenderFlags& flags, const std::string& volume, const Context& context) {
+  const bool chooses = flags.labels.chosen || !flags.isos.empty() || flags.transfer || flags.particles.method;
+  if (chooses || (flags.surface.method && !is_for_labels(*flags.surface.method))) return false;
+  if (files::is_standard_input(volume) || volume.starts_with(field::kDemoPrefix)) return false;
+  const auto read = plan_read(flags.input);
+  return read && names_labels(volume, *read, context);
+}
+
+Result<void> take_labels(const LabelFlags& flags, SurfaceFlags& surface, IsoOption& isos) {
+  if (!flags.chosen) {
     if (is_table_named(flags)) return refuse_usage("--label-names needs --labels", "give --labels all");
-    if (flags.labels_min_voxels) return refuse_usage("--labels-min-voxels needs --labels", "give --labels all");
+    if (flags.min_voxels) return refuse_usage("--labels-min-voxels needs --labels", "give --labels all");
     if (flags.background) return refuse_usage("--background needs --labels", "give --labels all");
     return {};
   }
-  if (!flags.surface.method) flags.surface.method = extract::Method::surface_nets;
-  const extract::MethodInfo& method = extract::method_info(*flags.surface.method);
-  if (method.method != extract::Method::voxels && method.method != extract::Method::surface_nets) {
+  if (!surface.method) surface.method = extract::Method::surface_nets;
+  const extract::MethodInfo& method = extract::method_info(*surface.method);
+  if (!is_for_labels(method.method)) {
     return refuse_usage(
         fmt::format(
             "--labels does not work with {}, which places surfaces between ordered values, and labels have no order",
             method.title),
         "leave out --method, or give --method voxels");
   }
-  TRY(refuse_both(flags.labels, flags.isos));
-  TRY(refuse_both(flags.labels, flags.batch.iso_table));
-  if (has_all_labels(flags) && flags.output && flags.output->find("{iso}") != std::string::npos) {
+  TRY(refuse_both(flags.chosen, isos));
+  isos = *flags.chosen;
+  return {};
+}
+
+Result<void> take_labels(ConvertFlags& flags) {
+  TRY(take_labels(flags.labels, flags.surface, flags.isos));
+  if (!flags.labels.chosen) return {};
+  TRY(refuse_both(flags.labels.chosen, flags.batch.iso_table));
+  if (flags.labels.is_set_of_labels() && flags.output && flags.output->find("{iso}") != std::string::npos) {
     return refuse_usage(
         "--labels all does not work with {iso} in -o: isoextract needs the file names before it reads the labels",
         "put {label} or {name} into the name instead, or write all labels into one glb");
   }
-  flags.isos = *flags.labels;
   return {};
 }
 
-Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job) {
-  if (!flags.labels) return {};
-  if (flags.input.inside) {
+Result<void> plan_labels(const LabelFlags& flags, const SurfaceFlags& surface, const InputFlags& input,
+                         convert::ConversionJob& job) {
+  if (!flags.chosen) return {};
+  if (input.inside) {
     return refuse_usage(
         "--inside does not work with --labels: the inside of a label always consists of its own samples",
         "leave --inside out");
   }
-  if (flags.input.component && !flags.input.component->number) {
+  if (input.component && !input.component->number) {
     return refuse_usage("--component length does not work with --labels: the length of a vector is no label",
                         "choose one component with --component K");
   }
-  if (flags.surface.kernel.value_or(field::ResampleKernel::nearest) != field::ResampleKernel::nearest) {
+  if (!surface.blurs.empty()) {
+    return refuse_usage("--blur does not work with --labels: the average of two labels is no label",
+                        "leave --blur out, or smooth the meshes with --smooth");
+  }
+  if (surface.kernel.value_or(field::ResampleKernel::nearest) != field::ResampleKernel::nearest) {
     return refuse_usage(fmt::format("--kernel {} does not work with --labels: a value between two labels is no label",
-                                    word_of(*flags.surface.kernel)),
+                                    word_of(*surface.kernel)),
                         "leave --kernel out: resampling then takes the nearest sample of the label map");
   }
   if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
   job.surface.background = flags.background.value_or(0);
-  job.surface.least_voxels = flags.labels_min_voxels.value_or(0);
+  job.surface.least_voxels = flags.min_voxels.value_or(0);
   if (!is_table_named(flags)) return {};
-  const auto table = TRY(volume_io::LabelTable::read(*flags.label_names, Context()));
-  job.label_names = convert::LabelTableFile{*flags.label_names, table.hash()};
+  const auto table = TRY(volume_io::LabelTable::read(*flags.names, Context()));
+  job.label_names = convert::LabelTableFile{*flags.names, table.hash()};
   return {};
 }
 
@@ -142,9 +162,9 @@ std::optional<TableBeside> read_table_beside(const std::string& input, const Con
   return TableBeside{path->string(), std::move(*table)};
 }
 
-Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context, Notes& notes,
+Result<void> plan_found_table(const LabelFlags& flags, const std::string& input, const Context& context, Notes& notes,
                               convert::ConversionJob& job) {
-  if (!flags.labels || flags.label_names) return {};
+  if (!flags.chosen || flags.names) return {};
   Notes unusable;
   const auto found = read_table_beside(input, context, unusable);
   if ((!found && unusable.empty()) || names_labels(input, job.source.read, context)) return {};
@@ -159,8 +179,6 @@ Result<void> plan_found_table(const ConvertFlags& flags, const std::string& inpu
   return {};
 }
 
-bool has_all_labels(const ConvertFlags& flags) { return flags.labels && flags.labels->front().is_label_set(); }
-
 Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::SurfaceOptions& surface) {
   const extract::MethodInfo& method = extract::method_info(surface.method);
   if (method.traits.always_closed && surface.cap && flags.surface.clip.empty()) {
@@ -174,7 +192,7 @@ Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::Surfa
     return refuse_usage(fmt::format("--relax does not work with {}", method.title), "give --method surface-nets");
   }
   surface.relaxations = flags.relaxations.value_or(surface.relaxations);
-  if (flags.labels && (flags.simplify || flags.triangles || flags.edits.smooth)) {
+  if (flags.labels.chosen && (flags.simplify || flags.triangles || flags.edits.smooth)) {
     notes.push_back(
         {NoteId::labels_part,
          fmt::format(

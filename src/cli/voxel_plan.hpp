@@ -15,8 +15,11 @@
 namespace isoextract::cli {
 
 // Turns --labels into iso choices, and makes surface nets their default method. Fails with ErrorCode::usage for
-// --labels with other methods than voxels and surface nets, with iso values or a table of them, and for --labels all
-// with {iso} in -o. Fails likewise for --label-names without --labels.
+// --labels with other methods than voxels and surface nets, and with iso values. Fails likewise for other options of
+// labels without --labels.
+[[nodiscard]] Result<void> take_labels(const LabelFlags& flags, SurfaceFlags& surface, IsoOption& isos);
+// Does so with the options of a conversion. Also fails for --labels with a table of iso values, and for --labels all
+// with {iso} in -o.
 [[nodiscard]] Result<void> take_labels(ConvertFlags& flags);
 
 // Chooses all labels if the file of `input` names its labels, and returns a note about it; chooses the iso value 0.5
@@ -24,6 +27,10 @@ namespace isoextract::cli {
 // iso values, or a method that is not for labels. Files that it cannot read choose nothing: the reader reports them.
 [[nodiscard]] Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& input,
                                                      const Context& context);
+
+// Returns whether `isoextract render` draws all labels of a volume although no option says so: the file names them, and
+// the options choose neither surfaces nor a transfer function. Files that it cannot read name none.
+[[nodiscard]] bool draws_all_labels(const RenderFlags& flags, const std::string& volume, const Context& context);
 
 // A table of labels beside an input.
 struct TableBeside {
@@ -38,17 +45,14 @@ struct TableBeside {
 
 // Sets the label table of `job` to the one beside `input` (volume_io::find_label_table()) and adds a note about it.
 // Does nothing without labels, if --label-names is given, or if the file names its labels.
-[[nodiscard]] Result<void> plan_found_table(const ConvertFlags& flags, const std::string& input, const Context& context,
+[[nodiscard]] Result<void> plan_found_table(const LabelFlags& flags, const std::string& input, const Context& context,
                                             Notes& notes, convert::ConversionJob& job);
 
 // Sets the label table of `job`, whose resolution is already planned, and resampling to the nearest sample, because
 // labels are never averaged. Fails with ErrorCode::usage for options without a meaning for labels, and as
 // volume_io::LabelTable::read() does, which checks the table. Does nothing without --labels.
-[[nodiscard]] Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job);
-
-// Returns whether --labels gives a set: all, or ranges and names. Which labels these are is known only from the
-// samples.
-[[nodiscard]] bool has_all_labels(const ConvertFlags& flags);
+[[nodiscard]] Result<void> plan_labels(const LabelFlags& flags, const SurfaceFlags& surface, const InputFlags& input,
+                                       convert::ConversionJob& job);
 
 // Sets the options of voxel faces and surface nets of `surface`, whose method is already planned; --smooth turns off
 // the merging of faces. Fails with ErrorCode::usage for options that the method lacks; adds notes about options without

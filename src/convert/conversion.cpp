@@ -77,7 +77,7 @@ class Conversion {
     if (const auto text = note_of_relaxing(outcome_.reports); text && !extras_.volume_hint.empty()) {
       events_.note({NoteId::volume_changed, *text + extras_.volume_hint});
     }
-    if (collector_ != nullptr) collector_->front = front_azimuth(source_.field, source_.placement);
+    outcome_.front = front_azimuth(source_.field, source_.placement);
     if (const auto text = note_of_touching(outcome_.reports)) events_.note({NoteId::moved_apart, *text});
     if (wants_source()) collector_->source = std::move(source_);
     return {};

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <tuple>
 #include <type_traits>
@@ -106,6 +107,9 @@ struct JobJson {
     json["elevation"] = picture.angles.elevation;
     json["distance"] = of(picture.angles.distance);
     json["look_at"] = of(picture.angles.look_at);
+    json["field_of_view"] = picture.fovy * 180 / std::numbers::pi;
+    const glm::dvec4& color = picture.background;
+    json["background_color"] = Json{color.r, color.g, color.b, color.a};
     return json;
   }
 

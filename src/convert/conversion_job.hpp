@@ -27,6 +27,7 @@
 #include "points/element_radii.hpp"
 #include "points/method.hpp"
 #include "render/camera.hpp"
+#include "render/preview.hpp"
 #include "volume_io/grid_tools.hpp"
 #include "volume_io/volume_reader.hpp"
 #include "volume_io/volume_writer.hpp"
@@ -220,6 +221,8 @@ struct PictureFileOptions {
   std::int64_t width = 960;  // pixels, from 1 to kMaxSide
   std::int64_t height = 720;
   render::ViewAngles angles;
+  double fovy = render::Camera::kDefaultFovy;                        // vertical field of view, radians
+  glm::dvec4 background = render::PreviewOptions::kUsualBackground;  // linear, straight alpha
 
   friend bool operator==(const PictureFileOptions&, const PictureFileOptions&) = default;
 };

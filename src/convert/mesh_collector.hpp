@@ -27,7 +27,6 @@ struct MeshCollector {
   std::vector<SurfaceId> ids = {};    // of each mesh
   mesh_io::MeshPacking packing = {};  // how the meshes are to be packed
   std::string placement = {};         // see mesh_io::MeshWriteOptions::placement
-  double front = 0;                   // front_azimuth() of the source, in degrees
   std::optional<Source> source = {};  // the surfaces' source, if wants_source and the conversion succeeded
 };
 

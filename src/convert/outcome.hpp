@@ -46,6 +46,7 @@ struct Outcome {
   std::uint64_t reserved_memory = 0;  // peak of this conversion's reservations
   std::vector<WrittenSurface> written;
   std::vector<mesh_io::WrittenFile> files;
+  double front = 0;            // front_azimuth() of the source that was read last, in degrees
   bool empty_picture = false;  // the picture shows none of the surfaces, although there are some
   Notes notes;
   std::optional<Error> error;  // why the conversion failed

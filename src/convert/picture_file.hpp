@@ -10,8 +10,10 @@
 #include "convert/conversion_job.hpp"
 #include "image_io/light_image.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "render/picture.hpp"
+#include "render/preview.hpp"
 #include "render/scene.hpp"
 
 namespace isoextract::convert {
@@ -20,7 +22,15 @@ namespace isoextract::convert {
 // `mesh`.
 [[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
 
+// Gives the vertices of a file with several meshes the colors and opacities of their materials, multiplied by the
+// colors that they have, as glTF prescribes. Does nothing if no mesh has a material. Fails with
+// ErrorCode::out_of_memory if memory is short.
+[[nodiscard]] Result<void> color_by_materials(mesh_io::MeshFile& file, const Context& context);
+
 [[nodiscard]] render::UpAxis render_up_axis(UpAxis up);
+
+// Returns how to draw a picture in which the axis `up` points up and the front is at the azimuth `front` in degrees.
+[[nodiscard]] render::PreviewOptions preview_of(const PictureFileOptions& picture, UpAxis up, double front);
 
 // Returns an image that refers to the memory of `picture`.
 [[nodiscard]] image_io::LightImage light_of(const render::Picture& picture);

@@ -181,6 +181,11 @@ struct WrittenOutput {
     std::string label;  // of the surface's field
     SurfaceId id;
     OpenBoundary end;
+    std::string name = {};        // of the mesh
+    std::uint64_t triangles = 0;  // of the mesh
+    bool closed = false;          // the mesh has no boundary edge; meshes of labels only
+    std::uint64_t voxels = 0;     // of a label, in the region
+    double volume = 0;            // of these voxels, in output coordinates
   };
   std::vector<Part> surfaces;  // in the job's order
   std::string samples;         // instead of surfaces, for a file of the field: "8 x 8 x 8 samples, as 32 bits each"

@@ -200,7 +200,7 @@ std::vector<MeshPart> parts_of(const FileSurface& surface) {
     const std::uint64_t end_vertex = last ? surface.positions.size() : surface.parts[i + 1].first_vertex;
     const std::uint64_t end_triangle = last ? surface.triangles.size() : surface.parts[i + 1].first_triangle;
     parts.push_back({part.name, part.first_vertex, end_vertex - part.first_vertex, part.first_triangle,
-                     end_triangle - part.first_triangle});
+                     end_triangle - part.first_triangle, part.material});
   }
   return parts;
 }
@@ -214,6 +214,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   MeshFile result;
   result.mesh = mesh_of(surface, context);
   result.parts = parts_of(surface);
+  if (surface.parts.size() == 1) result.mesh.material = surface.parts.front().material;
   if (surface.has_normals) merge_normal_copies(result.mesh, result.parts, context);
   const std::uint64_t normal_bytes =
       surface.normals.values.empty()

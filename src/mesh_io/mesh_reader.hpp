@@ -19,6 +19,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -50,6 +51,7 @@ struct MeshPart {
   std::uint64_t vertices = 0;
   std::uint64_t first_triangle = 0;
   std::uint64_t triangles = 0;
+  std::optional<mesh::Material> material = {};  // glTF: if all triangles have the same
 };
 
 struct MeshReadOptions {
@@ -57,7 +59,7 @@ struct MeshReadOptions {
 };
 
 struct MeshFile {
-  mesh::Mesh mesh;                // has the file's name; has no normals
+  mesh::Mesh mesh;                // has the file's name; has no normals; the material of the only part
   FileNormals normals;            // if requested and in the file; mesh.memory includes their bytes
   std::vector<MeshPart> parts;    // glTF: one per node that shows a mesh; empty if there is only one
   std::string_view format;        // "PLY, text"

@@ -194,6 +194,13 @@ Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, con
   return camera;
 }
 
+void enclose_box(Camera& camera, const field::Box& box) {
+  const double radius =
+      kMargin * glm::length(glm::max(glm::abs(box.max - camera.target), glm::abs(box.min - camera.target)));
+  camera.far_depth = std::max(camera.far_depth, camera.unit() + radius);
+  camera.near_depth = std::min(camera.near_depth, std::max(camera.unit() - radius, kNearest * camera.unit()));
+}
+
 Camera frame_box_closely(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                          double fovy) {
   return closer(frame_box(box, angles, up, size, fovy), box, angles, up, size, corners_of(box));

@@ -113,6 +113,10 @@ constexpr auto words_of(UpAxis /*type*/) {
 [[nodiscard]] Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                double fovy = Camera::kDefaultFovy);
 
+// Moves the near and far planes so that they enclose the part of `box`, as frame_box() says, in addition to what they
+// enclose now.
+void enclose_box(Camera& camera, const field::Box& box);
+
 // Returns the camera of frame_box() but, without a distance, so close that the corners of the box just fit into the
 // picture, with a margin. So the distance depends on the angles.
 [[nodiscard]] Camera frame_box_closely(const field::Box& box, const ViewAngles& angles, UpAxis up,

@@ -52,6 +52,13 @@ const Glyph& glyph_of(char c) {
 
 }  // namespace
 
+glm::vec3 text_color(const glm::dvec4& background) {
+  constexpr glm::dvec3 kLuminance{0.2126, 0.7152, 0.0722};
+  constexpr double kMiddleGray = 0.18;
+  const bool is_dark = background.a > 0.5 && glm::dot(kLuminance, glm::dvec3(background)) < kMiddleGray;
+  return is_dark ? glm::vec3(0.8F) : kTextColor;
+}
+
 glm::ivec2 text_size(std::string_view text, int scale) {
   return {static_cast<int>(text.size()) * kCell.x * scale, kCell.y * scale};
 }

@@ -11,6 +11,8 @@ namespace isoextract::render {
 
 // The color of text in pictures, linear.
 inline constexpr glm::vec3 kTextColor{0.02F, 0.02F, 0.03F};
+// Returns the color of text on a background, linear with straight alpha: dark, but light on a dark background.
+[[nodiscard]] glm::vec3 text_color(const glm::dvec4& background);
 
 // Returns the size of a text in pixels. Glyphs have 5 x 7 dots in cells of 6 x 9; a dot is a square of `scale` pixels.
 [[nodiscard]] glm::ivec2 text_size(std::string_view text, int scale);

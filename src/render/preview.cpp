@@ -1,18 +1,18 @@
 #include "render/preview.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "render/antialias.hpp"
 #include "render/picture_text.hpp"
 
 namespace isoextract::render {
 namespace {
 
-constexpr glm::dvec4 kGround{0.82, 0.84, 0.87, 1.0};
+constexpr int kRaysAcross = 2;  // of a pixel
 
 // A light from the upper left, and a weaker one from the right, so that no side is black.
 const std::vector<Light>& preview_lights() {
@@ -21,43 +21,15 @@ const std::vector<Light>& preview_lights() {
   return lights;
 }
 
-// Returns the picture at half the width and height. Colors are means of four pixels, which is right for premultiplied
-// light.
-Result<Picture> halved(const Picture& fine, const Context& context) {
-  auto made = make_picture(fine.width / 2, fine.height / 2, context);
-  if (!made) return made;
-  Picture& coarse = *made;
-  for (int y = 0; y < coarse.height; ++y) {
-    for (int x = 0; x < coarse.width; ++x) {
-      const std::size_t first =
-          2 * static_cast<std::size_t>(x) + static_cast<std::size_t>(fine.width) * 2 * static_cast<std::size_t>(y);
-      const std::size_t below = first + static_cast<std::size_t>(fine.width);
-      const std::array<std::size_t, 4> four{first, first + 1, below, below + 1};
-      const std::size_t at =
-          static_cast<std::size_t>(x) + static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(y);
-      glm::vec4 sum{0.0F};
-      std::size_t nearest = first;
-      for (const std::size_t i : four) {
-        sum += fine.color[i];
-        if (fine.depth[i] < fine.depth[nearest]) nearest = i;
-      }
-      coarse.color[at] = 0.25F * sum;
-      coarse.depth[at] = fine.depth[nearest];
-      coarse.normals[at] = fine.normals[nearest];
-    }
-  }
-  return made;
-}
-
-void draw_scale_bar(Picture& picture, const ScaleBar& bar) {
+void draw_scale_bar(Picture& picture, const ScaleBar& bar, const glm::vec3& color) {
   const int dot = std::max(1, picture.height / 360);
   const int margin = 8 * dot;
   const glm::ivec2 low{margin, picture.height - margin};
-  fill_box(picture, {low.x, low.y - 2 * dot}, {low.x + bar.pixels, low.y}, kTextColor);
+  fill_box(picture, {low.x, low.y - 2 * dot}, {low.x + bar.pixels, low.y}, color);
   for (const int x : {low.x, low.x + bar.pixels - dot})
-    fill_box(picture, {x, low.y - 6 * dot}, {x + dot, low.y}, kTextColor);
+    fill_box(picture, {x, low.y - 6 * dot}, {x + dot, low.y}, color);
   const glm::ivec2 words = text_size(bar.text, dot);
-  draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, kTextColor);
+  draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, color);
 }
 
 bool is_empty(const Surface& surface) { return surface.mesh->triangles.empty(); }
@@ -80,7 +52,7 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
                               const Context& context) {
   Scene scene;
   scene.lights = preview_lights();
-  scene.background = kGround;
+  scene.background = options.background;
   std::ranges::remove_copy_if(surfaces, std::back_inserter(scene.surfaces), is_empty);
   field::Box box{glm::dvec3(-1), glm::dvec3(1)};
   if (options.box) {
@@ -88,17 +60,13 @@ Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOp
   } else if (!scene.surfaces.empty()) {
     box = TRY(box_of(scene));
   }
-  const bool fine = 2 * std::max(options.size.width, options.size.height) <= PictureSize::kMaxSide;
   RenderOptions drawn;
-  drawn.size = fine ? PictureSize{2 * options.size.width, 2 * options.size.height} : options.size;
-  const Camera camera = frame_box_closely(box, options.angles, options.up, options.size);
-  auto rendered = renderer.draw(scene, camera, drawn, context);
+  drawn.size = options.size;
+  const Camera camera = frame_box_closely(box, options.angles, options.up, options.size, options.fovy);
+  auto rendered = draw_antialiased(renderer, scene, camera, drawn, kRaysAcross, context);
   if (!rendered) return rendered;
-  if (fine) {
-    rendered->picture = TRY(halved(rendered->picture, context));
-  }
   if (options.scale_bar && !scene.surfaces.empty()) {
-    draw_scale_bar(rendered->picture, scale_bar(camera, options.size, options.unit));
+    draw_scale_bar(rendered->picture, scale_bar(camera, options.size, options.unit), text_color(options.background));
   }
   return rendered;
 }

@@ -15,11 +15,15 @@
 namespace isoextract::render {
 
 struct PreviewOptions {
+  static constexpr glm::dvec4 kUsualBackground{0.82, 0.84, 0.87, 1.0};
+
   PictureSize size{960, 720};
   ViewAngles angles;
   UpAxis up = UpAxis::z;
   // The box to frame, so that all frames share a camera; if unset, the box of the meshes.
   std::optional<field::Box> box;
+  double fovy = Camera::kDefaultFovy;        // vertical field of view, radians
+  glm::dvec4 background = kUsualBackground;  // linear, straight alpha
   bool scale_bar = true;
   std::string unit;  // unit of world lengths, for the scale bar; may be empty
 };

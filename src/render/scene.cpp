@@ -1,6 +1,8 @@
 #include "render/scene.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
 #include <variant>
@@ -8,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/finite.hpp"
+#include "base/srgb.hpp"
 #include "mesh/metrics.hpp"
 #include "render/renderer.hpp"
 
@@ -54,7 +57,31 @@ Result<void> check_surface(const Surface& surface) {
   return {};
 }
 
+template <class T>
+T component(const mesh::Attribute& attribute, std::size_t vertex, std::size_t c) {
+  T value;
+  std::memcpy(&value, attribute.at(vertex).data() + c * sizeof(T), sizeof value);
+  return value;
+}
+
 }  // namespace
+
+glm::dvec4 vertex_color(const mesh::Attribute& attribute, std::size_t vertex) {
+  glm::dvec4 color(0, 0, 0, 1);
+  for (std::size_t c = 0; c < attribute.components; ++c) {
+    double& channel = color[static_cast<int>(c)];
+    switch (attribute.type) {
+      case mesh::ComponentType::u8: {
+        const double encoded = component<std::uint8_t>(attribute, vertex, c) / 255.0;
+        channel = c < 3 ? srgb_to_linear(encoded) : encoded;
+        break;
+      }
+      case mesh::ComponentType::u16: channel = component<std::uint16_t>(attribute, vertex, c) / 65535.0; break;
+      default: channel = double{component<float>(attribute, vertex, c)};
+    }
+  }
+  return color;
+}
 
 Result<field::Box> volume_box(const field::ScalarField& field) {
   if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {

@@ -57,6 +57,9 @@ struct Surface {
   bool vertex_colors = false;
 };
 
+// Returns the linear color and alpha of a vertex, converted as Surface::vertex_colors says.
+[[nodiscard]] glm::dvec4 vertex_color(const mesh::Attribute& attribute, std::size_t vertex);
+
 // A directional light.
 struct Light {
   glm::dvec3 towards{0.0, 0.0, 1.0};  // direction to the light; of any length except 0

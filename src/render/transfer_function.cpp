@@ -38,7 +38,13 @@ std::span<const Stop> stops_of(BuiltInTransfer name) {
   static constexpr std::array kRainbow{Stop{0, {0.1, 0.2, 0.9}, 0}, Stop{0.25, {0, 0.8, 0.9}, 0.01},
                                        Stop{0.5, {0.1, 0.8, 0.2}, 0.03}, Stop{0.75, {0.95, 0.85, 0.1}, 0.06},
                                        Stop{1, {0.9, 0.1, 0.1}, 0.12}};
+  // Blackbody colors of 1000, 1500, 2000, 2500 and 3000 K (Charity, "What color is a blackbody?", 2001). Their
+  // brightness rises with the temperature, as far as sRGB shows it.
+  static constexpr std::array kBlackbody{Stop{0, {0.35, 0.08, 0}, 0}, Stop{0.25, {0.7, 0.3, 0}, 0.02},
+                                         Stop{0.5, {0.9, 0.48, 0.06}, 0.05}, Stop{0.75, {1, 0.63, 0.28}, 0.1},
+                                         Stop{1, {1, 0.71, 0.42}, 0.15}};
   switch (name) {
+    case BuiltInTransfer::blackbody: return kBlackbody;
     case BuiltInTransfer::smoke: return kSmoke;
     case BuiltInTransfer::fire: return kFire;
     case BuiltInTransfer::bone: return kBone;

@@ -73,12 +73,13 @@ class TransferFunction {
   double per_value_ = kEntries - 1;
 };
 
-// Built-in transfer functions over a range of values.
-enum class BuiltInTransfer { gray, smoke, fire, bone, rainbow };
+// Built-in transfer functions over a range of values. `blackbody` has the colors of 1000 K at the beginning of the
+// range to 3000 K at its end.
+enum class BuiltInTransfer { gray, smoke, fire, bone, rainbow, blackbody };
 constexpr auto words_of(BuiltInTransfer /*type*/) {
-  return std::array{Word{BuiltInTransfer::gray, "grey"}, Word{BuiltInTransfer::smoke, "smoke"},
-                    Word{BuiltInTransfer::fire, "fire"}, Word{BuiltInTransfer::bone, "bone"},
-                    Word{BuiltInTransfer::rainbow, "rainbow"}};
+  return std::array{Word{BuiltInTransfer::gray, "grey"},       Word{BuiltInTransfer::smoke, "smoke"},
+                    Word{BuiltInTransfer::fire, "fire"},       Word{BuiltInTransfer::bone, "bone"},
+                    Word{BuiltInTransfer::rainbow, "rainbow"}, Word{BuiltInTransfer::blackbody, "blackbody"}};
 }
 // Returns the control points of a built-in function, which is transparent at `min`. Requires finite min < max.
 [[nodiscard]] std::vector<ControlPoint> built_in_points(BuiltInTransfer name, double min, double max);

@@ -51,6 +51,55 @@ class CheckTest(ProgramTest):
             self.assertTrue(all(one["met"] for one in report["required"]))
             self.assertEqual(len(report["required"]), 9)
 
+    def test_cubes_that_touch_are_one_story(self):
+        """Closed, not manifold, and a body with a volume: two cubes that share an edge, a vertex, or nothing."""
+        second = [[(x + dx, y + dy, z + dz) for x, y, z in CUBE] for dx, dy, dz in ((1, 1, 0), (1, 1, 1), (3, 0, 0))]
+        for name, cube, shared, problem in (("edge", second[0], 2, "no: 1 edge of more than two triangles"),
+                                            ("vertex", second[1], 1, "no: 1 vertex where surfaces touch"),
+                                            ("apart", second[2], 0, "yes")):
+            vertices = list(dict.fromkeys(CUBE + cube))
+            self.assertEqual(len(vertices), 16 - shared)
+            faces = FACES + [tuple(vertices.index(cube[i]) for i in face) for face in FACES]
+            self.write_obj(f"{name}.obj", vertices, faces)
+            text = self.convert("check", f"{name}.obj").text
+            for part in ("closed        yes\n", f"manifold      {problem}", "outward       yes\n", "volume        2\n",
+                         f"components    {2 if name == 'apart' else 1}: {2 if name == 'apart' else 1} body\n"):
+                self.assertIn(part, text, name)
+            self.assertNotIn(" open", text, name)
+            self.assertEqual("genus" in text.split("components")[0], name == "apart")
+            mesh = self.json(f"{name}.obj")["mesh"]
+            self.assertTrue(mesh["closed"])
+            self.assertAlmostEqual(mesh["volume"], 2)
+            self.assertEqual((mesh["shells"]["open"], mesh["shells"]["not oriented"]), (0, 0))
+            # A slicer needs edges of two triangles, but no fans.
+            self.assertNotIn("the mesh is closed, manifold", text)
+            self.assertEqual("surfaces touch at, do not matter to it" in text, name == "vertex")
+            # Turned inside out as a whole, it is inside out.
+            self.write_obj("turned.obj", vertices, [face[::-1] for face in faces])
+            turned = self.convert("check", "turned.obj").text
+            self.assertIn("inside out", turned)
+            self.assertIn("volume        -2\n", turned)
+        # One cube turned against the other, along their common edge: closed, but without one inside.
+        vertices = list(dict.fromkeys(CUBE + second[0]))
+        faces = FACES + [tuple(vertices.index(second[0][i]) for i in face) for face in FACES]
+        self.write_obj("flap.obj", vertices, faces[:-1] + [faces[-1][::-1]])
+        text = self.convert("check", "flap.obj").text
+        for part in ("components    1: 1 not oriented\n", "closed        yes\n", "outward       unknown: no component has an inside\n"):
+            self.assertIn(part, text)
+        self.assertIsNone(self.json("flap.obj")["mesh"]["volume"])
+
+    def test_voxels_that_touch_are_one_story(self):
+        for name, inside in (("edge", ((2, 2, 2), (3, 3, 2))), ("vertex", ((2, 2, 2), (3, 3, 3)))):
+            self.write_raw("v.raw", (6, 6, 6), lambda x, y, z: 1 if (x, y, z) in inside else 0, "B")
+            for method in ("voxels", "surface-nets"):
+                self.convert("v.raw", "--dims", "6,6,6", "--dtype", "u8", "--iso", "0.5", "--method", method, "--touching", "keep",
+                             "-o", "v.stl")
+                text = self.convert("check", "v.stl").text
+                self.assertIn("components    1: 1 body\n", text)
+                self.assertIn("closed        yes\n", text)
+                self.assertIn("outward       yes\n", text)
+                self.assertIn("manifold      no: ", text)
+
     def test_a_mesh_from_stdin(self):
         """Its content says which format it is, from a pipe as from a file; the figures are those of the file."""
         for extension, *options in (("glb",), ("ply",), ("ply", "--ascii"), ("obj",), ("stl",), ("stl", "--ascii"), ("drc",)):

@@ -126,6 +126,20 @@ class LabelChoiceTest(ProgramTest):
         self.assert_fails(1, self.run_program(*self.map, "--iso", "1", "--labels-min-voxels", "9", "-o", "x.glb"),
                           "--labels-min-voxels needs --labels")
 
+    def test_verbose_prints_a_table(self):
+        """Of each label: voxels, their volume in the units of the mesh, triangles, closed, name."""
+        _, run = self.names("--labels", "all", "--label-names", "names.txt", "--spacing", "0.5,1,3", "-v")
+        rows = [line.split(None, 5) for line in run.err.splitlines()]
+        begin = next(i for i, row in enumerate(rows) if "voxels" in row and "closed" in row)
+        table = rows[begin + 1:begin + 7]
+        for label, row in enumerate(table, 1):
+            row = row[-6:]
+            self.assertEqual([float(word) for word in row[:3]], [label, 20 * label, 30 * label])
+            self.assertEqual(row[3:5], ["12", "yes"])
+        self.assertEqual([row[-1] for row in table[:4]], ["Hippocampus left", "Hippocampus right", "Skull", "a/b"])
+        _, run = self.names("--labels", "all", "--label-names", "names.txt")
+        self.assertNotIn("Hippocampus", run.err)
+
     def test_background(self):
         self.write_raw("zero.raw", (4, 4, 4), lambda x, y, z: 0 if x < 2 else 7, "B")
         for background, labels in (((), [7]), (("--background", "7"), [0]), (("--background", "5"), [0, 7])):

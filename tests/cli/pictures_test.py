@@ -111,6 +111,72 @@ class PictureTest(PicturesTest):
                 self.assertEqual(pictures[:2], front, (space, command))
                 self.assertNotEqual(pictures[2:4], pictures[4:])
 
+    def test_patients_are_seen_from_the_front_on_sheets_and_pages(self):
+        samples = bytes(9 if (x, z) == (3, 3) and y < 6 else 0 for z in range(7) for y in range(8) for x in range(7))
+        for space in ("right-anterior-superior", "left-posterior-superior"):
+            head = (f"NRRD0005\ntype: uint8\ndimension: 3\nsizes: 7 8 7\nspace: {space}\nencoding: raw\n"
+                    "space directions: (1,0,0) (0,1,0) (0,0,1)\n\n")
+            (self.folder / "patient_1.nrrd").write_bytes(head.encode() + samples)
+            (self.folder / "plain_1.nrrd").write_bytes(head.replace(f"space: {space}", "space dimension: 3").encode() + samples)
+            for mesh in ("a.ply", "a.glb"):
+                def drawn(name, azimuth):
+                    self.convert(f"{name}_1.nrrd", "--iso", "4", "-o", mesh, "--contact-sheet", "s.png", "--html", "p.html",
+                                 "--size", "60x40", "--camera", f"{azimuth},20")
+                    image = re.search("data:image/png;base64,([^\"]*)", (self.folder / "p.html").read_text()).group(1)
+                    page = Png(base64.b64decode(image))
+                    self.assertEqual((page.width, page.height), (60, 40))
+                    return self.png("s.png").pixels(), page.pixels()
+                front, behind = drawn("plain", 10), drawn("plain", 190)
+                self.assertNotEqual(front[1], behind[1])
+                self.assertEqual(drawn("patient", 10), behind if "anterior" in space else front, (space, mesh))
+
+    def test_kept_frames_are_seen_from_the_front(self):
+        head = ("NRRD0005\ntype: uint8\ndimension: 3\nsizes: 7 8 7\nspace: right-anterior-superior\nencoding: raw\n"
+                "space directions: (1,0,0) (0,1,0) (0,0,1)\n\n").encode()
+        for frame in (1, 2):
+            samples = bytes(9 if (x, z) == (3, 3) and y < 4 + frame else 0 for z in range(7) for y in range(8) for x in range(7))
+            (self.folder / f"p_{frame}.nrrd").write_bytes(head + samples)
+        arguments = ("p_{}.nrrd", "--iso", "4", "-o", "m_{}.ply", "--resume", "--contact-sheet")
+        self.convert(*arguments, "first.png")
+        self.assertIn("2 kept", self.convert(*arguments, "kept.png").err)
+        self.assertEqual((self.folder / "first.png").read_bytes(), (self.folder / "kept.png").read_bytes())
+        self.convert(*arguments, "behind.png", "--camera", "215,20")
+        self.assertNotEqual(self.png("first.png").pixels(), self.png("behind.png").pixels())
+
+    def test_one_set_of_view_options(self):
+        """The camera, the field of view and the background mean the same in pictures, sheets, pages and render."""
+        view = ("--size", "60x44", "--camera", "0,0,9", "--look-at", "0.3,0,0", "--fov", "30", "--background-color", "204080")
+        places = {}
+        for name, arguments in (("a.png", ("-o", "a.png")), ("s.png", ("-o", "a.ply", "--contact-sheet", "s.png")),
+                                ("r.png", ("--tf", "none", "-o", "r.png"))):
+            command = ("render",) if name == "r.png" else ()
+            self.convert(*command, SPHERE, "--iso", "0", *arguments, *view)
+            png = self.png(name)
+            left = 4 if name == "s.png" else 0
+            self.assertEqual(png.pixel(left + 55, left + 4)[:3], (0x20, 0x40, 0x80), name)
+            seen = [x for x in range(60) if max(abs(a - b) for a, b in zip(png.pixel(left + x, left + 18)[:3], (0x20, 0x40, 0x80))) > 12]
+            places[name] = (seen[0], seen[-1])
+        self.assertAlmostEqual(sum(places["a.png"]) / 2, 29.5 - 0.3 / 9 * 22 / math.tan(math.radians(15)), delta=1)
+        for name in ("s.png", "r.png"):
+            for found, expected in zip(places[name], places["a.png"]):
+                self.assertAlmostEqual(found, expected, delta=1, msg=name)
+        self.convert(SPHERE, "--iso", "0", "-o", "w.png", *view[:-4], "--fov", "60")
+        wide = self.png("w.png")
+        seen = [x for x in range(60) if max(abs(a - b) for a, b in zip(wide.pixel(x, 18), GROUND)) > 12]
+        self.assertLess(len(seen), 0.6 * (places["a.png"][1] - places["a.png"][0] + 1))
+
+    def test_the_scale_bar_is_seen_on_black(self):
+        for color, expected in (("black", (True, False)), ("white", (False, True)), ("none", (False, True))):
+            self.convert(SPHERE, "--iso", "0", "-o", "a.png", "--size", "120x90", "--background-color", color)
+            png = self.png("a.png")
+            corner = [png.pixel(x, y)[:3] for x in range(4, 30) for y in range(74, 84)]
+            # On a transparent background, what is not text has no color.
+            bar = png.pixel(9, 81)
+            self.assertEqual((min(bar[:3]) > 200, max(bar[:3]) < 60), expected, color)
+            if color == "none":
+                self.assertEqual((bar[3], png.pixel(119, 0)[3]), (255, 0))
+            self.assertGreater(len(set(corner)), 1)
+
     def moving(self):
         """A ball that goes along x."""
         for frame, at in ((1, 4), (2, 10), (3, 16)):

@@ -36,6 +36,14 @@ class RenderGpuTest(ProgramTest):
         apart = Png((self.folder / "plain.png").read_bytes()).difference(Png((self.folder / "with.png").read_bytes()))
         self.assertGreater(apart, 8)
 
+    def test_smooth_edges_and_labels_look_the_same(self):
+        difference, _ = self.both(SPHERE, "--tf", "none", "--iso", "0", "--antialias", "2")
+        self.assertLessEqual(difference, 2)
+        self.assertTrue(any(0 < pixel[3] < 255 for pixel in Png((self.folder / "gpu.png").read_bytes()).pixels()))
+        self.write_raw("map.raw", (9, 9, 9), lambda x, y, z: 1 + (x > 4) if min(x, y, z) > 1 and max(x, y, z) < 7 else 0, "B")
+        difference, _ = self.both("map.raw", "--dims", "9,9,9", "--dtype", "u8", "--labels", "all")
+        self.assertLessEqual(difference, 2)
+
     def test_one_that_is_not_there_is_an_error(self):
         run = self.run_program("render", SPHERE, *SIZE, "--backend", "gpu", "-o", "a.png", env=NO_GPU)
         self.assert_fails(3, run, "--backend cpu")

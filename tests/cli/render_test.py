@@ -93,15 +93,154 @@ class RenderTest(ProgramTest):
         opaque = self.picture("demo:sphere?size=24", *options, "--opacity", "1")
         self.assertGreater(max(abs(a - b) for a, b in zip(opaque.pixel(24, 16), middle)), 10)
 
+    def test_edges_of_surfaces_are_smooth(self):
+        for mesh in (False, True):
+            if mesh:
+                self.convert(SPHERE, "--iso", "0", "-o", "ball.glb")
+            scene = ("ball.glb",) if mesh else (SPHERE, "--tf", "none", "--iso", "0")
+            usual, twice, hard = (self.picture(*scene, *rays) for rays in ((), ("--antialias", "2"), ("--antialias", "1")))
+            self.assertEqual(usual.difference(twice), 0)
+            self.assertEqual({pixel[3] for pixel in hard.pixels()}, {0, 255})
+            between = [pixel[3] for pixel in usual.pixels() if 0 < pixel[3] < 255]
+            # Four rays a pixel: quarters, along the whole silhouette.
+            self.assertLessEqual(set(between), {63, 64, 127, 128, 191, 192})
+            self.assertGreater(len(between), 20)
+            # The area covered stays the same.
+            covered = [sum(pixel[3] for pixel in picture.pixels()) / 255 for picture in (usual, hard)]
+            self.assertAlmostEqual(covered[0] / covered[1], 1, delta=0.05)
+        finer = self.picture(SPHERE, "--tf", "none", "--iso", "0", "--antialias", "4")
+        self.assertGreater(len({pixel[3] for pixel in finer.pixels()}), 6)
+        volume = self.picture(SPHERE)
+        self.assertEqual(volume.difference(self.picture(SPHERE, "--antialias", "1")), 0)
+
+    def test_labels_have_their_colours(self):
+        """The labels' surfaces as in -o x.png: a label in the middle of the picture, in the color of the table."""
+        self.write_raw("map.raw", (15, 9, 9), lambda x, y, z: 1 + x // 5 if 2 <= y < 7 and 2 <= z < 7 and x % 5 else 0, "B")
+        (self.folder / "lut.txt").write_text("1 Left 255 0 0 0\n2 Middle 0 200 0 0\n3 Right 0 0 255 0\n")
+        arguments = ("map.raw", "--dims", "15,9,9", "--dtype", "u8", "--label-names", "lut.txt")
+        view = ("--size", "64x40", "--camera", "0,0")
+
+        def colours(command, labels, *more):
+            self.convert(*command, *arguments, "--labels", labels, *view, *more, "-o", "a.png")
+            png = Png((self.folder / "a.png").read_bytes())
+            found = []
+            for pixel in (png.pixel(x, 20) for x in range(64)):
+                strong = max(range(3), key=lambda i: pixel[i])
+                rest = max(pixel[i] for i in range(3) if i != strong)
+                if pixel[strong] > 60 and pixel[strong] > 2 * rest and (not found or found[-1] != strong):
+                    found.append(strong)
+            return found
+
+        for command in (("render",), ()):
+            self.assertEqual(colours(command, "1-40"), [0, 1, 2], command)
+            self.assertEqual(colours(command, "Left,3"), [0, 2], command)
+            self.assertEqual(colours(command, "all", "--method", "voxels"), [0, 1, 2], command)
+        self.assertEqual(colours(("render",), "all", "--opacity", "0.9"), [0, 1, 2])
+        # Numbers of labels are no densities: without --tf only the surfaces are drawn.
+        labels = self.picture(*arguments, "--labels", "2", name="a.png")
+        alone = self.picture(*arguments, "--labels", "2", "--tf", "none", name="b.png")
+        self.assertEqual(labels.difference(alone), 0)
+        self.assertGreater(labels.difference(self.picture(*arguments, "--labels", "2", "--tf", "grey")), 10)
+
+    def test_materials_of_meshes_are_seen(self):
+        """A glb with two labels in the colors of a table; a contact sheet shows them, too."""
+        self.write_raw("map.raw", (11, 7, 7), lambda x, y, z: 1 + x // 6 if 1 <= y < 6 and 1 <= z < 6 and x % 6 else 0, "B")
+        (self.folder / "lut.txt").write_text("1 Left 255 0 0 0\n2 Right 0 0 255 0\n")
+        arguments = ("map.raw", "--dims", "11,7,7", "--dtype", "u8", "--label-names", "lut.txt", "--labels")
+        view = ("--camera", "0,0", "--size", "64x40")
+        self.convert(*arguments, "all", "-o", "two.glb", "--contact-sheet", "sheet.png", *view)
+        self.convert(*arguments, "2", "-o", "one.glb")
+        self.convert(*arguments, "2", "-o", "one.ply")
+        self.convert(*arguments, "all", "--opacity", "0.25", "-o", "faint.glb")
+
+        def strong(pixel):
+            return [i for i in range(3) if pixel[i] > 60 and pixel[i] > 2 * max(pixel[j] for j in range(3) if j != i)]
+
+        two = self.picture("two.glb", "--camera", "0,0")
+        self.assertEqual((strong(two.pixel(14, 16)), strong(two.pixel(33, 16))), ([0], [2]))
+        sheet = Png((self.folder / "sheet.png").read_bytes())
+        self.assertEqual((strong(sheet.pixel(4 + 20, 4 + 12)), strong(sheet.pixel(4 + 44, 4 + 12))), ([0], [2]))
+        for name in ("one.glb", "one.ply"):
+            self.assertEqual(strong(self.picture(name, "--camera", "0,0").pixel(24, 16)), [2], name)
+        green = self.picture("two.glb", "--camera", "0,0", "--mesh-color", "00ff00")
+        self.assertEqual((strong(green.pixel(14, 16)), strong(green.pixel(33, 16))), ([1], [1]))
+        # Front and back of a surface of opacity 1/4 leave (3/4)^2 of the light.
+        faint = self.picture("faint.glb", "--camera", "0,0")
+        self.assertAlmostEqual(faint.pixel(33, 16)[3] / 255, 1 - 0.75**2, delta=0.02)
+        self.assertEqual(strong(faint.pixel(33, 16)), [2])
+
+    def test_label_maps_and_masks_are_told(self):
+        self.write_raw("map.raw", (20, 20, 20), lambda x, y, z: 1 + x // 7 if min(x, y, z) > 3 and max(x, y, z) < 17 else 0, "B")
+        self.write_raw("mask.raw", (20, 20, 20), lambda x, y, z: 1 if min(x, y, z) > 3 and max(x, y, z) < 17 else 0, "B")
+        shape = ("--dims", "20,20,20", "--dtype", "u8", *SMALL, "-o", "a.png")
+        note = "note[iso-of-labels]: "
+        for name, options, words in (("map.raw", (), "--labels all draws the surface of each label"),
+                                     ("map.raw", ("--iso", "0.5"), "--labels all makes a mesh of each label"),
+                                     ("mask.raw", ("--iso", "0.5"), "--method surface-nets makes a smooth one"),
+                                     ("mask.raw", (), None), ("map.raw", ("--labels", "all"), None)):
+            run = self.convert("render", name, *options, *shape)
+            self.assertEqual(run.err.count(note), 1 if words else 0, (name, options))
+            self.assertIn(words or "", run.err)
+
+    def test_the_camera_frames_what_is_visible(self):
+        """A ball in a corner fills the picture; a voxel far from it, as of noise, changes nothing."""
+        def ball(x, y, z):
+            return 9 if math.dist((x, y, z), (12, 12, 12)) < 8 or (x, y, z) == (38, 38, 38) else 0
+        for name in ("b_1.raw", "b_2.raw"):
+            self.write_raw(name, (40, 40, 40), ball, "B")
+        shape = ("--dims", "40,40,40", "--dtype", "u8", "--camera", "0,0", "--json", "a.json")
+        picture = self.picture("b_1.raw", *shape)
+        (told,) = json.loads((self.folder / "a.json").read_text())["pictures"]
+        for at in told["camera"]["target"]:
+            self.assertAlmostEqual(at, 12, delta=0.6)
+        self.assertGreater(picture.alpha(), 0.25)  # of a picture whose height is 2/3 of its width
+        # The planes of the camera enclose all of the volume.
+        self.assertGreater(told["camera"]["far"] - math.dist(told["camera"]["eye"], told["camera"]["target"]), 26 * 3**0.5)
+        # Later frames of a sequence may show more: it frames the whole volume.
+        self.convert("render", "b_{}.raw", *shape, *SMALL, "-o", "p_{}.png")
+        told = json.loads((self.folder / "a.json").read_text())["pictures"][0]
+        for at in told["camera"]["target"]:
+            self.assertAlmostEqual(at, 19.5, delta=1e-9)
+
+    def test_the_usual_range_leaves_out_noise(self):
+        """A bright block in values around 100, of which more than half are noise: the corner is transparent."""
+        state = [1]
+
+        def noisy(x, y, z):
+            state[0] = state[0] * 1103515245 + 12345 & 0x7fffffff
+            return 100 + state[0] // 65536 % 11 - 5 + (100 if max(abs(x - 10), abs(y - 10), abs(z - 10)) < 5 else 0)
+        self.write_raw("n.raw", (20, 20, 20), noisy, "B")
+        view = ("n.raw", "--dims", "20,20,20", "--dtype", "u8", "--camera", "0,0,60", "--look-at", "10,10,10")
+        usual = self.picture(*view)
+        everything = self.picture(*view, "--tf-range", "94,206")
+        self.assertGreater(usual.pixel(24, 16)[3], 60)
+        self.assertLessEqual(usual.pixel(24 + 6, 16)[3], 2)
+        self.assertGreater(everything.pixel(24 + 6, 16)[3], 10)
+
+    def test_blackbody_colours_follow_the_temperature(self):
+        """Slabs of 1050, 2000 and 3000 K: from dark red to light orange."""
+        self.write_raw("t.raw", (12, 6, 6), lambda x, y, z: (1050, 2000, 3000)[x // 4])
+        picture = self.picture("t.raw", "--dims", "12,6,6", "--dtype", "f32", "--tf", "blackbody", "--tf-range", "1000,3000",
+                               "--unit-length", "0.02", "--camera", "0,0,16", "--background", "black", "--look-at", "5.5,2.5,2.5")
+        cold, warm, hot = (picture.pixel(x, 16) for x in (15, 24, 33))
+        for red, green, blue in (cold, warm, hot):
+            self.assertGreater(red, green)
+            self.assertGreaterEqual(green, blue)
+        self.assertLess(cold[0], warm[0])
+        self.assertLess(warm[0], hot[0])
+        self.assertEqual(cold[2], 0)
+        self.assertGreater(hot[2], 70)
+
     def test_particles_inside_of_their_surface_are_seen(self):
         spots = "".join(f"{x} {y} {z}\n" for z in range(6) for y in range(6) for x in range(6))
         (self.folder / "block.xyz").write_text(f"216\nblock\n{spots}")
-        options = ("--particles", "sph", "--radius", "0.6", "--tf", "smoke", "--unit-length", "4")
+        options = ("--particles", "sph", "--radius", "0.6", "--tf", "smoke", "--unit-length", "4", "--antialias", "1",
+                   "--camera", "35,20,14", "--look-at", "2.5,2.5,2.5")
         alone = self.picture("block.xyz", *options, name="alone.png")
         self.assertGreater(alone.pixel(24, 16)[3], 40)
         # Next to nothing of a surface: what is seen is the volume, without a hole where the surface asks for no samples.
         both = self.picture("block.xyz", *options, "--iso", "0.5", "--opacity", "0.001")
-        self.assertLessEqual(both.difference(alone), 3)
+        self.assertLessEqual(both.difference(alone), 5)
 
     def test_exr(self):
         self.convert("render", SPHERE, "--iso", "0", *SMALL, "-o", "out.exr")
@@ -176,7 +315,7 @@ class RenderTest(ProgramTest):
             self.assertEqual(run.err.count("note[one-camera]: the first picture sets the camera for all pictures"), 1)
             self.assertNotIn("p_1.png: the picture is empty", run.err)
             self.assertIn("note[empty-picture]: p_2.png: the picture is empty: the scene is outside the camera's view, or the transfer function makes it transparent\n", run.err)
-        run = self.convert(*sequence, "--camera", "0,0,100", "--look-at", "32,4,4")
+        run = self.convert(*sequence, "--camera", "0,0,100", "--look-at", "32,4,4", "--no-note", "iso-of-labels")
         self.assertNotIn("note[", run.err)
         seen = [Png((self.folder / name).read_bytes()).alpha() for name in ("p_1.png", "p_2.png")]
         self.assertGreater(min(seen), 0)
@@ -222,6 +361,14 @@ class RenderTest(ProgramTest):
             ((SPHERE, "--frames", "3", "-o", "-"), 1, "render writes several pictures to files"),
             ((SPHERE, "--frames", "1-5"), 1, "expected the number of pictures for one turn of the camera"),
             ((SPHERE, "--background", "blue"), 1, "expected none, black, white or a color as RRGGBB"),
+            ((SPHERE, "--antialias", "5"), 1, "--antialias: expected a whole number from 1 to 4, found '5'"),
+            ((SPHERE, "--labels", "1", "--iso", "0"), 1, "--labels and --iso exclude each other"),
+            ((SPHERE, "--labels", "1", "--method", "mc"), 1, "--labels does not work with marching cubes"),
+            ((SPHERE, "--labels", "1", "--blur", "1"), 1, "--blur does not work with --labels"),
+            ((SPHERE, "--labels", "all", "--opacity", "0.5,0.6"), 1, "the number of labels is not known"),
+            ((SPHERE, "--labels", "1", "--tf-range", "0,1"), 1, "--tf-range applies to the volume"),
+            ((SPHERE, "--label-names", "a.txt"), 1, "--label-names needs --labels"),
+            (("a.ply", "--labels", "1"), 1, "--labels needs a volume"),
             ((SPHERE, "--iso", "7"), 2, "iso"),
             (("none.nrrd",), 2, "none.nrrd"),
             (("none.ply",), 2, "none.ply"),

@@ -4,7 +4,7 @@ import gzip
 import json
 import struct
 
-from support import ProgramTest, main, read_glb
+from support import Png, ProgramTest, main, read_glb
 
 DIMS = (14, 12, 10)
 SPACING = (0.5, 0.75, 2.0)
@@ -49,6 +49,19 @@ def seg_nrrd(segments, layers, encoding="gzip", keys=("Name", "Color", "LabelVal
 
 
 class SegmentationTest(ProgramTest):
+    def test_render_draws_the_segments_in_their_colors(self):
+        """Without options, as -o x.png does: the red rib on the left of the patient, seen from the front on the right."""
+        self.write("s.seg.nrrd", seg_nrrd((ORGAN, BONE), 1))
+        run = self.convert("render", "s.seg.nrrd", "--size", "96x64", "--camera", "0,0", "-o", "a.png")
+        self.assertIn("note[iso-chosen]: all labels, because the file names its labels", run.err)
+        png = Png((self.folder / "a.png").read_bytes())
+        red = [x for x in range(96) if png.pixel(x, 32)[0] > 2 * max(png.pixel(x, 32)[1:3]) and png.pixel(x, 32)[3] == 255]
+        violet = [x for x in range(96) if png.pixel(x, 32)[2] > 1.5 * png.pixel(x, 32)[1] and png.pixel(x, 32)[3] == 255]
+        self.assertGreater(min(len(red), len(violet)), 4)
+        self.assertGreater(min(red), max(violet))
+        for more in (("--tf", "grey"), ("--iso", "0.5")):
+            self.assertNotIn("all labels, because", self.convert("render", "s.seg.nrrd", *more, "--size", "9x9", "-o", "b.png").err)
+
     def write(self, name, data):
         (self.folder / name).write_bytes(data)
 

@@ -18,13 +18,13 @@
 #include "cli/options/placement.hpp"
 #include "cli/options/run.hpp"
 #include "cli/options/surface.hpp"
+#include "cli/options/view.hpp"
 #include "cli/values.hpp"
 #include "convert/conversion_job.hpp"
 #include "edit/colormap.hpp"
 #include "field/interpolant.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "particle_io/particle_writer.hpp"
-#include "render/camera.hpp"
 
 namespace isoextract::cli {
 
@@ -81,38 +81,7 @@ struct ConvertFlags : OptionSet {
           " Several times for {}. Default: 0 for level sets, the usual value for particles; other inputs need one.",
           of_ == Of::convert ? "several surfaces" : "the several surfaces of a mesh")};
   SurfaceFlags surface{*this};
-  Value<std::vector<convert::IsoChoice>> labels{
-      in(OptionGroup::surface),
-      "--labels",
-      "all|L,...",
-      parse_labels,
-      "Labels of a label map to extract, in place of --iso. all takes every label but the background (the default for "
-      "files that name their labels); or list numbers, ranges and names, !TERM for all but these: "
-      "1-40,Hippocampus*,!Skull. Each becomes a mesh of its own, called label L or by its name. Samples must be "
-      "integers. With --method surface-nets (the default then) or voxels.",
-      About::surface};
-  Value<std::uint64_t> labels_min_voxels{in(OptionGroup::surface),
-                                         "--labels-min-voxels",
-                                         "N",
-                                         parse_count,
-                                         "Leave out labels with fewer than N voxels. A note tells which.",
-                                         About::surface};
-  Value<std::int64_t> background{in(OptionGroup::surface),
-                                 "--background",
-                                 "L",
-                                 parse_label,
-                                 "Label without a mesh in --labels all (default: 0). The label 0 then is a label like "
-                                 "the others.",
-                                 About::surface};
-  Value<std::string> label_names{only_convert(OptionGroup::surface),
-                                 "--label-names",
-                                 "FILE",
-                                 parse_text,
-                                 "Table with names and colors of labels. As ITK-SNAP, FreeSurfer or 3D Slicer write "
-                                 "it. Meshes get the names, and in glb, gltf and ply the colors. Default: the names in "
-                                 "the file of the labels, else a table beside it (NAME.ctbl, NAME_ColorTable.ctbl, "
-                                 "NAME_LUT.txt or the only *.ctbl); none: no table.",
-                                 About::surface};
+  LabelFlags labels{*this, of_ == Of::convert ? LabelFlags::Taken::all : LabelFlags::Taken::samples};
   Flag heightfield{
       only_convert(OptionGroup::surface), "--heightfield",
       "Make terrain of a picture or array of heights. For single images (TIFF, GeoTIFF, PNG, OpenEXR), "
@@ -232,27 +201,11 @@ struct ConvertFlags : OptionSet {
       "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};
   Value<OutputFormat> format{only_convert(OptionGroup::output), "--format", output_formats(),
                              "Format of the output, whatever the extension."};
-  Value<render::PictureSize> size{only_convert(OptionGroup::output),
-                                  "--size",
-                                  "WxH",
-                                  parse_picture_size,
-                                  "Size of a picture in pixels (default: 960x720).",
-                                  About::picture};
-  Value<render::ViewAngles> camera{
-      only_convert(OptionGroup::output),
-      "--camera",
-      "AZ,EL[,DISTANCE]",
-      render::parse_view_angles,
-      "Camera of a picture: azimuth, elevation, distance. Degrees around the up axis from the front, degrees above the "
-      "ground, distance from the center of the surfaces. Default: 35,20, and far enough to see all of them.",
-      About::picture};
-  Value<glm::dvec3> look_at{only_convert(OptionGroup::output),
-                            "--look-at",
-                            "X,Y,Z",
-                            parse_vector,
-                            "Point that the camera of a picture looks at. In the coordinates of the surfaces. Default: "
-                            "their center. With the distance of --camera all frames of a sequence have one camera.",
-                            About::picture};
+  ViewFlags view{of_ == Of::convert ? this : nullptr,
+                 {"--background-color", "light gray",
+                  "(default: 960x720). Also of each picture on a page or a contact sheet, by default 320x240 there.",
+                  "In the coordinates of the surfaces; pages and contact sheets take those of the mesh file.",
+                  "the center of the surfaces"}};
   Flag half{only_convert(OptionGroup::output), "--half", "Store a field as 16-bit floats (.vdb, .npy)."};
   Value<std::string> report{everyday(only_convert(OptionGroup::output)), "--report", "FILE", parse_text,
                             "Write a JSON report of the conversion. It has options, input, time and memory of each "

@@ -13,9 +13,9 @@
 #include "cli/options/input.hpp"
 #include "cli/options/run.hpp"
 #include "cli/options/surface.hpp"
+#include "cli/options/view.hpp"
 #include "cli/values.hpp"
 #include "mesh_io/mesh_writer.hpp"
-#include "render/camera.hpp"
 #include "render/renderer.hpp"
 #include "render/scene.hpp"
 #include "render/transfer_function.hpp"
@@ -25,13 +25,10 @@ namespace isoextract::cli {
 // Returns the names of the built-in transfer functions, separated by commas.
 [[nodiscard]] std::string transfer_list();
 
-// Parses the value of an option. Fails with ErrorCode::usage. Colors are sRGB in the text, with or without '#', and
-// linear light in the result.
-[[nodiscard]] Result<glm::dvec4> parse_background(std::string_view text);  // none (alpha 0), black, white, RRGGBB
-[[nodiscard]] Result<std::vector<glm::dvec3>> parse_colors(std::string_view text);     // RRGGBB[,RRGGBB...]
+// Parses the value of an option. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::array<double, 2>> parse_value_range(std::string_view text);  // MIN,MAX, MIN below MAX
-[[nodiscard]] Result<double> parse_field_of_view(std::string_view text);               // 1 to 170 degrees
 [[nodiscard]] Result<double> parse_samples(std::string_view text);                     // 1/64 to 64
+[[nodiscard]] Result<int> parse_rays_across(std::string_view text);                    // 1 to 4
 [[nodiscard]] Result<double> parse_termination(std::string_view text);                 // 0 or more, below 1
 
 struct RenderFlags : OptionSet {
@@ -46,6 +43,7 @@ struct RenderFlags : OptionSet {
                             "which frames of a sequence to draw, as in convert. Default: all frames."};
   IsoOption isos{in(OptionGroup::surface), "Draw a surface of the volume as well. ", ""};
   SurfaceFlags surface{*this};
+  LabelFlags labels{*this, LabelFlags::Taken::names};
   Value<ColorFlag> color{in(OptionGroup::vertices),
                          "--color-by",
                          "iso[:MAP][:MIN,MAX]",
@@ -55,19 +53,13 @@ struct RenderFlags : OptionSet {
   Value<std::vector<double>> opacity{
       in(OptionGroup::vertices), "--opacity", "A[,B...]", parse_opacity,
       "Opacity of surfaces and meshes, above 0, at most 1. One for all, or one for each: "
-      "surfaces of --iso first, then meshes. Default: opaque."};
+      "surfaces of --iso or --labels first, then meshes. Default: opaque."};
   Value<std::string> output{in(OptionGroup::output), "-o,--output", "FILE", parse_text,
                             "Picture to write (default: INPUT.png). .png, or .exr with linear light, depth and "
                             "normals; - is stdout, as PNG. Several pictures need a pattern, such as turn_{:04}.png."};
-  Value<render::PictureSize> size{in(OptionGroup::output), "--size", "WxH", parse_picture_size,
-                                  "Size in pixels (default: 960x540)."};
-  Value<render::ViewAngles> camera{in(OptionGroup::output), "--camera", "AZ,EL[,DISTANCE]", render::parse_view_angles,
-                                   "Camera: azimuth, elevation, distance. Angles in degrees, seen from the center. "
-                                   "Default: 35,20, and far enough to see everything."};
-  Value<glm::dvec3> look_at{in(OptionGroup::output), "--look-at", "X,Y,Z", parse_vector,
-                            "Point the camera looks at, in world coordinates. Default: the center of the first input."};
-  Value<double> field_of_view{in(OptionGroup::output), "--fov", "DEGREES", parse_field_of_view,
-                              "Vertical field of view in degrees (default: 45)."};
+  ViewFlags view{this,
+                 {"--background,--background-color", "none", "(default: 960x540).", "In world coordinates.",
+                  "the center of what is visible"}};
   Value<convert::UpAxis> up{in(OptionGroup::output), "--up",
                             "Axis that points up in volume and picture. With z, meshes of glTF files, which are y up, "
                             "are turned to z up. Default: z; y where only meshes that state it are drawn."};
@@ -80,7 +72,8 @@ struct RenderFlags : OptionSet {
       "--tf-range",
       "MIN,MAX",
       parse_value_range,
-      "Values that a named transfer function covers. Default: smallest to largest sample; level sets from 0 inwards.",
+      "Values that a named transfer function covers. Default: from above the noise of the background to the 99.9th "
+      "percentile of the samples above; level sets from 0 inwards; fields alike on both sides of 0 on both sides.",
       About::drawn_volume};
   Value<double> unit_length{
       in(OptionGroup::output),
@@ -91,14 +84,15 @@ struct RenderFlags : OptionSet {
       About::drawn_volume};
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "
-                                 "takes one normal per triangle."};
-  Value<std::vector<glm::dvec3>> mesh_colors{
-      in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
-      "Color of meshes without vertex colors. One for all, or one for each in order. Default: gray."};
-  Value<glm::dvec4> background{in(OptionGroup::output), "--background", "COLOR", parse_background,
-                               "Background color (default: none). none, black, white or RRGGBB."};
+                                 "takes one normal per triangle, and is the default with --method voxels."};
+  Value<std::vector<glm::dvec3>> mesh_colors{in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
+                                             "Color of meshes without vertex colors. One for all, or one for each in "
+                                             "order. Default: their materials, else gray."};
   Value<double> samples{in(OptionGroup::output), "--samples", "N", parse_samples,
                         "Samples per voxel along a ray (default: 1). Per shortest edge of a voxel."};
+  Value<int> antialias{in(OptionGroup::output), "--antialias", "N", parse_rays_across,
+                       "Rays per pixel along each axis, 1 to 4. Default: 2 with surfaces or meshes, whose edges it "
+                       "smooths; 1 for a volume alone. The time grows with N x N."};
   Value<double> termination{in(OptionGroup::output), "--termination", "T", parse_termination,
                             fmt::format("Share of light at which a ray ends, 0 for never. Default: {:.6g}.",
                                         render::RenderOptions::kTermination)};

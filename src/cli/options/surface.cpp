@@ -31,6 +31,8 @@ std::vector<Choice<UnitChoice>> units_of_input() {
 
 SurfaceFlags::SurfaceFlags(OptionSet& command) : OptionSet(command, OptionGroup::surface) {}
 
+LabelFlags::LabelFlags(OptionSet& command, Taken taken) : OptionSet(command, OptionGroup::surface), taken_(taken) {}
+
 EditFlags::EditFlags(OptionSet& command) : OptionSet(command, OptionGroup::pieces) {}
 
 PlacementFlags::PlacementFlags(OptionSet& command) : OptionSet(command, OptionGroup::placement) {}

@@ -103,6 +103,57 @@ struct SurfaceFlags : OptionSet {
   NanOption nan{*this};
 };
 
+// The options of labels, which take the place of iso values.
+struct LabelFlags : OptionSet {
+  // The options that a command takes: `samples` those that choose labels by the samples, `names` also the table of
+  // names, but not --background, `all` all of them.
+  enum class Taken { samples, names, all };
+
+  LabelFlags(OptionSet& command, Taken taken);
+
+ private:
+  Taken taken_;
+  Place only(bool is_taken) { return is_taken ? Place(*this) : Place(); }
+
+ public:
+  Value<std::vector<convert::IsoChoice>> chosen{
+      *this,
+      "--labels",
+      "all|L,...",
+      parse_labels,
+      "Labels of a label map to extract, in place of --iso. all takes every label but the background (the default for "
+      "files that name their labels); or list numbers, ranges and names, !TERM for all but these: "
+      "1-40,Hippocampus*,!Skull. Each becomes a mesh of its own, called label L or by its name. Samples must be "
+      "integers. With --method surface-nets (the default then) or voxels.",
+      About::surface};
+  Value<std::uint64_t> min_voxels{*this,
+                                  "--labels-min-voxels",
+                                  "N",
+                                  parse_count,
+                                  "Leave out labels with fewer than N voxels. A note tells which.",
+                                  About::surface};
+  Value<std::int64_t> background{only(taken_ != Taken::names),
+                                 "--background",
+                                 "L",
+                                 parse_label,
+                                 "Label without a mesh in --labels all (default: 0). The label 0 then is a label like "
+                                 "the others.",
+                                 About::surface};
+  Value<std::string> names{only(taken_ != Taken::samples),
+                           "--label-names",
+                           "FILE",
+                           parse_text,
+                           "Table with names and colors of labels. As ITK-SNAP, FreeSurfer or 3D Slicer write "
+                           "it. Meshes get the names, and in glb, gltf and ply the colors. Default: the names in "
+                           "the file of the labels, else a table beside it (NAME.ctbl, NAME_ColorTable.ctbl, "
+                           "NAME_LUT.txt or the only *.ctbl); none: no table.",
+                           About::surface};
+
+  // Returns whether --labels gives a set: all, or ranges and names. Which labels these are is known only from the
+  // samples.
+  [[nodiscard]] bool is_set_of_labels() const { return chosen && chosen->front().is_label_set(); }
+};
+
 // The options that edit a surface after its extraction, besides --simplify and --triangles.
 struct EditFlags : OptionSet {
   explicit EditFlags(OptionSet& command);

@@ -51,7 +51,9 @@ struct OutputMeshes {
   // Records a surface, before it goes to the writer. `label` and `grid` are those of its field.
   void note(const Surface& surface, const std::string& label, const std::string& grid) {
     if (surface.facts) facts.push_back(facts_as_written(*surface.facts, job.path, surface.mesh, surface.error, grid));
-    written.surfaces.push_back({label, surface.id, surface.end});
+    const bool closed = surface.open_edges ? *surface.open_edges == 0 : !surface.end.at_border && !surface.end.cut;
+    written.surfaces.push_back({label, surface.id, surface.end, surface.mesh.name, surface.triangles(), closed,
+                                surface.label_voxels, surface.label_volume});
     written.triangles += surface.triangles();
     written.vertices += surface.vertices();
     if (surface.welded) {
@@ -87,8 +89,9 @@ struct OutputMeshes {
     std::vector<StageReport> reports;
     for (std::size_t m = 0; m < done.size(); ++m) {
       if (done[m].bytes_before == 0) continue;
-      const auto& [label, id, end] = written.surfaces[m];
-      reports.push_back(report_of({fmt::format("{} {}", label, id.name()), id, job.path, packing, done[m]}));
+      const WrittenOutput::Part& part = written.surfaces[m];
+      reports.push_back(
+          report_of({fmt::format("{} {}", part.label, part.id.name()), part.id, job.path, packing, done[m]}));
     }
     return reports;
   }

@@ -1,5 +1,6 @@
 #include "convert/detail/surface_maker.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "base/stopwatch.hpp"
@@ -41,6 +42,11 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
                   .taken = extraction.taken,
                   .end = open_boundary_of(stats, options, source),
                   .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
+  if (const auto* found = maker.labels != nullptr ? maker.labels->find(asked.id.label()) : nullptr) {
+    const double voxel = std::abs(glm::determinant(source.output_from_index.linear));
+    surface.label_voxels = found->voxels;
+    surface.label_volume = voxel * static_cast<double>(found->voxels);
+  }
   const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
   if (stats.device) made.bytes_uploaded = stats.device->bytes_uploaded;
   made.events.end(extraction_report(stats, options, surface, stage, watch.elapsed()));

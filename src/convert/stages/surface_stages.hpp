@@ -32,6 +32,8 @@ struct Surface {
   std::optional<std::uint64_t> open_edges = {};  // set if counted, before vertices were duplicated
   std::optional<mesh::Topology> welded = {};     // as readers of the file find it (topology_as_read())
   bool distinct_positions = false;               // no two vertices coincide in a file of float32; false: unknown
+  std::uint64_t label_voxels = 0;                // of a label, in the region
+  double label_volume = 0;                       // of these voxels, in output coordinates
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
 
   [[nodiscard]] std::uint64_t vertices() const { return taken ? taken->vertices : mesh.positions.size(); }

@@ -1,8 +1,6 @@
 // Reads glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, transformed by its nodes in
 // double. Does not use TinyGLTF, which trusts the offsets of images and animations that are not needed here.
-//
 // Skips nodes that are scaled to zero. Reads the first frame of an animated sequence (write/animated_glb.hpp).
-//
 // Reads COLOR_0 and attributes that begin with an underscore, if all primitives have them with the same type.
 #include <algorithm>
 #include <array>
@@ -17,6 +15,7 @@
 #include "mesh_io/mesh_reader.hpp"
 #include "mesh_io/read/gltf_data.hpp"
 #include "mesh_io/read/gltf_json.hpp"
+#include "mesh_io/read/gltf_material.hpp"
 #include "mesh_io/read/gltf_normals.hpp"
 #include "mesh_io/read/mesh_format_readers.hpp"
 
@@ -102,7 +101,8 @@ class ModelReader {
       const std::string_view name = text_of(mesh, "name").substr(0, kNameBytes);
       source_.memory.make_room(surface_.parts, 1);
       source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
-      surface_.parts.push_back({std::string(name), surface_.positions.size(), surface_.triangles.size()});
+      surface_.parts.push_back(
+          {std::string(name), surface_.positions.size(), surface_.triangles.size(), gltf_mesh_material(model_, mesh)});
       add_mesh(mesh, transform);
     }
     for (const std::string& name : left_out_) {
@@ -288,7 +288,7 @@ class ModelReader {
     return views;
   }
 
-  // Appends attribute values for `count` new vertices; new vertex i copies the primitive's vertex vertex_at(i).
+  // Appends values of `count` new vertices; new vertex i copies the primitive's vertex vertex_at(i).
   template <class VertexAt>
   void add_values(const std::vector<GltfView>& views, std::uint64_t count, const VertexAt& vertex_at) {
     for (std::size_t a = 0; a < views.size(); ++a) {

@@ -20,6 +20,7 @@
 #include "base/note.hpp"
 #include "files/file_bytes.hpp"
 #include "mesh/attributes.hpp"
+#include "mesh/mesh.hpp"
 
 namespace isoextract::mesh_io {
 
@@ -55,6 +56,7 @@ struct FilePart {
   std::string name;
   std::uint64_t first_vertex = 0;
   std::uint64_t first_triangle = 0;
+  std::optional<mesh::Material> material = {};
 };
 
 struct FileSurface {

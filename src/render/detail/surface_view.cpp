@@ -9,36 +9,12 @@
 namespace isoextract::render::detail {
 namespace {
 
-template <class T>
-T component(const mesh::Attribute& attribute, std::size_t vertex, std::size_t c) {
-  T value;
-  std::memcpy(&value, attribute.at(vertex).data() + c * sizeof(T), sizeof value);
-  return value;
-}
-
 template <class V>
 V blend(const glm::dvec3& weights, const V& a, const V& b, const V& c) {
   return weights.x * a + weights.y * b + weights.z * c;
 }
 
 }  // namespace
-
-glm::dvec4 vertex_color(const mesh::Attribute& attribute, std::size_t vertex) {
-  glm::dvec4 color(0, 0, 0, 1);
-  for (std::size_t c = 0; c < attribute.components; ++c) {
-    double& channel = color[static_cast<int>(c)];
-    switch (attribute.type) {
-      case mesh::ComponentType::u8: {
-        const double encoded = component<std::uint8_t>(attribute, vertex, c) / 255.0;
-        channel = c < 3 ? srgb_to_linear(encoded) : encoded;
-        break;
-      }
-      case mesh::ComponentType::u16: channel = component<std::uint16_t>(attribute, vertex, c) / 65535.0; break;
-      default: channel = double{component<float>(attribute, vertex, c)};
-    }
-  }
-  return color;
-}
 
 SurfaceView::SurfaceView(const Scene& scene, const Camera& camera, const PictureSize& size)
     : scene_(scene), rotation_(camera.rotation()), first_{0} {

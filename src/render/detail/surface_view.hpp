@@ -23,9 +23,6 @@ struct Shade {
   glm::vec3 normal;  // in the world, towards the eye
 };
 
-// Returns the linear color and alpha of a vertex, converted as Surface::vertex_colors says.
-[[nodiscard]] glm::dvec4 vertex_color(const mesh::Attribute& attribute, std::size_t vertex);
-
 class SurfaceView {
  public:
   // `scene` and `camera` have passed check(). `scene` must outlive this object.

@@ -125,7 +125,9 @@ TEST(MeshCheckTest, CountsMisorientedEdges) {
   std::swap(mesh.triangles[3].x, mesh.triangles[3].y);
   const MeshCheck found = check(mesh);
   EXPECT_EQ(found.components[0].edges.misoriented, 3U);
-  EXPECT_EQ(found.components[0].shell, Shell::open);
+  EXPECT_EQ(found.components[0].shell, Shell::not_oriented);
+  EXPECT_EQ(found.components[0].volume, 0);
+  EXPECT_FALSE(found.has_volume());
   EXPECT_FALSE(found.components[0].genus);
   EXPECT_FALSE(meets(Requirement::oriented, found));
   EXPECT_TRUE(meets(Requirement::closed, found));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -132,7 +133,7 @@ TEST(ConversionJob, ListsEveryMemberInJson) {
 TEST(ConversionJob, ListsMembersOfEveryFileKind) {
   ConversionJob job;
   std::set<std::string> hashes{hash_of(job)};
-  const PictureFileOptions picture{320, 200, {12.5, -40, 3.0}};
+  const PictureFileOptions picture{320, 200, {12.5, -40, 3.0}, std::numbers::pi / 2, {0, 0.25, 0.5, 1}};
   for (const FileOptions& file :
        {FileOptions(FieldFileOptions{true}), FileOptions(FieldFileOptions()), FileOptions(ParticleFileOptions()),
         FileOptions(ParticleFileOptions{particle_io::ParticleFileFormat::vtu}), FileOptions(PictureFileOptions()),
@@ -142,7 +143,8 @@ TEST(ConversionJob, ListsMembersOfEveryFileKind) {
     EXPECT_EQ(json_of(job)["format"], "glb");
   }
   EXPECT_EQ(json_of(job)["picture_file"].dump(),
-            R"({"width":320,"height":200,"azimuth":12.5,"elevation":-40.0,"distance":3.0,"look_at":null})");
+            R"({"width":320,"height":200,"azimuth":12.5,"elevation":-40.0,"distance":3.0,"look_at":null,)"
+            R"("field_of_view":90.0,"background_color":[0.0,0.25,0.5,1.0]})");
   EXPECT_EQ(json_of(job)["field_file"], nullptr);
   EXPECT_EQ(json_of(job)["particle_file"], nullptr);
   job.file = ParticleFileOptions{particle_io::ParticleFileFormat::vtu};
