@@ -163,13 +163,15 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
                                                        const std::vector<batch::OutputSource>& sources,
                                                        mesh_io::MeshFormat format, const batch::OtherFiles& others,
                                                        batch::BatchJob& job) {
-  const std::string example = "for example -o water.glb";
-  if (!flags.output) return refuse_usage("--animate writes all frames into one file and needs its name", example);
+  if (!flags.output) {
+    return refuse_usage("--animate writes all frames into one file and needs its name", "for example -o water.glb");
+  }
   const std::string& output = *flags.output;
   std::error_code none;
   if (output.ends_with('/') || fs::is_directory(output, none)) {
     return refuse_usage(
-        fmt::format("-o {}: --animate writes all frames into one file, and this path is a folder", output), example);
+        fmt::format("-o {}: --animate writes all frames into one file, and this path is a folder", output),
+        "for example -o water.glb");
   }
   const auto name = TRY(batch::OutputTemplate::parse(output));
   for (const auto& word : words_of(batch::OutputWord{})) {
@@ -178,7 +180,7 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
         fmt::format(
             "-o {}: --animate writes all frames into one file, and this file name contains the placeholder {{{}}}",
             output, word.word),
-        example + "; without --animate each frame gets its own file");
+        "for example -o water.glb; without --animate each frame gets its own file");
   }
   if (format != mesh_io::MeshFormat::glb) {
     return refuse_usage(

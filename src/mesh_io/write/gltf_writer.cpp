@@ -57,7 +57,7 @@ class GlbWriter final : public FormatWriter {
   [[nodiscard]] Result<void> check_length(std::uint64_t length) const {
     if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
     return fail(ErrorCode::output,
-                fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file_.shown_name(), length),
+                fmt::format("{}: a .glb holds less than 4 GiB; this one needs {} bytes", file_.shown_name(), length),
                 {Remedy::set, Setting::mesh_format, "gltf or ply"});
   }
 
