@@ -1,8 +1,11 @@
 // Makes a batch from flags: finds the frames, names the outputs, and checks the options before any work.
 //
-// Reads folders, and opens only these files: those that batch::find_frames() opens; the file whose volumes are the
-// frames; the tables of --iso-table and --label-names; the first input, where its content decides about particles,
-// labels or the iso value; and every input if an output name contains {step}.
+// Reads folders, and opens only these files:
+// - those that batch::find_frames() opens,
+// - the file whose volumes are the frames,
+// - the tables of --iso-table and --label-names,
+// - the first input, where its content decides about particles, labels or the iso value,
+// - every input, if an output name contains {step}.
 #pragma once
 
 #include <cstdint>
