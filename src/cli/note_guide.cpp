@@ -191,17 +191,19 @@ constexpr std::array kGuide{
     NoteGuide{one_camera,
               "The first picture sets the camera of all pictures, or each picture has its own; the note says which.",
               "Give --camera and --look-at."},
-    NoteGuide{placement_not_stored,
-              "The format of the written file cannot store the placement: the spacing and origin of a field, the side of "
-              "a level set, or the box and the unit of particles.",
-              "When you read the file, give the values in the note: --spacing, --origin, --inside below, --box, "
-              "--periodic, --unit. NRRD stores the placement of a field, and .vdb the side as well."},
+    NoteGuide{
+        placement_not_stored,
+        "The format of the written file cannot store the placement: the spacing and origin of a field, the side of "
+        "a level set, or the box and the unit of particles.",
+        "When you read the file, give the values in the note: --spacing, --origin, --inside below, --box, "
+        "--periodic, --unit. NRRD stores the placement of a field, and .vdb the side as well."},
     NoteGuide{renamed_meshes,
               "The name of a mesh is not UTF-8, which glTF requires, so the writer replaces the invalid bytes.", ""},
-    NoteGuide{rounded_positions,
-              "So far from the origin the coordinates in the file are coarse: STL rounds them by a thousandth of an edge "
-              "or more, or corners of a triangle become equal.",
-              "Use --center, move the volume nearer to the origin, or write glb."},
+    NoteGuide{
+        rounded_positions,
+        "So far from the origin the coordinates in the file are coarse: STL rounds them by a thousandth of an edge "
+        "or more, or corners of a triangle become equal.",
+        "Use --center, move the volume nearer to the origin, or write glb."},
     NoteGuide{several_files, "The animation is larger than a .glb can be, so it is in several files.", ""},
     NoteGuide{shard,
               "The environment has the number of a shard, but the run converts all frames. Or a table, plot or page "
