@@ -124,7 +124,7 @@ class Extractor {
   // - if an axis has fewer than 2 or too many samples, or `region` contains no cell,
   // - if float32 cannot keep positions apart, because of their range or the number of samples,
   // - for a NaN sample with NanPolicy::error,
-  // - if the mesh would have more than 2^32 - 1 vertices, or more than the method or the memory can address,
+  // - if the mesh would have more than 2^32 - 1 vertices, or arrays that exceed the address space,
   // - if the file of mapped samples changes during the extraction.
   // Fails with ErrorCode::out_of_memory, and with ErrorCode::cancelled between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
