@@ -3,7 +3,7 @@
 // Reads folders, and opens only these files:
 // - those that batch::find_frames() opens,
 // - the file whose volumes are the frames,
-// - the tables of --iso-table and --label-names,
+// - the tables of --iso-table and --label-names, and a table of label names beside the first input,
 // - the first input, where its content decides about particles, labels or the iso value,
 // - every input, if an output name contains {step}.
 #pragma once

@@ -22,9 +22,9 @@ struct ParticleCount {
 // Returns the attributes that the condition and the radii of elements need.
 [[nodiscard]] std::vector<particle_io::AttributeOfCondition> attributes_of_condition(const ParticleOptions& options);
 
-// Removes the particles for which the condition is false. Of the others, keeps the first of each
-// ParticleOptions::stride. Returns the counts; nullopt if there is nothing to choose, without a condition and with a
-// stride of 1. Fails with ErrorCode::usage if the condition has an error, and as points::choose_particles() does.
+// Removes the particles for which the condition is false. Of the others, keeps every ParticleOptions::stride-th, from
+// the first on. Returns the counts; nullopt if there is nothing to choose, without a condition and with a stride of 1.
+// Fails with ErrorCode::usage if the condition has an error, and as points::choose_particles() does.
 [[nodiscard]] Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles,
                                                                const ParticleOptions& options, const Context& context);
 
