@@ -36,7 +36,7 @@ Result<int> convert_frames(const std::filesystem::path& folder, double iso, std:
   const int threads = static_cast<int>(std::thread::hardware_concurrency());
   const Context context;
   auto run = TRY(batch::BatchRun::open(
-      job, {.earlier = batch::ResumePolicy::keep_unchanged, .scheduler = {.jobs = threads, .threads = threads}},
+      job, {.resume_policy = batch::ResumePolicy::keep_unchanged, .scheduler = {.jobs = threads, .threads = threads}},
       context));
   Printer printer;
   const batch::RunResult result = run.run(printer);

@@ -104,6 +104,21 @@ def pattern(tokens):
     return out
 
 
+def alternatives(tokens):
+    """The hints of `condition ? hint : other`, also of nested ones; else the expression itself."""
+    depth, conditions, asked = 0, 0, -1
+    for i, token in enumerate(tokens):
+        depth += (token in "([{") - (token in ")]}")
+        if depth == 0 and token == "?":
+            asked = i if conditions == 0 else asked
+            conditions += 1
+        elif depth == 0 and token == ":" and conditions > 0:
+            conditions -= 1
+            if conditions == 0:
+                return alternatives(tokens[asked + 1:i]) + alternatives(tokens[i + 1:])
+    return [tokens]
+
+
 def name_of(option):
     """--grid of --grid NAME, :volume= of :volume=K."""
     if option.startswith(":"):
@@ -197,8 +212,8 @@ def errors_of(room, source, hints):
             continue
         text = re.sub("……+", "…", pattern(rest[0]))
         if text.strip("…:, '"):
-            hint = hints.words(rest[1]) if len(rest) > 1 and rest[1] else ""
-            yield MessageError(room, text, EXIT_CODES[code], {hint} if hint.strip("… ") else set())
+            words = [hints.words(hint) for hint in alternatives(rest[1])] if len(rest) > 1 and rest[1] else []
+            yield MessageError(room, text, EXIT_CODES[code], {hint for hint in words if hint.strip("… ")})
 
 
 def errors(root):

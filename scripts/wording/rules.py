@@ -27,7 +27,7 @@ def check_words(text, room):
                 yield 0 if is_name else found.start(), f"'{found.group()}': {word.instead}"
 
 
-SENTENCE_END = re.compile(r"(?<!\be\.g)(?<!\bi\.e)(?<!\bvs)(?<!\bet al)[.!?][\"')\]*_]*(?:\s+|$)|\n")
+SENTENCE_END = re.compile(r"(?<!\be\.g)(?<!\bi\.e)(?<!\bvs)(?<!\bet al)[.!?][\"')\]*_]*(?:\s+|$)|\n|<br>")
 
 
 def check_length(text, _room):

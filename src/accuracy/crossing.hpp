@@ -6,9 +6,9 @@
 
 namespace isoextract::accuracy {
 
-// Returns the zero between a and b, where `at` has the values value_a and value_b of different sign. Uses regula falsi
-// with the Illinois rule (Dowell and Jarratt, "A modified regula falsi method", BIT 11, 1971). Stops at an absolute
-// value of at most `enough`, at a bracket of 1e-9 of the result, at a non-finite value, or after 100 rounds.
+// Returns a zero of `at` between a and b. The values value_a = at(a) and value_b = at(b) have different signs. Uses
+// regula falsi with the Illinois rule (Dowell and Jarratt, "A modified regula falsi method", BIT 11, 1971). Stops if
+// |at(x)| <= `enough`, if the interval is at most 1e-9 |x| long, if at(x) is not finite, or after 100 rounds.
 template <class F>
 [[nodiscard]] double find_crossing(const F& at, double a, double value_a, double b, double value_b, double enough) {
   for (int round = 0; round < 100; ++round) {

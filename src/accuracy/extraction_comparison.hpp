@@ -1,11 +1,11 @@
-// Compares two meshes of the same field and options from two backends, vertex by vertex and triangle by triangle. Both
-// need edge keys (ExtractOptions::edge_keys), so all vertices must lie on edges (MethodTraits). The order of vertices
-// and triangles does not matter.
+// Compares two meshes of the same field and options from two backends, vertex by vertex and triangle by triangle, in
+// any order. Finds the vertices that correspond by their edge keys. So both meshes need edge keys
+// (ExtractOptions::edge_keys), which only methods with MethodTraits::vertices_on_edges have.
 //
 // Positions are compared in units in the last place (ulps) of the local coordinates: the largest difference of a
 // coordinate, divided by the float32 spacing at the vertex's largest absolute coordinate in either mesh. The spacing at
-// the coordinate itself would be wrong. A position is an affine image of its edge, whose terms are rounded at the size
-// of the whole position; a coordinate near 0 is a small difference of large terms.
+// the coordinate itself would be too small for coordinates near 0: these are sums of terms as large as the other
+// coordinates, and the terms are rounded.
 #pragma once
 
 #include <array>
@@ -21,10 +21,10 @@
 
 namespace isoextract::accuracy {
 
-// Allowed difference of positions of two backends, in ulps: a bit more than one rounding.
+// Largest allowed difference between positions of two backends, in ulps; one rounding makes a difference of about 1.
 inline constexpr double kStabilityUlps = 2;
 
-// Allowed angle between normals of two backends: well above float32 rounding, far below what shading shows.
+// Largest allowed angle between normals of two backends: well above float32 rounding, far below what shading shows.
 inline constexpr double kNormalDegrees = 0.01;
 
 struct ExtractionComparison {
@@ -33,7 +33,7 @@ struct ExtractionComparison {
 
   Both<std::uint64_t> vertices{};
   TriangleDifference triangles;
-  // Vertices on edges that only this mesh has, or has more often.
+  // Vertices without a counterpart: the other mesh has no vertex with this edge key, or fewer of them.
   Both<std::uint64_t> vertices_only{};
   Both<std::optional<mesh::EdgeKey>> vertex_example{};  // the lowest of their edges
   bool origins_differ = false;
@@ -46,9 +46,10 @@ struct ExtractionComparison {
   std::optional<mesh::EdgeKey> largest_angle_edge;
 };
 
-// Compares the meshes. Vertices that a hole duplicates share a key; their number is compared, not which triangles use
-// which copy. An index without a vertex counts as a difference. Fails with ErrorCode::verification if a mesh has not
-// one edge key for each vertex, with ErrorCode::out_of_memory if memory is short.
+// Compares the meshes. The copies of a vertex that NanPolicy::hole makes have the same key: compares their number, but
+// not which triangle uses which copy. An index without a vertex counts as a difference. Fails with
+// ErrorCode::verification if a mesh does not have one edge key for each vertex, and with ErrorCode::out_of_memory if
+// memory is short.
 [[nodiscard]] Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b,
                                                                const Context& context);
 

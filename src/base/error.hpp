@@ -91,7 +91,7 @@ enum class Setting {
   attribute_volume,  // these three are about the file of an attribute
   attribute_component,
   attribute_spacing_and_origin,
-  volume_options,  // all options of volumes
+  volume_options,  // options of volumes that particles do not have
   // Particles
   particle_options,  // all options of particles
   particle_method,

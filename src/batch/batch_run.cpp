@@ -98,7 +98,7 @@ void BatchRun::State::keep(std::size_t frame, const FrameRecord* record) {
 }
 
 std::vector<std::size_t> BatchRun::State::keep_finished_frames() {
-  const bool resumes = manifest && options.earlier == ResumePolicy::keep_unchanged;
+  const bool resumes = manifest && options.resume_policy == ResumePolicy::keep_unchanged;
   std::optional<std::vector<FrameRecord>> all;
   if (animation && resumes) all = find_animation_record(*manifest, batch);
   // The contents of reports are not recorded, so a frame without a report is converted again.
@@ -109,7 +109,7 @@ std::vector<std::size_t> BatchRun::State::keep_finished_frames() {
     const FrameJob& frame = batch.frames[i];
     const FrameRecord* record = all ? &(*all)[i] : nullptr;
     if (!animation && resumes) record = manifest->find(convert::hash_of(frame.job));
-    const bool is_done = options.earlier == ResumePolicy::keep_existing
+    const bool is_done = options.resume_policy == ResumePolicy::keep_existing
                              ? std::ranges::any_of(files_of(frame.job), files::is_there)
                              : record != nullptr && events->has_report(i) &&
                                    (animation.has_value() || reason_to_reconvert(*record, frame).empty());
@@ -297,7 +297,7 @@ Result<BatchRun> BatchRun::open(const BatchJob& batch, RunOptions options, const
     for (const std::size_t i : frames_of(batch, options.shard)) jobs.insert(convert::hash_of(batch.frames[i].job));
     ManifestHeader header = header_of(batch, options.shard, options.arguments);
     header.absent = options.absent;
-    const bool resumes = options.earlier == ResumePolicy::keep_unchanged;
+    const bool resumes = options.resume_policy == ResumePolicy::keep_unchanged;
     manifest = TRY(Manifest::open(manifest_folder(batch), header, resumes, jobs));
   }
   options.scheduler.extras.hash_files = options.keeps_records;

@@ -35,7 +35,7 @@ enum class ResumePolicy {
 
 struct RunOptions {
   Shard shard = {};  // only this shard's frames are converted
-  ResumePolicy earlier = ResumePolicy::reconvert;
+  ResumePolicy resume_policy = ResumePolicy::reconvert;
   std::vector<std::string> arguments = {};  // of the command line, stored in the manifest for its readers
   std::string absent = {};                  // requested frames without input, as FrameRange text (ManifestHeader)
   bool keeps_records = true;                // keep records in the manifest, for later runs

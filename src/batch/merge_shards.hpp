@@ -21,12 +21,13 @@ struct MergedShards {
 
 // Merges the manifests of all shards in `folder` into one, as if one process had run the batch.
 //
-// If a batch was run in several numbers of shards, it uses the manifests that cover all frames, else the newest. Skips
-// batches that are merged already. Where the merged manifest has newer results, of a later run without shards, it uses
-// those. If every batch is merged and the last run had no shards (or was shard 1 of 1), it only checks that run.
+// A batch may have been run again with another number of shards. Then uses the manifests of the run that has all shards
+// and frames, else those of the newest run. Skips batches that are merged already. Where the merged manifest has newer
+// results, of a later run without shards, uses those. If every batch is merged and the last run had no shards (or was
+// shard 1 of 1), only checks that run.
 //
 // Fails with ErrorCode::input, and writes nothing, in these cases:
-//   - there is no manifest, or one is damaged;
+//   - there is no manifest, or the manifest of a shard is damaged;
 //   - a shard or frame is missing or occurs twice;
 //   - unmerged manifests are of several batches or program versions;
 //   - an output is missing or differs from its record.

@@ -1,9 +1,9 @@
-// Finds where a mesh intersects itself: all pairs of triangles with a common point outside their shared corner or side.
-// Exact for all finite float32 coordinates (mesh/exact_sign.hpp).
+// Finds where a mesh intersects itself: all pairs of triangles with a common point besides the corners and the edge
+// that they share. Exact for all finite float32 coordinates (mesh/exact_sign.hpp).
 //
-// Triangles include their border, so touching is intersecting. Shared corners are found by coordinates, not by indices,
-// so seams of duplicated vertices do not count. Skips zero-area triangles and pairs with the same three corners; both
-// have counts of their own.
+// A triangle includes its edges and corners, so triangles that touch intersect. Shared corners are found by
+// coordinates, not by indices, so seams of duplicated vertices do not count. Skips zero-area triangles and pairs with
+// the same three corners; both have counts of their own.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 namespace isoextract::check {
 
 struct IntersectionOptions {
-  // The search ends once it has found more pairs. Many overlapping copies of a mesh could otherwise take years.
+  // The search stops when it has found more pairs than this: many overlapping copies of a mesh could take years.
   std::uint64_t most_pairs = 10'000'000;
   std::size_t examples = 5;
 };
@@ -34,7 +34,7 @@ struct SelfIntersections {
   // The first pairs, ordered by first and then by second triangle; the lower number comes first.
   std::vector<std::array<std::uint32_t, 2>> examples;
 
-  std::uint64_t looked_at = 0;            // pairs with overlapping boxes: the cost of the search
+  std::uint64_t looked_at = 0;            // pairs whose bounding boxes overlap, so that the search tested them exactly
   std::uint64_t zero_area_triangles = 0;  // corners exactly on one line
   std::uint64_t duplicate_triangles = 0;  // with the corners of an earlier triangle, in either winding
 };

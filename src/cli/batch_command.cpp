@@ -126,7 +126,7 @@ Result<void> write_tables(const BatchPlan& plan, const std::vector<batch::FrameR
     TRY(files::write_file(*plan.flags.table, text));
   }
   if (!plan.flags.plot) return {};
-  const auto picture = TRY(run_gnuplot(frame_plot_script(rows, plan.picture)));
+  const auto picture = TRY(run_gnuplot(frame_plot_script(rows, plan.plot_format)));
   return files::write_file(*plan.flags.plot, picture);
 }
 
@@ -161,7 +161,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
     TRY(find_sequence_values(flags, plan, messages));
     return print_batch_plan(plan, messages);
   }
-  if (plan.flags.fail_fast && plan.needs_all && !plan.gaps.empty()) return fail_missing(plan.gaps);
+  if (plan.flags.fail_fast && plan.missing_is_error && !plan.gaps.empty()) return fail_missing(plan.gaps);
   if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
     TRY(check_gnuplot(plan.flags.plot ? plan.flags.plot.name() : ConvertFlags().html.name()));
   }
@@ -170,8 +170,8 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   const auto read = TRY(check_batch_files(plan));
   TRY(find_sequence_values(flags, plan, messages));
   const Context& context = plan.common.context;
-  batch::RunOptions options{.shard = plan.shard, .earlier = plan.earlier, .arguments = arguments};
-  if (plan.needs_all) options.absent = batch::text_of(plan.gaps);
+  batch::RunOptions options{.shard = plan.shard, .resume_policy = plan.resume_policy, .arguments = arguments};
+  if (plan.missing_is_error) options.absent = batch::text_of(plan.gaps);
   options.keeps_figures = shows_rows(plan);
   options.scheduler = {
       .jobs = plan.jobs,
@@ -197,7 +197,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   const std::size_t failed = result.count(Status::failed);
   const std::size_t cancelled = result.count(Status::cancelled);
   const std::size_t not_started = result.count(Status::not_started);
-  const std::uint64_t missing = plan.needs_all ? count_of(plan.gaps) : 0;
+  const std::uint64_t missing = plan.missing_is_error ? count_of(plan.gaps) : 0;
   progress.end({.done = result.count(Status::done) + result.count(Status::empty),
                 .failed = failed,
                 .cancelled = cancelled,

@@ -141,7 +141,7 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
     }
   }
   if (!flags.plot) return {};
-  plan.picture = TRY(picture_format_of(*flags.plot));
+  plan.plot_format = TRY(picture_format_of(*flags.plot));
   return {};
 }
 
@@ -163,13 +163,15 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
                                                        const std::vector<batch::OutputSource>& sources,
                                                        mesh_io::MeshFormat format, const batch::OtherFiles& others,
                                                        batch::BatchJob& job) {
-  const std::string example = "for example -o water.glb";
-  if (!flags.output) return refuse_usage("--animate writes all frames into one file and needs its name", example);
+  if (!flags.output) {
+    return refuse_usage("--animate writes all frames into one file and needs its name", "for example -o water.glb");
+  }
   const std::string& output = *flags.output;
   std::error_code none;
   if (output.ends_with('/') || fs::is_directory(output, none)) {
     return refuse_usage(
-        fmt::format("-o {}: --animate writes all frames into one file, and this path is a folder", output), example);
+        fmt::format("-o {}: --animate writes all frames into one file, and this path is a folder", output),
+        "for example -o water.glb");
   }
   const auto name = TRY(batch::OutputTemplate::parse(output));
   for (const auto& word : words_of(batch::OutputWord{})) {
@@ -178,7 +180,7 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
         fmt::format(
             "-o {}: --animate writes all frames into one file, and this file name contains the placeholder {{{}}}",
             output, word.word),
-        example + "; without --animate each frame gets its own file");
+        "for example -o water.glb; without --animate each frame gets its own file");
   }
   if (format != mesh_io::MeshFormat::glb) {
     return refuse_usage(
@@ -350,8 +352,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
     TRY(number_attributes(frame.job.source.attributes, frame.number));
   }
   plan.gaps = std::move(found.gaps);
-  plan.needs_all = flags.batch.missing.value_or(flags.batch.frames ? MissingPolicy::error : MissingPolicy::note) ==
-                   MissingPolicy::error;
+  plan.missing_is_error = flags.batch.missing.value_or(
+                              flags.batch.frames ? MissingPolicy::error : MissingPolicy::note) == MissingPolicy::error;
 
   if (!of_environment.empty()) plan.common.notes.push_back({NoteId::shard, std::move(of_environment)});
   if (!of_shard.empty()) plan.common.notes.push_back({NoteId::shard, of_shard});
@@ -362,8 +364,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.jobs = flags.batch.jobs.value_or(threads);
   plan.flags = flags.batch;
   TRY(refuse_both(plan.flags.resume, plan.flags.no_clobber, "", "--resume converts only the unfinished frames"));
-  if (plan.flags.resume) plan.earlier = batch::ResumePolicy::keep_unchanged;
-  if (plan.flags.no_clobber) plan.earlier = batch::ResumePolicy::keep_existing;
+  if (plan.flags.resume) plan.resume_policy = batch::ResumePolicy::keep_unchanged;
+  if (plan.flags.no_clobber) plan.resume_policy = batch::ResumePolicy::keep_existing;
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
   plan.progress = flags.batch.progress.value_or(ProgressStyle::bar);
   return plan;

@@ -1,7 +1,11 @@
 // Makes a batch from flags: finds the frames, names the outputs, and checks the options before any work.
 //
-// Reads folders. Opens only the file whose volumes are the frames, the tables of --iso-table and --label-names, and
-// without an iso value the first input, to find out whether it holds particles.
+// Reads folders, and opens only these files:
+// - those that batch::find_frames() opens,
+// - the file whose volumes are the frames,
+// - the tables of --iso-table and --label-names, and a table of label names beside the first input,
+// - the first input, where its content decides about particles, labels or the iso value,
+// - every input, if an output name contains {step}.
 #pragma once
 
 #include <cstdint>
@@ -27,15 +31,15 @@ struct BatchPlan {
   batch::BatchJob batch;
   std::vector<std::size_t> frames;    // indices into batch.frames: those of this run's shard
   std::vector<batch::FrameRun> gaps;  // missing frames of the whole batch
-  bool needs_all = false;             // missing frames are an error
+  bool missing_is_error = false;      // a missing frame makes the run fail (exit code 5)
   batch::Shard shard;
-  batch::ResumePolicy earlier = batch::ResumePolicy::reconvert;
-  // As given, except that shards add their number to the files of --table and --plot. If another member here has the
-  // same setting, that member counts.
+  batch::ResumePolicy resume_policy = batch::ResumePolicy::reconvert;
+  // The options as given, but with the number of the shard in the names of --table and --plot. For a setting that
+  // another member holds as well, such as `jobs`, use that member: it includes defaults.
   BatchFlags flags;
   int jobs = 1;
   bool make_folders = false;
-  PictureFormat picture = PictureFormat::svg;
+  PictureFormat plot_format = PictureFormat::svg;
   ProgressStyle progress = ProgressStyle::bar;
   std::vector<std::string> reports;  // the path of each frame's report; empty: none
   batch::OtherFiles others;          // files read and written besides the frames' inputs and outputs
@@ -43,14 +47,15 @@ struct BatchPlan {
 
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
-// Returns whether this input is a folder or a pattern of file names. An existing file is neither, whatever its name,
-// and neither are pictures that are the slices of one volume. Returns true for an invalid pattern as well; the search
-// for frames reports it.
+// Returns whether this input is a pattern of file names, or a folder that is no volume itself. Returns false for an
+// existing file, whatever its name, for pictures that are the slices of one volume, and for a volume inside a file
+// (FILE.h5:/path). Returns true for an invalid pattern: the search for frames reports it.
 [[nodiscard]] bool is_frame_pattern(const std::string& input);
 
-// Plans the batch. `environment` is std::getenv or a replacement in tests; it gives the job scheduler's variables for
-// --shard auto, and without --shard for a note. Fails with ErrorCode::usage for options, and as batch::find_frames(),
-// batch::IsoTable::read(), volume_io::LabelTable::read() and convert::list_frames() do.
+// Plans the batch. `environment` is std::getenv, or a replacement in tests. plan_batch() asks it for the variables of
+// job schedulers: for --shard auto, or without --shard for a note. Fails with ErrorCode::usage if options are invalid
+// or do not work together, and as batch::find_frames(), batch::IsoTable::read(), volume_io::LabelTable::read(),
+// convert::list_frames() and convert::find_frame_time() do.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
 
 }  // namespace isoextract::cli

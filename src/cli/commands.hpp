@@ -7,8 +7,8 @@
 
 namespace isoextract::cli {
 
-// Returns the program with all its commands, in the order of the help; the first is the default command. The program's
-// own options are those given without a command.
+// Returns the program with all its commands, in the order of the help; the first is the default command. Its own
+// options (--help, --help-all, --version) work without a command.
 [[nodiscard]] std::unique_ptr<Command> make_program();
 
 }  // namespace isoextract::cli

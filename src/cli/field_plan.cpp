@@ -20,7 +20,7 @@ Result<void> check_field_options(const ConvertFlags& flags) {
   const auto format = field_format(flags);
   if (!format) {
     if (!flags.half) return {};
-    return refuse_usage("--half applies to a stored field, but the output is a mesh",
+    return refuse_usage("--half applies to a stored field, but the output is not a field",
                         "give an output name that ends in .vdb or .npy");
   }
   if (flags.half && !volume_io::can_store(*format, field::SampleType::f16)) {

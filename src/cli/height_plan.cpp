@@ -53,7 +53,7 @@ Result<void> take_heights(ConvertFlags& flags) {
   }
   const bool is_open = flags.base && !flags.base->height;
   if (is_open && flags.surface.cap) {
-    return refuse_usage("--base none leaves the terrain open, and --cap closes cuts of closed surfaces only",
+    return refuse_usage("--cap closes the cuts of closed surfaces only, and --base none leaves the terrain open",
                         "leave one of them out");
   }
   flags.isos = {convert::IsoChoice(0.0)};

@@ -32,7 +32,7 @@ Result<JetPlan> plan_jet(const JetFlags& flags) {
   }
   const std::uint64_t frames = flags.frames.value_or(kJetFrames);
   if (frames > batch::kMaxFrames) {
-    return refuse_usage(fmt::format("--frames {}: expected at most {}", frames, batch::kMaxFrames));
+    return refuse_usage(fmt::format("--frames {}: expected at most {} frames", frames, batch::kMaxFrames));
   }
   SequenceFlags sequence = flags.sequence;
   sequence.steps = frames;

@@ -16,7 +16,7 @@ namespace isoextract::cli {
 struct WrittenMesh {
   std::string label;                    // "12"
   std::vector<std::string> files;       // of one frame; drawn together
-  std::string_view text_if_empty = {};  // shown instead if there are no files: "failed"
+  std::string_view text_if_empty = {};  // drawn in the middle of the picture; set it if there are no files: "failed"
 };
 
 class MeshPictures {

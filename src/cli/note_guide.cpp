@@ -164,14 +164,16 @@ constexpr std::array kGuide{
     NoteGuide{volume_changed, "Relaxing could not keep the volume of a label or component within 0.1 %.",
               "--relax 0 keeps the volumes of the voxels."},
     // Output
-    NoteGuide{animation_kept, "A frame failed, so the animation of an earlier run stays.",
-              "Repair the frame and run again."},
+    NoteGuide{animation_kept, "No frame needs a conversion, so the animation stays unchanged.",
+              "To write it again, leave --resume or --no-clobber out."},
     NoteGuide{animation_times,
               "The file states the times of its frames, and they are not evenly spaced; the animation shows each frame "
               "at its time.",
               ""},
     NoteGuide{empty_picture, "The camera sees nothing.", "Change --camera or --look-at, or the transfer function."},
-    NoteGuide{flat_normals, "Flat normals in glTF need three vertices for each triangle.", "Use --normals none."},
+    NoteGuide{flat_normals,
+              "glTF stores flat normals with three vertices for each triangle, so the file has no welded vertices.",
+              "Give --normals none: viewers then shade flat as well."},
     NoteGuide{frames_kept, "Some frames of the simulation exist already; the program does not overwrite them.",
               "To write them again, delete them or leave --no-clobber out."},
     NoteGuide{frames_move, "--center moves each frame by its own center, so the frames shift against each other.",
@@ -189,22 +191,27 @@ constexpr std::array kGuide{
     NoteGuide{one_camera,
               "The first picture sets the camera of all pictures, or each picture has its own; the note says which.",
               "Give --camera and --look-at."},
-    NoteGuide{placement_not_stored,
-              "The format of the written field has no room for its spacing and origin, or for the side of a level set.",
-              "When you read the file, give --spacing, --origin and --inside below with the values in the note. NRRD "
-              "stores the "
-              "placement, and .vdb the side as well."},
-    NoteGuide{renamed_meshes, "The name of a mesh is not UTF-8.", ""},
-    NoteGuide{rounded_positions, "float32 cannot tell apart all vertices this far from the origin.",
-              "Use --center, or move the volume nearer to the origin."},
+    NoteGuide{
+        placement_not_stored,
+        "The format of the written file cannot store the placement: the spacing and origin of a field, the side of "
+        "a level set, or the box and the unit of particles.",
+        "When you read the file, give the values in the note: --spacing, --origin, --inside below, --box, "
+        "--periodic, --unit. NRRD stores the placement of a field, and .vdb the side as well."},
+    NoteGuide{renamed_meshes,
+              "The name of a mesh is not UTF-8, which glTF requires, so the writer replaces the invalid bytes.", ""},
+    NoteGuide{
+        rounded_positions,
+        "So far from the origin the coordinates in the file are coarse: STL rounds them by a thousandth of an edge "
+        "or more, or corners of a triangle become equal.",
+        "Use --center, move the volume nearer to the origin, or write glb."},
     NoteGuide{several_files, "The animation is larger than a .glb can be, so it is in several files.", ""},
     NoteGuide{shard,
               "The environment has the number of a shard, but the run converts all frames. Or a table, plot or page "
               "covers one shard only.",
               "To convert one shard, give --shard auto. To get a table, plot or page of all frames, run 'isoextract "
               "merge', then the command with --resume and without --shard."},
-    NoteGuide{simulation_limits, "The simulation reached one of its limits.",
-              "Change the options of 'isoextract simulate' that the note names."},
+    NoteGuide{simulation_limits, "The simulation reached one of its limits; the note says which.",
+              "If the note names options or more frames, change these."},
     NoteGuide{up_axis,
               "The program that wrote the file has another up axis than isoextract assumes, or the output has "
               "another one than its format prescribes.",

@@ -53,13 +53,14 @@ constexpr auto words_of(OptionGroup /*type*/) {
                     Word{OptionGroup::run, "Run"}};
 }
 
-// Conditions under which an option has an effect. OptionSet::refuse() rejects options whose condition is not met.
+// Conditions under which an option has an effect. The checks of a command find out which conditions are not met, and
+// reject the options that depend on them by OptionSet::refuse().
 enum class About : std::uint32_t {
   anything = 0,
   surface = 1U << 0,        // not if the output is the field itself
   mesh_file = 1U << 1,      // not if the output is a picture
   picture = 1U << 2,        // only if the output is a picture
-  edit = 1U << 3,           // changes a surface after its extraction
+  edit = 1U << 3,           // only if the command edits surfaces: the option changes a surface after its extraction
   world = 1U << 4,          // not with voxel coordinates
   raw_file = 1U << 5,       // only with the samples of a raw file
   gpu = 1U << 6,            // not with --backend cpu
@@ -108,7 +109,8 @@ class OptionSet {
   operator Place() { return {this, group_}; }  // NOLINT(google-explicit-constructor): *this registers an option
   [[nodiscard]] Place in(OptionGroup group) { return {this, group}; }
 
-  // Returns the options by group, in the order of their declaration; the group `run` comes last.
+  // Returns the options, those of a group in a row. Groups and the options in them are in the order of declaration, but
+  // the group `run` comes last.
   [[nodiscard]] std::vector<Option*> options();
   [[nodiscard]] std::vector<const Option*> options() const;
   [[nodiscard]] std::vector<const Option*> in_group(OptionGroup group) const;

@@ -1,5 +1,5 @@
-// Includes all headers in cli/options: the options of the commands that check a plan before they work
-// (planned_command.hpp).
+// Includes the options of all commands that make a plan before they work (planned_command.hpp), and so all headers in
+// cli/options.
 #pragma once
 
 #include "cli/options/convert.hpp"

@@ -40,7 +40,7 @@ SettingWords setting_words(Setting setting) {
       return {{":spacing=SX,SY,SZ", ":origin=X,Y,Z"}, " behind NAME=FILE to place the volume"};
     case Setting::volume_options:
       return {{"--grid", "--component", "--dims", "--dtype", "--endian", "--skip", "--axis-order", "--nodata",
-               "--level", "--resample", "--spacing", "--origin", "--inside"},
+               "--spacing", "--origin", "--inside"},
               ""};
     case Setting::particle_options: return {{"the options of particles ('isoextract help particles')"}, ""};
     case Setting::particle_method:

@@ -71,7 +71,7 @@ Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const
 Result<void> check_taps(const std::vector<simulate::WaterTap>& taps, glm::ivec2 size, std::string_view option) {
   for (const simulate::WaterTap& tap : taps) {
     if (tap.cell.x >= 0 && tap.cell.y >= 0 && tap.cell.x < size.x && tap.cell.y < size.y) continue;
-    return refuse_usage(fmt::format("{} {},{},{}: expected a cell of the grid of {} x {}, counted from 0,0", option,
+    return refuse_usage(fmt::format("{} {},{},{}: expected a cell within the grid of {} x {}, counted from 0,0", option,
                                     tap.cell.x, tap.cell.y, tap.rate, size.x, size.y));
   }
   return {};

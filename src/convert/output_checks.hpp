@@ -1,4 +1,5 @@
-// Checks before the work whether its results can be written, and handling of old output files.
+// Checks before a conversion whether its results can be written, and removes or renames the output files of earlier
+// runs.
 #pragma once
 
 #include <filesystem>
@@ -43,8 +44,9 @@ namespace isoextract::convert {
                                                                  std::span<const mesh_io::WrittenFile> spared,
                                                                  const Context& context);
 
-// Adds the job's input, the files that hold its samples or attributes, and the table of label names. For standard
-// input, adds no files of attributes. If an input cannot be examined, nothing fails here; reading it fails later.
+// Adds the files that the job reads: the input, the files that hold its samples or attributes, and the table of label
+// names. If the input is standard input, adds only the table. If the input cannot be examined, does not fail: reading
+// the input fails later.
 void add_read_files(files::InputFileSet& read, const ConversionJob& job, const Context& context);
 // Adds a mesh file and its data files.
 void add_read_mesh(files::InputFileSet& read, const std::string& path, const Context& context);
@@ -58,8 +60,8 @@ void add_read_mesh(files::InputFileSet& read, const std::string& path, const Con
 [[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format,
                                             const files::InputFileSet& read);
 
-// Checks that a file written at the end is writable and not read; pipes and devices count as writable and are not
-// opened. Fails with ErrorCode::usage if it is read, and with ErrorCode::output if it is not writable.
+// Checks that the run can write the file `path` and does not read it. Pipes and devices count as writable and are not
+// opened. Fails with ErrorCode::usage if the run reads the file, and with ErrorCode::output if it is not writable.
 [[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const files::InputFileSet& read);
 
 }  // namespace isoextract::convert

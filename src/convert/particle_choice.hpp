@@ -22,9 +22,9 @@ struct ParticleCount {
 // Returns the attributes that the condition and the radii of elements need.
 [[nodiscard]] std::vector<particle_io::AttributeOfCondition> attributes_of_condition(const ParticleOptions& options);
 
-// Removes the particles for which the condition is false, and thins the others by ParticleOptions::stride. Returns the
-// counts, nullopt without a condition and with a stride of 1. Fails with
-// ErrorCode::usage if the condition has an error, and as points::choose_particles() does.
+// Removes the particles for which the condition is false. Of the others, keeps every ParticleOptions::stride-th, from
+// the first on. Returns the counts; nullopt if there is nothing to choose, without a condition and with a stride of 1.
+// Fails with ErrorCode::usage if the condition has an error, and as points::choose_particles() does.
 [[nodiscard]] Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles,
                                                                const ParticleOptions& options, const Context& context);
 
@@ -33,9 +33,9 @@ struct ParticleCount {
 [[nodiscard]] Result<void> give_element_radii(particle_io::ParticleFile& file, const SourceOptions& options,
                                               const Context& context);
 
-// Returns the region that limits which particles are used, in world coordinates. Returns nullopt without a region, and
-// if all particles count: the extents of the field decide where its samples lie after resampling, and what voxel
-// coordinates mean.
+// Returns the region of the job, in world coordinates: particles that do not contribute to the field there may be left
+// out. Returns nullopt if there is no region, and if the field needs all particles. It does so with resampling and with
+// voxel coordinates, because both depend on the extents of the whole field.
 [[nodiscard]] std::optional<field::Box> region_of_particles(const SourceOptions& options);
 
 // Returns "the condition 'type == 9' chooses none of 1000 particles".

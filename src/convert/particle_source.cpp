@@ -1,9 +1,12 @@
 #include "convert/particle_source.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/printable.hpp"
 #include "convert/attribute_source.hpp"
@@ -21,17 +24,20 @@ using Format = std::optional<particle_io::ParticleFormatDescription>;
 // Rejects options of volumes, which have no effect on particles.
 Result<void> check_no_volume_options(const SourceOptions& options, const Format& format) {
   const volume_io::ReadOptions& read = options.read;
-  const bool names_other_grid = read.grid && !(format && format->has_grids);
-  const bool describes_samples = read.raw || read.component || read.axis_order || read.no_data;
-  const bool describes_place = read.spacing || read.origin || read.kind || options.away_from_zero;
-  if (!names_other_grid && !describes_samples && !describes_place) return {};
-  return fail(
-      ErrorCode::usage,
-      fmt::format(
-          "{}: the input has particles; grid, layout, component, axis order, no-data value, spacing, origin and "
-          "inside are settings of volumes",
-          files::input_label(options.input)),
-      {Remedy::leave_out, Setting::volume_options});
+  std::vector<std::string_view> given;
+  if (read.grid && !(format && format->has_grids)) given.emplace_back("grid");
+  if (read.raw) given.emplace_back("layout");
+  if (read.component) given.emplace_back("component");
+  if (read.axis_order) given.emplace_back("axis order");
+  if (read.no_data) given.emplace_back("no-data value");
+  if (read.spacing) given.emplace_back("spacing");
+  if (read.origin) given.emplace_back("origin");
+  if (read.kind || options.away_from_zero) given.emplace_back("inside");
+  if (given.empty()) return {};
+  return fail(ErrorCode::usage,
+              fmt::format("{}: the input has particles, which do not have these settings of volumes: {}",
+                          files::input_label(options.input), fmt::join(given, ", ")),
+              {Remedy::leave_out, Setting::volume_options});
 }
 
 Format particle_format(const std::string& id) {

@@ -56,12 +56,14 @@ Result<Placement> with_unit_of_file(const field::ScalarField& field, const Place
   Placement with_unit = placement;
   if (placement.unit != kFileUnit) return with_unit;
   const auto unit = find_length_unit(field.length_unit);
+  if (!unit && field.length_unit.empty()) {
+    return fail(ErrorCode::usage, fmt::format("{}: the file states no unit of length", field_label(field)),
+                {Remedy::give, Setting::unit});
+  }
   if (!unit) {
-    const std::string found =
-        field.length_unit.empty() ? "none" : fmt::format("'{}'", printable(field.length_unit, kMaxShownUnit));
     return fail(ErrorCode::usage,
-                fmt::format("{}: expected a length unit in the file, found {}{}", field_label(field), found,
-                            field.length_unit.empty() ? "" : ", which is not a known unit"),
+                fmt::format("{}: expected a known unit of length in the file, found '{}'", field_label(field),
+                            printable(field.length_unit, kMaxShownUnit)),
                 {Remedy::give, Setting::unit});
   }
   const auto to = placement.to_unit.empty() ? unit : find_length_unit(placement.to_unit);

@@ -424,11 +424,12 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   Source source;
   source.of_particles = of_particles;
   if (use.counts_neighbors && !(of_particles && points::has_kernels(options.particles.method))) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: smoothing by weights needs particles whose surface has kernels, found {}",
-                            printable(files::input_label(options.input)),
-                            of_particles ? points::method_info(options.particles.method).title : "a volume"),
-                "smooth by another filter, such as taubin");
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: weighted smoothing needs particles and a method with kernels or averaged positions, found {}",
+                    printable(files::input_label(options.input)),
+                    of_particles ? points::method_info(options.particles.method).title : "a volume"),
+        "smooth by another filter, such as taubin");
   }
   TRY(of_particles ? read_particle_field(options, use, context, events, source)
                    : read_volume_field(options, use, context, events, source));

@@ -41,7 +41,7 @@ constexpr auto words_of(NanPolicy /*type*/) {
                     Word{NanPolicy::hole, "hole"}};
 }
 
-// Default number of smoothing rounds of surface nets: after more of them, a ball looks the same (docs/labels.md).
+// Default number of smoothing rounds of surface nets. More rounds change little in a picture (docs/labels.md).
 inline constexpr std::uint64_t kDefaultRelaxations = 15;
 
 struct ExtractOptions {
@@ -54,7 +54,8 @@ struct ExtractOptions {
   VoxelFaces voxel_faces = VoxelFaces::merged;      // for Method::voxels
   std::uint64_t relaxations = kDefaultRelaxations;  // for Method::surface_nets: rounds of smoothing; 0: none
   NanPolicy nan = NanPolicy::error;
-  std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
+  // Extract only from the cells within this box of samples; where it extends beyond the data, the data end it.
+  std::optional<field::IndexBox> region;
   bool shared_origin = false;  // all regions of one field use one mesh origin, so vertices on a shared face are equal
                                // bit for bit; large fields lose precision (edge_geometry.hpp)
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
@@ -68,8 +69,10 @@ struct ExtractOptions {
 
 // Statistics of the GPU backend.
 struct DeviceStats {
-  std::uint64_t bytes_uploaded = 0;    // size of the uploaded samples
-  std::uint64_t samples_uploaded = 0;  // samples of crossed bricks and around them; counts repeated uploads
+  // Samples uploaded to the device: those of the bricks that the iso value crosses, and of the cells around them. A
+  // sample that is uploaded twice counts twice.
+  std::uint64_t samples_uploaded = 0;
+  std::uint64_t bytes_uploaded = 0;  // their size
   // Only if samples stay on the device between extractions. A brick here has 8x8x8 samples.
   std::uint64_t samples_kept = 0;     // needed samples that were already on the device
   std::uint64_t bricks_uploaded = 0;  // needed bricks that were uploaded
@@ -88,8 +91,8 @@ struct ExtractStats {
   std::string brick;                     // "64x8x8 cells", "8x8x8 voxels"
   std::uint64_t bricks = 0;              // bricks in the data
   std::uint64_t bricks_visited = 0;      // bricks that the iso value crosses; the others are skipped
-  std::uint64_t places_visited = 0;      // sparse: brick positions visited although they store no samples, because they
-                                         // touch stored bricks or tiles; not in bricks_visited
+  std::uint64_t places_visited = 0;      // sparse fields: positions of bricks that are not stored, but visited because
+                                         // stored bricks or tiles touch them; bricks_visited does not count them
   std::uint64_t samples_classified = 0;  // samples compared with iso, each once
   std::uint64_t nan_samples = 0;
   std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells with both a NaN corner and an inside corner, which therefore
@@ -122,9 +125,14 @@ class Extractor {
   // Extracts the surface. Reserves memory in the context for everything that grows with the field or the surface; the
   // mesh keeps its exact reservation (Mesh::memory).
   // Fails with ErrorCode::usage for an iso value that is not finite, and as check_method() does. Fails with
-  // ErrorCode::unavailable for a method that this backend does not have. Fails with ErrorCode::input for a singular or
-  // non-finite transform (is_invertible() is false), with ErrorCode::out_of_memory, and with ErrorCode::cancelled
-  // between passes.
+  // ErrorCode::unavailable for a method that this backend does not have. Fails with ErrorCode::input
+  // - if the transform is singular or not finite (is_invertible() is false),
+  // - if an axis has fewer than 2 or too many samples, or `region` contains no cell,
+  // - if float32 cannot keep positions apart, because of their range or the number of samples,
+  // - for a NaN sample with NanPolicy::error,
+  // - if the mesh would have more than 2^32 - 1 vertices, or arrays that exceed the address space,
+  // - if the file of mapped samples changes during the extraction.
+  // Fails with ErrorCode::out_of_memory, and with ErrorCode::cancelled between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);
 

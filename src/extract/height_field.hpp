@@ -5,8 +5,8 @@
 //
 // The surface is open, or closed by walls and a flat floor below the lowest height. The closed mesh is an oriented
 // 2-manifold: where squares touch at a corner only, each has a vertex of its own. Without holes the floor is a fan
-// around its middle; with holes it repeats the squares. The volume is that of the samples by the trapezoid rule, up to
-// (h00 - h10 - h01 + h11) / 12 of the four corners of the data.
+// around its middle; with holes it repeats the squares. The volume is that of the samples by the trapezoid rule,
+// plus (h00 - h10 - h01 + h11) / 12 times the area of a square, with the samples at the four corners of the data.
 #pragma once
 
 #include <array>

@@ -49,9 +49,10 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
                           text_of_sample(value), place),
               std::isnan(value)
                   ? Hint(Remedy::set, Setting::nan_policy, "outside to treat NaN as outside, without a label")
-              : is_large && is_double ? Hint("renumber the labels: f64 cannot represent all integers beyond 2^53")
-              : is_large              ? Hint("write the labels as integers")
-                                      : Hint());
+              : is_large && is_double
+                  ? Hint("renumber the labels: f64 represents all integers up to 2^53, above that only some")
+              : is_large ? Hint("write the labels as integers")
+                         : Hint());
 }
 
 // Returns whether a value is a label, or NaN that counts as outside. Constants of a sparse field are rounded to its

@@ -21,8 +21,9 @@ struct FileStart {
 
 [[nodiscard]] bool starts_with(std::span<const std::byte> content, std::string_view magic);
 
-// Returns an ErrorCode::input for a file that does not start with its format's signature. The message names `expected`
-// and the first 16 bytes, decompressed if the file is gzip. For formats chosen by extension or option.
+// Returns the error (ErrorCode::input) for a file that does not start with the signature of its format, which the
+// extension or an option has chosen. The message names the format, the expected signature, and the first 16 bytes of
+// the file (decompressed if it is gzip).
 [[nodiscard]] tl::unexpected<Error> bad_signature_error(const InputFile& file, std::string_view format,
                                                         std::string_view expected);
 

@@ -184,7 +184,8 @@ Result<void> measure(const gl::GlContext& context, int size, int repeats, Thread
   row.buffer_bytes = pass.buffer_bytes();
   if (const auto after = free_memory(); before && after && *before >= *after) row.driver_bytes = *before - *after;
   if (points != 0) {
-    return fail(ErrorCode::unavailable, fmt::format("the timing pass must draw no points, but it drew {}", points));
+    return fail(ErrorCode::unavailable, fmt::format("the GPU drew {} points in a pass that must draw none", points),
+                {Remedy::report, Setting::devices});
   }
   return context.check("timing threads");
 }

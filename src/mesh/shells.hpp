@@ -1,9 +1,9 @@
 // Finds which closed shells of a mesh lie inside which. Checks, component filters and simplification share this code.
 //
-// A ray starts at the vertex of each shell that is farthest along one direction, in that direction. The shell lies
-// inside every other shell that the ray crosses an odd number of times. Signs are exact. A ray through an edge or a
-// corner counts as passing beside it, so it crosses one of the triangles there, not two or none. If the vertex lies on
-// another shell, the ray starts beside it instead, on the side of the material.
+// All rays have one direction. The ray of a shell starts at its vertex that is farthest in this direction. The shell
+// lies inside every other shell that its ray crosses an odd number of times. The test is exact: a ray through an edge
+// or a corner is treated as if it were shifted a little, in the same way for all triangles. If the vertex lies on
+// another shell, the ray starts beside the vertex instead, in the material of its shell.
 #pragma once
 
 #include <cstdint>
@@ -37,9 +37,10 @@ struct ShellQuery {
   bool find_open = false;        // whether to find `Surroundings::open`
 };
 
-// Returns the surroundings of each component in order; empty for components that are open or not tested. Shells that
-// share walls do not lie inside each other; for intersecting shells either answer is possible. The result is the same
-// for any number of threads. Fails with ErrorCode::out_of_memory and ErrorCode::cancelled; throws std::bad_alloc.
+// Returns the surroundings of each component in order; empty for components that are open or not tested. Of two shells
+// side by side with a common wall, neither lies inside the other. If shells intersect, the result may say that one lies
+// inside the other, or not. The result is the same for any number of threads. Fails with ErrorCode::out_of_memory and
+// ErrorCode::cancelled; throws std::bad_alloc.
 [[nodiscard]] Result<std::vector<Surroundings>> find_enclosing_shells(const Mesh& mesh, const Components& components,
                                                                       const ShellQuery& question,
                                                                       const Context& context);

@@ -27,7 +27,8 @@ struct Topology {
     return edges > 0 && open_edges == 0 && nonmanifold_edges == 0 && misoriented_edges == 0 &&
            nonmanifold_vertices == 0 && repeated_index_triangles == 0;
   }
-  // Returns the sum of the genera of all components, from euler = 2 * components - 2 * genus. Requires a closed mesh.
+  // Returns the sum of the genera of all components, from euler = 2 * components - 2 * genus.
+  // Requires is_closed_oriented_manifold().
   [[nodiscard]] std::int64_t genus() const { return static_cast<std::int64_t>(components) - euler / 2; }
 };
 

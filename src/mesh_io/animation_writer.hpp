@@ -81,7 +81,8 @@ class AnimationWriter {
                                  const MeshPacking& packing = {}, const std::string& placement = {});
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);
 
-  // Returns what packing did to each surface of the last frame added; empty if it was not packed.
+  // Returns what packing did to each surface of the last frame added, with default values for a surface that packing
+  // left as it is. Empty if no packing was asked for, or if add() refused the frame.
   [[nodiscard]] std::span<const PackedFacts> packed() const;
 
   // Returns whether an earlier failure ended the whole file, so that every later call fails alike. Refusing one frame

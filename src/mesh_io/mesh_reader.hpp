@@ -5,8 +5,8 @@
 // origin that the extractor would choose. If all meshes of a glTF file share one translation, it becomes the origin and
 // the positions stay bit for bit.
 // Polygons are triangulated as if they were convex, along diagonals that depend on the order of the corners only.
-// All surfaces of a file are joined into one mesh, except those that glTF scales to zero: of an animated sequence
-// (animation_writer.hpp) only the first frame with triangles is read, and a note tells so.
+// All surfaces of a file are joined into one mesh. Surfaces that glTF scales to zero are left out, with a note: so the
+// reader takes the first frame with triangles of an animated sequence (animation_writer.hpp), which hides the others.
 //
 // A surface that looks closed is read as closed: vertices that were duplicated along creases for their normals are
 // merged (merge_normal_copies() in read/mesh_format_readers.hpp). This needs normals in the file and positions that
@@ -74,7 +74,7 @@ struct MeshFile {
 // If the name has no mesh extension, as standard input has none, it looks at the beginning of the content.
 // STL, and glTF without indices, store triangles without connectivity; so does Draco if no two triangles share a
 // vertex. Their corners are welded where coordinates are equal (-0 equals 0), whatever their attributes. A welded
-// vertex keeps the attributes of its first corner, and a note counts the corners with others.
+// vertex keeps the attributes of its first corner; for glTF, a note counts the corners with others.
 //
 // Fails with ErrorCode::input if the file cannot be read or is damaged, has coordinates that are not finite or indices
 // of missing vertices, or needs more memory than the context has left. Also fails with ErrorCode::input if a glTF

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "base/allocation_error.hpp"
+
 namespace isoextract::plugin_host {
 namespace {
 
@@ -99,6 +101,7 @@ void* PluginMemory::allocate(std::uint64_t bytes) {
   try {
     blocks_.emplace_back(static_cast<std::size_t>(bytes));
   } catch (const std::bad_alloc&) {
+    refusal_ = allocation_error(what_ + ": not enough memory");
     return nullptr;
   }
   return blocks_.back().data();

@@ -1,4 +1,5 @@
-// Converts between plug-ins and fields (plugins/plugin_samples.h): sample types, sparse samples, and memory.
+// Converts sample types, transforms and sparse samples between plug-ins (plugins/plugin_samples.h) and fields, and
+// gives plug-ins memory.
 #pragma once
 
 #include <array>
@@ -45,8 +46,8 @@ class PluginMemory {
   // does not suffice, or did not for an earlier request of this object.
   [[nodiscard]] bool hold(std::uint64_t bytes);
 
-  // Returns the refusal or cancellation that made the call fail, if any; else `otherwise`, the fault of the plug-in or
-  // its input.
+  // Returns why the call failed: the cancellation or the lack of memory that it met, if any; else `otherwise`, the
+  // fault of the plug-in or its input.
   [[nodiscard]] Error refusal_or(Error otherwise) const;
 
  private:
@@ -65,8 +66,8 @@ class PluginMemory {
 };
 
 // Converts a plug-in's sparse samples. Copies the lists of blocks and tiles; the values stay in place, kept alive by
-// `owner`. Fails with the problem as the end of a sentence: "blocks that are not in order". Does not check that tiles
-// overlap nothing, nor the box and number of active voxels.
+// `owner`. The error completes the sentence "the plug-in returns ...": "blocks that are not in order". Does not check
+// whether tiles overlap, nor the box and number of active voxels.
 [[nodiscard]] tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextract_sparse_samples& given,
                                                                                 std::shared_ptr<const void> owner);
 

@@ -244,6 +244,9 @@ Result<void> check_options(const FieldOptions& options) {
         fmt::format("expected N_eps of at least 0 (a kernel with at most N_eps neighbors is a sphere), found {}",
                     anisotropy.few));
   }
+  if (options.margin < 0) {
+    return fail(ErrorCode::usage, fmt::format("expected a margin of at least 0 samples, found {}", options.margin));
+  }
   if (options.tile_iso && !std::isfinite(*options.tile_iso)) {
     return fail(ErrorCode::usage, fmt::format("expected a finite iso value, found {}", *options.tile_iso));
   }

@@ -46,8 +46,9 @@ struct AnisotropyOptions {
 struct FieldOptions {
   Method method = Method::sph;
   // Particle radius in world units. Without it, an attribute of kRadiusAttributes (sphere_set.hpp) gives each particle
-  // its radius. Kernels of Method::sph are then as wide as the radius of their particle asks, and its mass is as the
-  // cube of the radius; other methods take the median radius for all. Lengths in radii refer to the median.
+  // its radius. With Method::sph, the support of a kernel is then proportional to the radius of its particle, and the
+  // mass to the cube of the radius; the other methods use the median radius for all. Lengths in radii refer to the
+  // median.
   std::optional<double> radius;
   // Radius without `radius` and without an attribute, in world units; default suggest_radius().
   std::optional<double> suggested_radius;
@@ -62,14 +63,14 @@ struct FieldOptions {
   AnisotropyOptions anisotropy;
   NonFiniteParticles bad = NonFiniteParticles::error;
 
-  // For a periodic box: how many more samples outside the region have the periodic continuation than an extraction
-  // needs, for filters of the field; 0 or more.
+  // For a periodic box: how many layers of samples around the region store the periodic continuation, in addition to
+  // those that an extraction needs. Filters of the field need them. At least 0.
   int margin = 0;
 
   // The iso value of the later extraction. If given, a tile of value 1 replaces each brick that is deep inside: all
   // its samples and those of its 26 neighbors are proved to be above this iso value. The surface at this iso value
-  // stays bit-identical. Do not set it if the field is resampled, coarsened or extracted
-  // at another iso value. Has no effect for Method::weight and for iso values of 1 and above.
+  // stays bit-identical. Do not set it if the field is resampled, coarsened or extracted at another iso value. Has no
+  // effect for Method::weight and for iso values of 1 and above.
   std::optional<double> tile_iso;
 
   friend bool operator==(const FieldOptions&, const FieldOptions&) = default;
@@ -86,8 +87,7 @@ struct ParticleFieldStatistics {
   double spacing = 0;              // world units
   double support = 0;              // support of the kernel in world units; 0 for weight and spheres
 
-  std::string radius_attribute;  // attribute with the radius of each particle, of which `radius` is the median; may be
-                                 // empty
+  std::string radius_attribute;  // name of the attribute of the particles' radii, whose median is `radius`; or empty
   // Particles omitted because their radius is below least_radius: so small that they could fall between samples.
   std::uint64_t particles_too_small = 0;
   double least_radius = kMinSphereRadius;  // in sample spacings; smaller particles are omitted
@@ -104,10 +104,11 @@ struct ParticleField {
   ParticleFieldStatistics figures;
 };
 
-// check_options() fails with ErrorCode::usage if an option is out of range, and names the expected range.
+// check_options() fails with ErrorCode::usage if an option is out of range; the message names the expected range.
 //
-// make_field() computes the density methods of method.hpp. It fails with ErrorCode::usage for other methods, if the
-// spacing exceeds the support of the kernel, and as check_options() does. It fails with ErrorCode::input
+// make_field() computes the field of a method whose MethodInfo::kind is density. It fails with ErrorCode::usage for
+// another method, if the spacing exceeds the support of the kernel, and as check_options() does. It fails with
+// ErrorCode::input
 // - if a position is not finite (NonFiniteParticles::error) or there are 2^32 particles or more,
 // - if no radius is given and none can be derived,
 // - if particles are too far apart or too far from 0 for the spacing,
@@ -119,8 +120,8 @@ struct ParticleField {
 // It fails with ErrorCode::out_of_memory if memory does not suffice.
 // It fails with ErrorCode::cancelled if the context is cancelled.
 //
-// make_field_and_free() does the same, and frees the positions of the particles once it has sorted them, or leaves them
-// as they are: 24 bytes a particle less while it sums kernels.
+// make_field_and_free() does the same. Without a periodic box, it also frees the positions of the particles once it has
+// sorted them, which saves 24 bytes per particle while it sums kernels. It may keep them, for example if it fails.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);
 [[nodiscard]] Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options,
                                                const Context& context);

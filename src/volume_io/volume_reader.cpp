@@ -34,12 +34,12 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
     return fail(
         ErrorCode::usage,
         fmt::format("{}: a grid name applies to formats with named grids, such as VDB; this is {}", input, about.id),
-        {Remedy::leave_out, Setting::grid, "there is one volume in the file"});
+        {Remedy::leave_out, Setting::grid, "this format has no named grids"});
   }
   if (options.volume && !about.has_volumes) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: a volume number applies to formats with several volumes; this is {}", input, about.id),
-                {Remedy::leave_out, Setting::volume, "there is one volume in the file"});
+                {Remedy::leave_out, Setting::volume, "this format has no numbered volumes"});
   }
   if (options.component && !about.has_components) {
     return fail(ErrorCode::usage,

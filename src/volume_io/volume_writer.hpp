@@ -1,4 +1,4 @@
-// The entry point for writing volumes: fields as files, atomically.
+// Writes fields as volume files. A file gets its name only when it is complete.
 #pragma once
 
 #include <array>

@@ -107,7 +107,7 @@ class LabelChoiceTest(ProgramTest):
         self.assertEqual(names, ["Hippocampus left"])
         self.assertIn("note[labels-unmatched]: slabs.raw: no label is 'Kidney*' or '30-40'", run.err)
         self.assert_fails(2, self.run_program(*self.map, "--labels", "Kidney*", "-o", "x.glb"),
-                          "the choice leaves none of its 6 labels")
+                          "the choice includes none of the 6 labels in the file")
         for wrong in ("1,", "!", "4-2", ""):
             self.assert_fails(1, self.run_program(*self.map, "--labels", wrong, "-o", "x.glb"), "1-40,Hippocampus*,!Skull")
 
@@ -122,7 +122,7 @@ class LabelChoiceTest(ProgramTest):
         names, _ = self.names("--labels", "1,5", "--labels-min-voxels", "21", "--roi", "0,0,0,4,3,20")
         self.assertEqual(names, ["slabs label 5"])
         self.assert_fails(2, self.run_program(*self.map, "--labels", "1,2", "--labels-min-voxels", "99", "-o", "x.glb"),
-                          "the choice leaves none of its 2 labels")
+                          "the choice includes none of the 2 labels in the file")
         self.assert_fails(1, self.run_program(*self.map, "--iso", "1", "--labels-min-voxels", "9", "-o", "x.glb"),
                           "--labels-min-voxels needs --labels")
 

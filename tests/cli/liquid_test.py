@@ -234,7 +234,7 @@ class WeightedSmoothTest(LiquidTest):
     def test_it_needs_particles_with_kernels(self):
         self.write_csv("a.csv", [(0, 0, 0)])
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", *self.SMOOTH, "-o", "a.ply"),
-                          "smoothing by weights needs particles whose surface has kernels, found a volume")
+                          "weighted smoothing needs particles and a method with kernels or averaged positions, found a volume")
         for method, title in (("weight", "summed weights"), ("spheres", "united spheres")):
             self.assert_fails(1, self.run_program("a.csv", "--particles", method, "--radius", "1", *self.SMOOTH, "-o", "a.ply"),
                               f"found {title}")

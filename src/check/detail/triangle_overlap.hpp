@@ -1,4 +1,4 @@
-// Tests exactly whether two triangles have a common point outside their shared corner or side.
+// Tests exactly whether two triangles have a common point besides the corner or the edge that they share.
 #pragma once
 
 #include <array>

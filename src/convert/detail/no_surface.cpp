@@ -39,7 +39,7 @@ Error no_label(const std::string& source, std::int64_t background, std::size_t l
             {Remedy::use, Setting::empty_policy}};
   }
   return {ErrorCode::no_surface,
-          fmt::format("{}: the choice leaves none of its {} labels", source, labels),
+          fmt::format("{}: the choice includes none of the {} labels in the file", source, labels),
           {Remedy::use, Setting::empty_policy}};
 }
 

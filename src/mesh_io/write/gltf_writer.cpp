@@ -27,7 +27,7 @@ Result<void> check_glb_length(std::uint64_t json_bytes, std::uint64_t binary_byt
   const std::uint64_t length = glb_bytes(json_bytes, binary_bytes);
   if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
   return fail(ErrorCode::output,
-              fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file.shown_name(), length),
+              fmt::format("{}: a .glb holds less than 4 GiB; this one needs {} bytes", file.shown_name(), length),
               {Remedy::set, Setting::mesh_format, "gltf or ply"});
 }
 

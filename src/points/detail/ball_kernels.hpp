@@ -1,4 +1,5 @@
-// SPH kernels of particles with unlike radii: a ball for each particle, as wide as its radius asks.
+// SPH kernels of particles with unlike radii: a ball for each particle, whose radius is proportional to that of the
+// particle.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,8 @@ class BallKernels {
  public:
   // Makes the kernels of the particles that `grid` holds apart (Coinciding::apart), in index coordinates. `radii` has
   // the radius of each particle; `support` is the reach of a kernel of radius 1, and `reach` that of the largest.
-  // The masses are as the cubes of the radii, and so are the volumes of the kernels. With m_j / H_j^3 the same for all,
+  // The masses are proportional to the cubes of the radii, and so are the volumes of the kernels. With m_j / H_j^3 the
+  // same for all,
   //   rho_j = sum_k m_k W(x_j - x_k, H_k),   field(x) = sum_j m_j / rho_j W(x - x_j, H_j)
   // become the weights 1 / sum_k S(|x_j - x_k| / H_k). The density has the kernels of the field, which keeps the field
   // nearer to 1 between particles of unlike sizes than kernels as wide as H_j do. `grid` must outlive the kernels.

@@ -58,9 +58,10 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
   const auto ny = static_cast<std::size_t>(dims.y);
   return fail(
       ErrorCode::input,
-      fmt::format("{}: expected integers that a double represents exactly, such as all up to 2^53, found {} at sample "
-                  "({}, {}, {})",
-                  file.name(), value, bad % nx, bad / nx % ny, bad / nx / ny),
+      fmt::format(
+          "{}: expected integers that a double represents exactly (all up to 2^53, above 2^53 only some), found {} "
+          "at sample ({}, {}, {})",
+          file.name(), value, bad % nx, bad / nx % ny, bad / nx / ny),
       "subtract a common offset from the values, or divide them; renumber the ids of a label map");
 }
 

@@ -115,7 +115,7 @@ Result<void> check_numbers(const std::string& input, const std::vector<NumberedF
   return fail(ErrorCode::input,
               fmt::format("{}: expected a file for every slice from {} to {}, found none for {}", printable(input),
                           files.front().number, files.back().number, fmt::join(missing, ", ")),
-              "make the missing files, because the distance of all slices has to be equal");
+              "add the missing files: the distances between slices must be equal");
 }
 
 // Returns whether the file is a single picture; nullopt if it cannot be read.

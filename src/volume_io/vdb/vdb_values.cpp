@@ -41,8 +41,8 @@ void expand_blosc(const VdbPackedValues& packed, std::span<std::byte> bytes) {
   // blosc_decompress_ctx trusts the lengths in the chunk's header.
   const bool sound = ::blosc_cbuffer_validate(packed.data.data(), packed.data.size(), &size) == 0;
   if (!sound || size != bytes.size()) {
-    throw InvalidVdb(
-        fmt::format("expected a blosc chunk of {} bytes for the node at byte {}", bytes.size(), packed.position));
+    throw InvalidVdb(fmt::format("expected a valid blosc chunk that decompresses to {} bytes for the node at byte {}",
+                                 bytes.size(), packed.position));
   }
   const int got = ::blosc_decompress_ctx(packed.data.data(), bytes.data(), bytes.size(), 1);
   if (got < 0 || static_cast<std::size_t>(got) != bytes.size()) {

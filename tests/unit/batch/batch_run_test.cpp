@@ -80,7 +80,7 @@ TEST(BatchRun, ReconvertsChangedFrames) {
   test::write_bytes(folder / "2.ply", "something else");
 
   Listener second;
-  const RunResult result = must_run(batch, {.earlier = ResumePolicy::keep_unchanged}, second);
+  const RunResult result = must_run(batch, {.resume_policy = ResumePolicy::keep_unchanged}, second);
   EXPECT_EQ(statuses(result), (std::vector{Status::kept, Status::done, Status::kept}));
   EXPECT_EQ(second.converted, (std::set<std::size_t>{1}));
   EXPECT_GT(result.rows[0].figures.surfaces.front().triangles, 0U);
@@ -88,7 +88,7 @@ TEST(BatchRun, ReconvertsChangedFrames) {
 
   test::write_bytes(folder / "2.ply", "something else");
   Listener third;
-  EXPECT_EQ(must_run(batch, {.earlier = ResumePolicy::keep_existing}, third).count(Status::kept), 3U);
+  EXPECT_EQ(must_run(batch, {.resume_policy = ResumePolicy::keep_existing}, third).count(Status::kept), 3U);
   EXPECT_EQ(test::read_bytes(folder / "2.ply"), "something else");
 
   Listener fourth;
@@ -106,7 +106,7 @@ TEST(BatchRun, ReconvertsFramesWithoutReport) {
   EXPECT_EQ(begun.rows[0].error, "the disk is full");
   Listener second;
   second.lacks_report = 2;
-  EXPECT_EQ(statuses(must_run(batch, {.earlier = ResumePolicy::keep_unchanged}, second)),
+  EXPECT_EQ(statuses(must_run(batch, {.resume_policy = ResumePolicy::keep_unchanged}, second)),
             (std::vector{Status::done, Status::kept, Status::done}));
 }
 

@@ -363,6 +363,7 @@ TEST(ParticleField, RejectsInvalidOptions) {
   usage("particle radius above 0", [](FieldOptions& o) { o.radius = -1; });
   usage("cell size in radii above 0", [](FieldOptions& o) { o.cell_size = 0; });
   usage("spacing of the samples above 0", [](FieldOptions& o) { o.spacing = std::nan(""); });
+  usage("margin of at least 0", [](FieldOptions& o) { o.margin = -1; });
   usage("found both", [](FieldOptions& o) { o.spacing = o.cell_size = 1; });
   usage("smoothing length", [](FieldOptions& o) { o.smoothing_length = 0; });
   usage("weight above 0", [](FieldOptions& o) { o.weight = -0.1; });

@@ -1,5 +1,6 @@
 // Tests volume plug-ins: found by their tables, opened on demand, with validated results.
 #include "volume_io/detail/plugin_volumes.hpp"
+#include "plugin_host/plugin_samples.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
 namespace isoextract::test {
@@ -69,6 +70,15 @@ TEST(PluginHost, ValidatesPluginResults) {
 TEST(PluginHost, ReservesMemoryBeforeReading) {
   EXPECT_EQ(refused("textvolume\nv 2 1 1\n1 2\n", text_format(), with_memory(7)).hint,
             Hint(Remedy::raise, Setting::memory_limit));
+}
+
+TEST(PluginHost, ReportsAFailedAllocationAsLackOfMemory) {
+  const plugin_host::PluginMemory memory(Context(MemoryBudget(UINT64_MAX)), "v.tvol");
+  const isoextract_plugin_host& host = memory.host();
+  EXPECT_EQ(host.allocate(host.self, PTRDIFF_MAX), nullptr);
+  const Error error = memory.refusal_or({ErrorCode::input, "damaged", {}});
+  EXPECT_EQ(error.code, ErrorCode::out_of_memory);
+  expect_in(error.message, "v.tvol: not enough memory");
 }
 
 TEST(PluginHost, RejectsOtherVersions) {

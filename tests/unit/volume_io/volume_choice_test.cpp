@@ -275,7 +275,7 @@ TEST(Series, RejectsAChoiceForFormatsWithoutVolumes) {
   const auto field = volume_io::read_volume("demo:sphere?size=8", volume(0), Context());
   ASSERT_FALSE(field);
   EXPECT_EQ(field.error().code, ErrorCode::usage);
-  EXPECT_EQ(field.error().hint, Hint(Remedy::leave_out, Setting::volume, "there is one volume in the file"));
+  EXPECT_EQ(field.error().hint, Hint(Remedy::leave_out, Setting::volume, "this format has no numbered volumes"));
   EXPECT_EQ(volume_io::count_volumes("demo:sphere?size=8", {}, Context()).value(), 1U);
   EXPECT_FALSE(volume_io::count_volumes("missing.npy", {}, Context()));
 }

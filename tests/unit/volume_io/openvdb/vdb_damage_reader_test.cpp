@@ -271,8 +271,10 @@ TEST(VdbDamage, RejectsInconsistentTrees) {
         "expected at most 4608 compressed bytes"},
        {"plain chunk too short", with(packed, chunk - 8, std::int64_t{-2047}),
         "expected 2048 bytes of uncompressed values"},
-       {"blosc: other size", with(packed, chunk + 4, 2044), "expected a blosc chunk of 2048 bytes"},
-       {"blosc: other length", with(packed, chunk + 12, 20), "expected a blosc chunk of 2048 bytes"},
+       {"blosc: other size", with(packed, chunk + 4, 2044),
+        "expected a valid blosc chunk that decompresses to 2048 bytes"},
+       {"blosc: other length", with(packed, chunk + 12, 20),
+        "expected a valid blosc chunk that decompresses to 2048 bytes"},
        {"blosc: blocks too large", with(packed, chunk + 8, 1 << 30), "blosc chunk"}});
 }
 
