@@ -114,12 +114,13 @@ Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job)
     return refuse_usage("--component length does not work with --labels: the length of a vector is no label",
                         "choose one component with --component K");
   }
-  if (flags.surface.kernel.value_or(field::ResampleKernel::nearest) != field::ResampleKernel::nearest) {
-    return refuse_usage(fmt::format("--kernel {} does not work with --labels: a value between two labels is no label",
-                                    word_of(*flags.surface.kernel)),
-                        "leave --kernel out: resampling then takes the nearest sample of the label map");
+  const field::ResampleKernel kernel = flags.surface.kernel.value_or(field::ResampleKernel::majority);
+  if (kernel != field::ResampleKernel::majority && kernel != field::ResampleKernel::nearest) {
+    return refuse_usage(
+        fmt::format("--kernel {} does not work with --labels: a value between two labels is no label", word_of(kernel)),
+        "leave --kernel out: resampling then takes the label of most voxels");
   }
-  if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
+  if (job.source.resamples()) job.source.kernel = kernel;
   job.surface.background = flags.background.value_or(0);
   job.surface.least_voxels = flags.labels_min_voxels.value_or(0);
   if (!is_table_named(flags)) return {};
@@ -174,19 +175,28 @@ Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::Surfa
     return refuse_usage(fmt::format("--relax does not work with {}", method.title), "give --method surface-nets");
   }
   surface.relaxations = flags.relaxations.value_or(surface.relaxations);
-  if (flags.labels && (flags.simplify || flags.triangles || flags.edits.smooth)) {
-    notes.push_back(
-        {NoteId::labels_part,
-         fmt::format(
-             "{} changes the mesh of each label separately, so the shared faces of neighboring labels no longer match",
-             flags.simplify    ? flags.simplify.name()
-             : flags.triangles ? flags.triangles.name()
-                               : flags.edits.smooth.name())});
+  if (flags.labels && flags.edits.smooth) {
+    notes.push_back({NoteId::labels_part,
+                     "--smooth changes the mesh of each label separately, so the shared faces of neighboring labels no "
+                     "longer match"});
   }
   if (flags.edits.smooth && flags.t_junctions) {
     return refuse_usage(
         "--smooth does not work with --t-junctions: smoothing would move vertices away from the edges they lie on",
         "leave --t-junctions out");
+  }
+  const bool simplifies_labels = flags.labels && (flags.simplify || flags.triangles);
+  const std::string_view simplifier = flags.simplify ? flags.simplify.name() : flags.triangles.name();
+  if (simplifies_labels && flags.t_junctions) {
+    return refuse_usage(
+        fmt::format(
+            "{} does not work with --t-junctions on labels: neighboring labels would have no triangles in common",
+            simplifier),
+        "leave --t-junctions out");
+  }
+  if (simplifies_labels && surface.method == extract::Method::voxels) {
+    // Each label merges its faces in its own way.
+    surface.voxel_faces = extract::VoxelFaces::plain;
   }
   if (flags.edits.smooth && surface.method == extract::Method::voxels && !flags.no_merge) {
     // Merged faces can be as long as the mesh; smoothing such triangles would destroy the shape.

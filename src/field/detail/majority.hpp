@@ -48,7 +48,7 @@ class AxisCells {
   }
 
  private:
-  // Half of a cell's width; all lengths in parts of 1 / (2 * steps_) of a voxel.
+  // Returns half of a cell's width; all lengths are in parts of 1 / (2 * steps_) of a voxel.
   [[nodiscard]] std::int64_t half(int i) const {
     return std::min(extent_, 2 * std::min(i * extent_, (steps_ - i) * extent_) + steps_);
   }
