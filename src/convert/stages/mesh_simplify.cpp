@@ -360,12 +360,16 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
   }
   const std::string name =
       labels.size() == 1 ? labels.front().surface->id.name() : fmt::format("{} labels together", labels.size());
-  add_sentences(reports.front(), choice, whole, name, fmt::format("{} {}", stage.source.label, name));
-  reports.front().lines.push_back(
-      {fmt::format("simplified {} as one net of {} sheets, each between two labels or a label and none; all meshes "
-                   "were in memory together, and triangles of two labels count once",
-                   name, sheets),
-       true});
+  const bool is_one = labels.size() == 1;
+  add_sentences(reports.front(), choice, whole, is_one ? "at " + name : name,
+                fmt::format("{} {}", stage.source.label, name));
+  if (!is_one) {
+    reports.front().lines.push_back(
+        {fmt::format("simplified {} as one net of {} sheets, each between two labels or a label and none; all meshes "
+                     "were in memory together, and triangles of two labels count once",
+                     name, sheets),
+         true});
+  }
   for (std::size_t i = 0; i < labels.size(); ++i) TRY(tell(reports[i], *labels[i].events));
   return {};
 }
