@@ -108,8 +108,7 @@ HelpTopic labels_topic() {
         "makes a mesh of each label; neighbors share their boundary exactly.",
         {{"isoextract info seg.nii.gz", "lists the labels"},
          {"isoextract seg.nii.gz --labels all -o organs.glb", "an object for each label in one file"},
-         {"isoextract seg.nii.gz --labels 1,4 -o 'organ_{label}.stl'", "a file for each of two labels"}}},
-       {"An iso value has no meaning here: labels have no order, so the surface at an iso value joins all labels above "
+text       {"An iso value has no meaning here: labels have no order, so the surface at an iso value joins all labels above "
         "it. --relax N sets how smooth the meshes are, --label-names FILE gives names and colors. Segmentations of 3D "
         "Slicer (.seg.nrrd) have names of their own and need no --labels.",
         {}}}};

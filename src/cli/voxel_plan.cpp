@@ -134,12 +134,13 @@ Result<void> plan_labels(const LabelFlags& flags, const SurfaceFlags& surface, c
     return refuse_usage("--blur does not work with --labels: the average of two labels is no label",
                         "leave --blur out, or smooth the meshes with --smooth");
   }
-  if (surface.kernel.value_or(field::ResampleKernel::nearest) != field::ResampleKernel::nearest) {
-    return refuse_usage(fmt::format("--kernel {} does not work with --labels: a value between two labels is no label",
-                                    word_of(*surface.kernel)),
-                        "leave --kernel out: resampling then takes the nearest sample of the label map");
+  const field::ResampleKernel kernel = surface.kernel.value_or(field::ResampleKernel::majority);
+  if (kernel != field::ResampleKernel::majority && kernel != field::ResampleKernel::nearest) {
+    return refuse_usage(
+        fmt::format("--kernel {} does not work with --labels: a value between two labels is no label", word_of(kernel)),
+        "leave --kernel out: resampling then takes the label of most voxels");
   }
-  if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
+  if (job.source.resamples()) job.source.kernel = kernel;
   job.surface.background = flags.background.value_or(0);
   job.surface.least_voxels = flags.min_voxels.value_or(0);
   if (!is_table_named(flags)) return {};
@@ -192,19 +193,28 @@ Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::Surfa
     return refuse_usage(fmt::format("--relax does not work with {}", method.title), "give --method surface-nets");
   }
   surface.relaxations = flags.relaxations.value_or(surface.relaxations);
-  if (flags.labels.chosen && (flags.simplify || flags.triangles || flags.edits.smooth)) {
-    notes.push_back(
-        {NoteId::labels_part,
-         fmt::format(
-             "{} changes the mesh of each label separately, so the shared faces of neighboring labels no longer match",
-             flags.simplify    ? flags.simplify.name()
-             : flags.triangles ? flags.triangles.name()
-                               : flags.edits.smooth.name())});
+  if (flags.labels.chosen && flags.edits.smooth) {
+    notes.push_back({NoteId::labels_part,
+                     "--smooth changes the mesh of each label separately, so the shared faces of neighboring labels no "
+                     "longer match"});
   }
   if (flags.edits.smooth && flags.t_junctions) {
     return refuse_usage(
         "--smooth does not work with --t-junctions: smoothing would move vertices away from the edges they lie on",
         "leave --t-junctions out");
+  }
+  const bool simplifies_labels = flags.labels.chosen && (flags.simplify || flags.triangles);
+  const std::string_view simplifier = flags.simplify ? flags.simplify.name() : flags.triangles.name();
+  if (simplifies_labels && flags.t_junctions) {
+    return refuse_usage(
+        fmt::format(
+            "{} does not work with --t-junctions on labels: neighboring labels would have no triangles in common",
+            simplifier),
+        "leave --t-junctions out");
+  }
+  if (simplifies_labels && surface.method == extract::Method::voxels) {
+    // Each label merges its faces in its own way.
+    surface.voxel_faces = extract::VoxelFaces::plain;
   }
   if (flags.edits.smooth && surface.method == extract::Method::voxels && !flags.no_merge) {
     // Merged faces can be as long as the mesh; smoothing such triangles would destroy the shape.

@@ -48,15 +48,15 @@ struct TableBeside {
 [[nodiscard]] Result<void> plan_found_table(const LabelFlags& flags, const std::string& input, const Context& context,
                                             Notes& notes, convert::ConversionJob& job);
 
-// Sets the label table of `job`, whose resolution is already planned, and resampling to the nearest sample, because
-// labels are never averaged. Fails with ErrorCode::usage for options without a meaning for labels, and as
+// Sets the label table of `job`, whose resolution is already planned, and resampling by majority, because labels are
+// never averaged. Fails with ErrorCode::usage for options without a meaning for labels, and as
 // volume_io::LabelTable::read() does, which checks the table. Does nothing without --labels.
 [[nodiscard]] Result<void> plan_labels(const LabelFlags& flags, const SurfaceFlags& surface, const InputFlags& input,
                                        convert::ConversionJob& job);
 
-// Sets the options of voxel faces and surface nets of `surface`, whose method is already planned; --smooth turns off
-// the merging of faces. Fails with ErrorCode::usage for options that the method lacks; adds notes about options without
-// an effect.
+// Sets the options of voxel faces and surface nets of `surface`, whose method is already planned; --smooth, and
+// simplified labels, turn off the merging of faces. Fails with ErrorCode::usage for options that the method lacks; adds
+// notes about options without an effect.
 [[nodiscard]] Result<void> plan_voxels(const ConvertFlags& flags, Notes& notes, convert::SurfaceOptions& surface);
 
 }  // namespace isoextract::cli

@@ -187,23 +187,20 @@ class Conversion {
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
 
-  // Makes the surfaces and adds them to the file, each as soon as those before it are added. Those of small labels are
-  // made side by side: there is too little work in one of them for several threads.
+  // Makes the surfaces and adds them to the file, each as soon as those before it are added.
   Result<void> add_surfaces(std::span<const ResolvedIso> isos, OutputMeshes& file, bool& in_pieces) {
     for (std::size_t begin = 0; begin < isos.size();) {
       TRY(context_.check());
-      const std::size_t count = labels_ ? group_size(isos.subspan(begin), *labels_) : 1;
-      std::vector<MadeSurface> group(count);
       if (!labels_) source_.set_inside_side(isos[begin].id.iso_or_zero());
       const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
-      for_each_index(count, [&](std::size_t i) { group[i] = maker(sink.get()).make(isos[begin + i]); });
+      auto group = TRY(maker(sink.get()).make_next(isos.subspan(begin)));
       const Result<std::optional<Surface>>& first = group.front().surface;
       if (!labels_ && !first && fall_back_to_cpu(first.error())) group.front() = maker(sink.get()).make(isos[begin]);
-      for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t i = 0; i < group.size(); ++i) {
         TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
       }
-      begin += count;
-      if (count > 1) release_free_memory();  // the reports of surfaces stay, between what their meshes took
+      begin += group.size();
+      if (group.size() > 1) release_free_memory();  // the reports of surfaces stay, between what their meshes took
     }
     return {};
   }

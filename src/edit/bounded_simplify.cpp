@@ -17,30 +17,30 @@
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/distance_proof.hpp"
 #include "edit/detail/edge_collapse.hpp"
+#include "edit/detail/sheet_collapse.hpp"
 #include "mesh/metrics.hpp"
 
 namespace isoextract::edit {
 namespace {
 
-using Triangles = std::vector<glm::uvec3>;
-
 class Simplifier {
  public:
-  Simplifier(const mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts, const Context& context)
+  Simplifier(const mesh::Mesh& mesh, const Sheets& sheets, const SimplifyOptions& options, SimplifyFigures& facts,
+             const Context& context)
       : mesh_(mesh),
         options_(options),
         facts_(facts),
         context_(context),
         placed_(place_vertices()),
         state_(placed_.empty() ? mesh.positions.span() : std::span<const glm::vec3>(placed_), mesh.positions.span(),
-               mesh.triangles.span()),
+               mesh.triangles.span(), sheets),
         locked_(mesh.positions.size(), 0),
         wanted_(mesh.positions.size(), 1),
         left_(mesh.triangles.size()) {}
 
-  Result<Triangles> run() {
+  Result<CollapsedSheets> run() {
     const double enough = options_.max_distance - slack_;
-    if (!(enough > 0) || left_ <= options_.triangles) return original();
+    if (!(enough > 0) || left_ <= options_.triangles) return CollapsedSheets();
     TRY(options_.triangles > 0 ? collapse_to_count(enough) : within(enough));
     facts_.distance_upper = std::numeric_limits<double>::infinity();
     if (std::isfinite(enough)) {
@@ -49,24 +49,30 @@ class Simplifier {
     if (options_.triangles > 0) {
       TRY(look(measure_distance(state_, context_)));
     }
-    Triangles triangles;
-    for (std::size_t t = 0; t < state_.corners.size(); ++t) {
-      if (state_.gone[t] == 0) triangles.push_back(state_.corners[t]);
-    }
-    if (triangles.size() < mesh_.triangles.size()) {
+    const auto removed = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 1));
+    if (removed > 0) {
       facts_.distance_upper += slack_;
       facts_.distance_lower = std::max(0.0, facts_.distance_lower - slack_);
     }
     if (facts_.distance_upper > options_.max_distance) {  // because of rounding
       facts_.distance_lower = facts_.distance_upper = 0;
-      return original();
+      return CollapsedSheets();
     }
-    return triangles;
+    if (removed == 0) return CollapsedSheets();
+    CollapsedSheets result{std::move(state_.corners), std::vector<MergedCorners>(state_.gone.size())};
+    for (std::size_t t = 0; t < state_.gone.size(); ++t) {
+      if (state_.gone[t] == 0) continue;
+      const Collapse& collapse = find_collapse(state_.changed_by[t], logs_);
+      for (std::int8_t corner = 0; corner < 3; ++corner) {
+        const std::uint32_t vertex = result.corners[t][corner];
+        if (vertex == collapse.vertex) result.merged[t].from = corner;
+        if (vertex == collapse.to) result.merged[t].to = corner;
+      }
+    }
+    return result;
   }
 
  private:
-  [[nodiscard]] Triangles original() const { return {mesh_.triangles.begin(), mesh_.triangles.end()}; }
-
   // Adds the figures of a proof or measurement.
   Result<void> look(const Result<Proof>& proof) {
     if (!proof) return tl::unexpected(proof.error());
@@ -357,9 +363,55 @@ class Simplifier {
   double farthest_squared_ = 0;  // largest squared distance of samples and new triangles
 };
 
-// Sets the triangles and drops vertices without one; the others keep their order. Drops the edge keys, as they describe
-// only extracted meshes.
-void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
+// Returns the peak memory of a Simplifier: collapse state and logs, plus the largest of patches, proof and measurement.
+std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
+  constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
+  constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
+  constexpr std::uint64_t kPatch = 4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1;
+  constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 25;
+  const bool counted = options.triangles > 0;
+  const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) + sizeof(MergedCorners) +
+                                 std::max({kPlaces + kPatch, kProofTriangleBytes, counted ? kMeasureTriangleBytes : 0});
+  const std::uint64_t trees =
+      2 * (mesh::TriangleTree::bytes(mesh.triangles.size()) + mesh.triangles.size() * sizeof(std::uint32_t));
+  constexpr std::uint64_t kVertex = CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 5 +
+                                    std::max(kPatchVertex, kMeasureVertexBytes);
+  return trees + mesh.triangles.size() * triangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
+}
+
+Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
+  const Stopwatch watch;
+  SimplifiedMesh result;
+  SimplifyFigures& facts = result.facts;
+  const auto collapsed = TRY(collapse_sheets(mesh, Sheets(), options, facts, context));
+  if (collapsed.changed()) {
+    std::vector<glm::uvec3> triangles;
+    triangles.reserve(facts.triangles_after);
+    for (std::size_t t = 0; t < collapsed.corners.size(); ++t) {
+      if (collapsed.stays(t)) triangles.push_back(collapsed.corners[t]);
+    }
+    set_triangles(mesh, triangles);
+  }
+  facts.time = watch.elapsed();
+  mesh.memory.shrink(mesh.positions.size() * vertex_bytes(mesh) + mesh.triangles.size_bytes());
+  result.mesh = std::move(mesh);
+  return result;
+}
+
+}  // namespace
+
+Result<CollapsedSheets> collapse_sheets(const mesh::Mesh& mesh, const Sheets& sheets, const SimplifyOptions& options,
+                                        SimplifyFigures& facts, const Context& context) {
+  facts.triangles_before = facts.triangles_after = mesh.triangles.size();
+  if (mesh.triangles.empty()) return CollapsedSheets();
+  const std::string what = mesh.name + ": the buffers for simplifying";
+  const auto memory = TRY(context.reserve(working_bytes(mesh, options), what));
+  auto collapsed = TRY(Simplifier(mesh, sheets, options, facts, context).run());
+  for (std::size_t t = 0; t < collapsed.corners.size(); ++t) facts.triangles_after -= collapsed.stays(t) ? 0 : 1;
+  return collapsed;
+}
+
+void set_triangles(mesh::Mesh& mesh, std::span<const glm::uvec3> triangles) {
   constexpr std::uint32_t kUnused = ~0U;
   std::vector<std::uint32_t> number(mesh.positions.size(), kUnused);
   for (const glm::uvec3& t : triangles) number[t.x] = number[t.y] = number[t.z] = 0;
@@ -377,47 +429,13 @@ void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
   mesh.triangles = std::move(renumbered);
 }
 
-// Returns the peak memory of a Simplifier: collapse state and logs, plus the largest of patches, proof and measurement.
-std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
-  constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
-  constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
-  constexpr std::uint64_t kPatch = 4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1;
-  constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 24;
-  const bool counted = options.triangles > 0;
-  const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) +
-                                 std::max({kPlaces + kPatch, kProofTriangleBytes, counted ? kMeasureTriangleBytes : 0});
-  const std::uint64_t trees = 2 * mesh::TriangleTree::bytes(mesh.triangles.size());
-  constexpr std::uint64_t kVertex = CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 5 +
-                                    std::max(kPatchVertex, kMeasureVertexBytes);
-  return trees + mesh.triangles.size() * triangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
-}
-
-Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
-  const Stopwatch watch;
-  SimplifiedMesh result;
-  SimplifyFigures& facts = result.facts;
-  facts.triangles_before = mesh.triangles.size();
-  if (!mesh.triangles.empty()) {
-    const auto triangles = TRY(Simplifier(mesh, options, facts, context).run());
-    if (triangles.size() < mesh.triangles.size()) set_triangles(mesh, triangles);
-  }
-  facts.triangles_after = mesh.triangles.size();
-  facts.time = watch.elapsed();
-  mesh.memory.shrink(mesh.positions.size() * vertex_bytes(mesh) + mesh.triangles.size_bytes());
-  result.mesh = std::move(mesh);
-  return result;
-}
-
-}  // namespace
-
 Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
-  const std::string what = mesh.name + ": the buffers for simplifying";
-  const auto memory = TRY(context.reserve(working_bytes(mesh, options), what));
+  const std::string name = mesh.name;
   try {
     return simplified(std::move(mesh), options, context);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        allocation_error(what + " need more memory than is available", {Remedy::use, Setting::parts}));
+    return tl::unexpected(allocation_error(name + ": the buffers for simplifying need more memory than is available",
+                                           {Remedy::use, Setting::parts}));
   }
 }
 

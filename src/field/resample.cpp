@@ -18,6 +18,7 @@
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/detail/axis_weights.hpp"
+#include "field/detail/majority.hpp"
 #include "field/sample_value.hpp"
 #include "field/sparse_lookup.hpp"
 
@@ -160,7 +161,6 @@ Part combine_parts(const AxisWeights& axis, const SampleWeights& use, const Part
 // Scratch memory for combine_rows(), one entry for each sample of a row.
 struct RowSums {
   RowSums(const AxisWeights& axis, std::size_t width) : sums(width, WeightedSum(axis)), means(width) {}
-
   std::vector<WeightedSum> sums;
   std::vector<PartialMean> means;
 };
@@ -261,7 +261,7 @@ class SourceRows {
     std::ranges::transform(row.values, row.shares.begin(), [](double value) { return std::isnan(value) ? 0.0 : 1.0; });
   }
 
- private:
+  // Writes a row to `row`, in which NaN stays.
   void read_values(int y, int z, double* row) const {
     if (dense_ != nullptr) {
       const glm::i64vec3 dims(dense_->dims);
@@ -284,6 +284,7 @@ class SourceRows {
     }
   }
 
+ private:
   bool leaves_nan_out_;
   const DenseSamples* dense_;
   const SparseSamples* sparse_;
@@ -314,8 +315,7 @@ class RowCache {
   std::vector<std::pair<int, RowBuffer>> rows_;
 };
 
-// The weights along x, y and z.
-using Weights = std::array<AxisWeights, 3>;
+using Weights = std::array<AxisWeights, 3>;  // along x, y and z
 
 template <class T, class Value>
 void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, const Weights& weights,
@@ -429,16 +429,22 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   const bool means = sparse == nullptr || extent.x * extent.y * extent.z <= kMaxVoxelsForMeans;
   if (!means && kernel != ResampleKernel::nearest && glm::any(glm::lessThan(resolution, old_dims))) {
     result.notes.push_back({NoteId::means_not_possible,
-                            fmt::format("{}: {} voxels are too many to average; the new samples are values of the "
-                                        "interpolant and can miss details between them",
+                            fmt::format("{}: {} voxels are too many to average; details between the new samples can be "
+                                        "missing",
                                         field.source, dims_text(old_dims))});
   }
   auto weight_memory = TRY(reserve_weights(field, old_dims, resolution, context));
   const auto lookup_memory = TRY(
       context.reserve(sparse != nullptr ? SparseLookup::bytes(*sparse) : 0, field.source + ": the index of blocks"));
-  const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
-  const Weights weights{along(0), along(1), along(2)};
-  fill(SourceRows<T>(field.samples, box, nan), old_dims, resolution, weights, values->values.data(), context);
+  const SourceRows<T> source(field.samples, box, nan);
+  if (kernel == ResampleKernel::majority && means) {
+    fill_majority([&](int y, int z, double* row) { source.read_values(y, z, row); }, old_dims, resolution,
+                  nan == NanHandling::spread, values->values.data(), context);
+  } else {
+    const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
+    const Weights weights{along(0), along(1), along(2)};
+    fill(source, old_dims, resolution, weights, values->values.data(), context);
+  }
   TRY(context.check());
   samples.data = values->values.data();
   samples.owner = std::move(values);
@@ -467,8 +473,8 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
   }
   TRY(check_has_steps(field, "resampling to another resolution"));
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    return kernel == ResampleKernel::nearest ? resampled<T, T>(field, resolution, kernel, nan, context)
-                                             : resampled<T, Resampled<T>>(field, resolution, kernel, nan, context);
+    return makes_no_values(kernel) ? resampled<T, T>(field, resolution, kernel, nan, context)
+                                   : resampled<T, Resampled<T>>(field, resolution, kernel, nan, context);
   });
 }
 

@@ -14,14 +14,16 @@ namespace isoextract::field {
 
 // How a finer grid interpolates along each axis.
 enum class ResampleKernel {
-  linear,   // linear interpolation of the two neighbors
-  cubic,    // Catmull and Rom 1974: passes through the samples, with continuous slope; may overshoot beside steps
-  bspline,  // cubic B-spline with the samples as coefficients: smoother, does not pass through the samples
-  nearest,  // the nearest sample, on a tie the lower index; also on coarser grids, as labels must not be averaged
+  linear,    // linear interpolation of the two neighbors
+  cubic,     // Catmull and Rom 1974: passes through the samples, with continuous slope; may overshoot beside steps
+  bspline,   // cubic B-spline with the samples as coefficients: smoother, does not pass through the samples
+  nearest,   // the nearest sample, on a tie the lower index; also on coarser grids, without means
+  majority,  // nearest; on coarser grids the value of most voxels, as labels must not be averaged
 };
 constexpr auto words_of(ResampleKernel /*type*/) {
   return std::array{Word{ResampleKernel::linear, "linear"}, Word{ResampleKernel::cubic, "cubic"},
-                    Word{ResampleKernel::bspline, "bspline"}, Word{ResampleKernel::nearest, "nearest"}};
+                    Word{ResampleKernel::bspline, "bspline"}, Word{ResampleKernel::nearest, "nearest"},
+                    Word{ResampleKernel::majority, "majority"}};
 }
 
 // How averages treat NaN samples.
@@ -52,12 +54,16 @@ enum class NanHandling {
 // even if their difference overflows. `nan` decides about NaN; an infinite sample gives that infinity, and both
 // infinities give NaN. Beside samples that are not finite, cubic and bspline interpolate linearly.
 //
-// With ResampleKernel::nearest each new sample is one of the old samples, in their type, for any resolution.
+// With ResampleKernel::nearest and majority each new sample is one of the old samples, in their type, for any
+// resolution. majority takes the value with the most weight in the interval that a mean would average. Among values of
+// equal weight it takes that of the nearest sample, if it is one of them, else the least. Along axes that do not get
+// fewer samples it takes the nearest sample. NaN counts as a value that loses a tie, except that of the nearest sample;
+// with NanHandling::spread, NaN in the interval gives NaN.
 //
 // A sparse field has no bounds. Its box here contains the active voxels and all stored values that differ from the
 // background, plus one voxel on each side; outside it and on its faces everything is background. The result is dense,
 // in reserved memory, and a note tells its size. If the box has more than 2^35 voxels, averaging would
-// take minutes: the result then holds interpolated values, and another note says so.
+// take minutes: the result then holds interpolated values, or with majority nearest samples, and another note says so.
 //
 // Fails with ErrorCode::usage if `resolution` is below 2 along an axis, with ErrorCode::input if a dense `field` has
 // fewer than 2 samples along an axis, with ErrorCode::out_of_memory, and as Context::check() does.

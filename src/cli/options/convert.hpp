@@ -133,7 +133,7 @@ struct ConvertFlags : OptionSet {
       parse_simplify_bound,
       "Remove triangles within a distance of ERR. No point of either mesh is farther than ERR from the other: 0.1 or "
       "0.1voxel in voxels, 0.5world in the units of the mesh. The distance is measured and reported. Boundaries get "
-      "fewer vertices and stay within ERR, too.",
+      "fewer vertices and stay within ERR, too. Labels keep common faces: all their meshes are in memory together.",
       About::surface | About::edit};
   Value<convert::TriangleCount> triangles{
       in(OptionGroup::surface),
@@ -141,7 +141,9 @@ struct ConvertFlags : OptionSet {
       "N|P%",
       parse_triangle_count,
       "Reduce each surface to N triangles, or to P percent. The topology may allow fewer removals. The distance is "
-      "measured and reported. With --simplify it ends at whichever comes first.",
+      "measured and reported. With --simplify it ends at whichever comes first. With --labels, N and P count all "
+      "labels "
+      "together, triangles of common faces once.",
       About::surface | About::edit};
   Value<convert::EmptyPolicy> empty{only_convert(OptionGroup::surface), "--empty",
                                     "What to do if there is no surface (default: error). error fails; skip writes no "

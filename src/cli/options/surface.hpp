@@ -75,7 +75,8 @@ struct SurfaceFlags : OptionSet {
       "Samples of the grid to extract from, along x, y and z. One number is for all axes. The grid covers the same "
       "box; it takes means of the samples along axes that get coarser, and values between them (--kernel) along axes "
       "that get finer. A sparse grid becomes dense: its active voxels and one layer of background. --labels takes the "
-      "nearest samples. --space index, --roi and --error count the input's voxels, --simplify those of the new grid. "
+      "label of most voxels, and on finer grids that of the nearest. --space index, --roi and --error count the "
+      "input's voxels, --simplify those of the new grid. "
       "Default: the input's samples."};
   Value<glm::dvec3> voxel_size{
       *this, "--voxel-size", "SX,SY,SZ", parse_spacing,
@@ -86,7 +87,10 @@ struct SurfaceFlags : OptionSet {
       *this, "--kernel",
       "Interpolation of a finer grid (default: linear). cubic is a smooth curve through the samples (Catmull-Rom). "
       "bspline, the cubic B-spline, is smoother and does not pass through the samples. nearest makes no new values, "
-      "also where the grid is coarser; it is the one kernel of --labels."};
+      "also where the grid is coarser. majority does not either, but a coarser grid takes the value of most voxels in "
+      "a "
+      "cell: of equally many that of the nearest sample, or else the smallest. It is the default of --labels, which "
+      "take these two only."};
   Values<convert::FilterStep> filters{
       *this, "--filter", "gaussian|median|mean", parse_filter,
       "Filter a level set before extraction. For level sets of VDB files, and of --particles spheres and smooth. Each "

@@ -3,9 +3,12 @@
 #include <cmath>
 #include <utility>
 
+#include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
+#include "convert/detail/label_choice.hpp"
 #include "convert/detail/no_surface.hpp"
 #include "convert/mesh_normals.hpp"
+#include "convert/stages/mesh_simplify.hpp"
 #include "convert/verification.hpp"
 #include "extract/height_field.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -82,13 +85,57 @@ Result<std::optional<Surface>> make_surface(const SurfaceMaker& maker, const Res
     if (made.cut_away) made.lost.push_back({asked.id, "clipping removed every triangle"});
     return std::optional<Surface>();
   }
-  TRY(edit_surface({maker.job, maker.source, maker.facts(made.open), maker.context}, made.events, surface));
+  const StageName last = maker.simplifies_together() ? StageName::smooth : kStages.back().name;
+  TRY(edit_surface({maker.job, maker.source, maker.facts(made.open), maker.context}, made.events, surface,
+                   {.last = last}));
   if (surface.triangles() != 0 || empty == EmptyPolicy::write) return surface;
   made.lost.push_back({asked.id, "no component has the requested size"});
   return std::optional<Surface>();
 }
 
+// Runs the stages after the simplification.
+void finish(const SurfaceMaker& maker, MadeSurface& made) {
+  try {
+    if (!*made.surface) return;
+    const auto done = edit_surface({maker.job, maker.source, maker.facts(made.open), maker.context}, made.events,
+                                   **made.surface, {.first = StageName::touching});
+    if (!done) made.surface = tl::unexpected(done.error());
+  } catch (...) {
+    made.exception = std::current_exception();
+  }
+}
+
 }  // namespace
+
+Result<std::vector<MadeSurface>> SurfaceMaker::make_next(std::span<const ResolvedIso> asked) const {
+  if (simplifies_together()) return make_together(asked);
+  std::vector<MadeSurface> made(labels != nullptr ? group_size(asked, *labels) : 1);
+  for_each_index(made.size(), [&](std::size_t i) { made[i] = make(asked[i]); });
+  return made;
+}
+
+Result<std::vector<MadeSurface>> SurfaceMaker::make_together(std::span<const ResolvedIso> asked) const {
+  std::vector<MadeSurface> made(asked.size());
+  const auto for_groups = [&](const auto& body) {
+    for (std::size_t begin = 0; begin < made.size();) {
+      const std::size_t count = group_size(asked.subspan(begin), *labels);
+      for_each_index(count, [&](std::size_t i) { body(begin + i); });
+      begin += count;
+    }
+  };
+  for_groups([&](std::size_t i) {
+    if (!context.cancelled()) made[i] = make(asked[i]);
+  });
+  TRY(context.check());
+  std::vector<HeldLabel> held;
+  for (MadeSurface& one : made) {
+    if (one.exception || !one.surface) return made;  // the conversion ends when it comes to this surface
+    if (*one.surface) held.push_back({&**one.surface, &one.events});
+  }
+  TRY(simplify_labels(held, {job, source, facts(false), context}));
+  for_groups([&](std::size_t i) { finish(*this, made[i]); });
+  return made;
+}
 
 MadeSurface SurfaceMaker::make(const ResolvedIso& asked) const {
   MadeSurface made;

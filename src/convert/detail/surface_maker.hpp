@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <exception>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/context.hpp"
@@ -49,9 +50,19 @@ struct SurfaceMaker {
   // parallel loop would make TBB end the loops of the other surfaces in their middle.
   [[nodiscard]] MadeSurface make(const ResolvedIso& asked) const;
 
+  // Makes the first of the surfaces, or the first few of small labels side by side: there is too little work in one of
+  // them for several threads. Labels that are simplified are all made, because they are simplified together to keep
+  // common faces. Fails if that simplification does; other errors and exceptions are those of the surfaces.
+  [[nodiscard]] Result<std::vector<MadeSurface>> make_next(std::span<const ResolvedIso> asked) const;
+
+  [[nodiscard]] bool simplifies_together() const { return labels != nullptr && job.edits.simplify.has_value(); }
+
   [[nodiscard]] SurfaceFacts facts(bool open) const {
     return {all, open, mesh_facts, labels != nullptr ? &looks : nullptr};
   }
+
+ private:
+  [[nodiscard]] Result<std::vector<MadeSurface>> make_together(std::span<const ResolvedIso> asked) const;
 };
 
 }  // namespace isoextract::convert

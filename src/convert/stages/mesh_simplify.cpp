@@ -6,11 +6,13 @@
 #include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "convert/stages/surface_stages.hpp"
 #include "edit/bounded_simplify.hpp"
+#include "edit/label_net.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
 #include "mesh/shells.hpp"
@@ -150,10 +152,10 @@ std::string line_of(const SimplifyChoice& asked, const Simplified& done, const s
   const edit::SimplifyFigures& facts = done.facts;
   const double seconds = facts.time.wall_seconds;
   if (facts.triangles_after == facts.triangles_before) {
-    return fmt::format("not simplified at {}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
+    return fmt::format("not simplified {}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
   }
   std::string text = fmt::format(
-      "simplified at {}: {} of {} triangles left ({:.1f} %); requested {}, measured {:.4g} to {:.4g} voxels, "
+      "simplified {}: {} of {} triangles left ({:.1f} %); requested {}, measured {:.4g} to {:.4g} voxels, "
       "in the mesh's units {:.4g} to {:.4g}; {:.2f} s",
       surface, facts.triangles_after, facts.triangles_before,
       100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
@@ -208,46 +210,50 @@ std::string simplify_bound_text(const SimplifyBound& bound) {
   return fmt::format("{}{}", bound.distance, bound.in_world_units ? "world" : "voxel");
 }
 
-// Simplifies the surface. Distances are in voxels, whose size output_from_index gives, or in the mesh's units.
-Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage) {
-  if (!stage.job.edits.simplify) return StageReport();
-  const SimplifyChoice& choice = *stage.job.edits.simplify;
-  const field::Affine& output_from_index = stage.source.output_from_index;
-  const Stretch voxel = stretch_of(output_from_index.linear);
-  edit::SimplifyOptions options;
-  options.max_distance = choice.within ? choice.within->distance : std::numeric_limits<double>::infinity();
-  options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
-  if (choice.triangles) options.triangles = wanted(*choice.triangles, surface.mesh.triangles.size());
-  const bool in_world_units = choice.within && choice.within->in_world_units;
-  if (!in_world_units && voxel.is_even()) {
-    options.max_distance *= voxel.least;
-  } else if (!in_world_units) {
-    options.to_metric = glm::inverse(output_from_index.linear);
-    options.patch_size = kPatchVoxels;
-  }
-  const auto before = TRY(count_components(surface.mesh, stage.context));
-  auto simplified = TRY(edit::simplify_mesh(std::move(surface.mesh), options, stage.context));
-  surface.mesh = std::move(simplified.mesh);
-  const auto after = TRY(count_components(surface.mesh, stage.context));
+namespace {
 
-  Simplified result;
-  result.asked = options.triangles;
-  result.facts = simplified.facts;
+// Options of a simplification, without the number of triangles.
+struct SimplifyPlan {
+  edit::SimplifyOptions options;
+  Stretch voxel;
+
+  // Distances are in voxels, whose size output_from_index gives, or in the mesh's units.
+  SimplifyPlan(const SimplifyChoice& choice, const field::Affine& output_from_index)
+      : voxel(stretch_of(output_from_index.linear)) {
+    options.max_distance = choice.within ? choice.within->distance : std::numeric_limits<double>::infinity();
+    options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
+    const bool in_world_units = choice.within && choice.within->in_world_units;
+    if (!in_world_units && voxel.is_even()) {
+      options.max_distance *= voxel.least;
+    } else if (!in_world_units) {
+      options.to_metric = glm::inverse(output_from_index.linear);
+      options.patch_size = kPatchVoxels;
+    }
+  }
+
+  void set_distance(Simplified& result) const {
+    const DistanceRange measured{result.facts.distance_lower, result.facts.distance_upper};
+    if (options.to_metric != glm::dmat3(1.0)) {
+      result.voxels = measured;
+      result.world = {measured.lower * voxel.least, measured.upper * voxel.most};
+    } else {
+      result.world = measured;
+      result.voxels = {measured.lower / voxel.most, measured.upper / voxel.least};
+    }
+  }
+};
+
+void set_components(Simplified& result, const ComponentCount& before, const ComponentCount& after) {
   result.components = after.components;
   result.turned = std::max(before.hollows, after.hollows) - std::min(before.hollows, after.hollows);
   // A body turned inside out counts as an inward component, but is no cavity that left its body.
   const std::uint64_t known = before.outside + after.hollows - std::min(before.hollows, after.hollows);
   result.left_bodies = after.outside - std::min(known, after.outside);
-  const DistanceRange measured{simplified.facts.distance_lower, simplified.facts.distance_upper};
-  if (options.to_metric != glm::dmat3(1.0)) {
-    result.voxels = measured;
-    result.world = {measured.lower * voxel.least, measured.upper * voxel.most};
-  } else {
-    result.world = measured;
-    result.voxels = {measured.lower / voxel.most, measured.upper / voxel.least};
-  }
-  surface.simplified_by = result.voxels.upper;
+}
 
+// Returns a report with the figures of one surface, without sentences.
+StageReport report_of(const SimplifyChoice& choice, const Simplified& result, const Surface& surface,
+                      const StageContext& stage) {
   const edit::SimplifyFigures& facts = result.facts;
   const auto& within = choice.within;
   const Value asked =
@@ -266,13 +272,106 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
        {Key::turned_inside_out, result.turned},
        {Key::left_bodies, result.left_bodies}},
       facts.time);
+  return report;
+}
+
+void add_sentences(StageReport& report, const SimplifyChoice& choice, const Simplified& result,
+                   const std::string& surface, const std::string& subject) {
+  const edit::SimplifyFigures& facts = result.facts;
   report.did = "simplified";
   report.details.push_back(fmt::format(
       "{} rounds over {} patches; {} of {} collapses undone in {} passes; {:.2f} s of processor time", facts.rounds,
       facts.patches, facts.undone_collapses, facts.collapses, facts.passes, facts.time.cpu_seconds));
-  report.lines.push_back({line_of(choice, result, surface.id.name())});
-  report.notes = notes_of(result, report.subject);
+  report.lines.push_back({line_of(choice, result, surface)});
+  report.notes = notes_of(result, subject);
+}
+
+// Returns the part of the time that goes to `part` of `whole` triangles.
+StageTime share_of(const StageTime& time, std::uint64_t part, std::uint64_t whole) {
+  const double share = whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+  StageTime result = time;
+  result.wall_seconds *= share;
+  result.cpu_seconds *= share;
+  return result;
+}
+
+}  // namespace
+
+Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage) {
+  if (!stage.job.edits.simplify) return StageReport();
+  const SimplifyChoice& choice = *stage.job.edits.simplify;
+  SimplifyPlan plan(choice, stage.source.output_from_index);
+  if (choice.triangles) plan.options.triangles = wanted(*choice.triangles, surface.mesh.triangles.size());
+  const auto before = TRY(count_components(surface.mesh, stage.context));
+  auto simplified = TRY(edit::simplify_mesh(std::move(surface.mesh), plan.options, stage.context));
+  surface.mesh = std::move(simplified.mesh);
+  const auto after = TRY(count_components(surface.mesh, stage.context));
+
+  Simplified result;
+  result.asked = plan.options.triangles;
+  result.facts = simplified.facts;
+  set_components(result, before, after);
+  plan.set_distance(result);
+  surface.simplified_by = result.voxels.upper;
+  StageReport report = report_of(choice, result, surface, stage);
+  add_sentences(report, choice, result, "at " + surface.id.name(), report.subject);
   return report;
+}
+
+Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageContext& stage) {
+  if (labels.empty()) return {};
+  const SimplifyChoice& choice = *stage.job.edits.simplify;
+  SimplifyPlan plan(choice, stage.source.output_from_index);
+  std::vector<mesh::Mesh*> meshes;
+  std::vector<ComponentCount> before;
+  std::vector<std::uint64_t> triangles_before;
+  std::uint64_t triangles = 0;
+  for (const HeldLabel& label : labels) {
+    mesh::Mesh& mesh = label.surface->mesh;
+    meshes.push_back(&mesh);
+    before.push_back(TRY(count_components(mesh, stage.context)));
+    triangles_before.push_back(mesh.triangles.size());
+    triangles += mesh.triangles.size();
+  }
+  Simplified whole;
+  std::uint64_t sheets = 0;
+  {
+    const auto net = TRY(edit::LabelNet::join(meshes, stage.context));
+    if (choice.triangles) plan.options.triangles = wanted(*choice.triangles, net.triangles());
+    whole.asked = plan.options.triangles;
+    sheets = net.sheets();
+    whole.facts = TRY(net.simplify(meshes, plan.options, stage.context));
+  }
+  plan.set_distance(whole);
+  std::vector<StageReport> reports;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    Surface& surface = *labels[i].surface;
+    Simplified own = whole;
+    own.facts.triangles_before = triangles_before[i];
+    own.facts.triangles_after = surface.mesh.triangles.size();
+    own.facts.time = share_of(whole.facts.time, triangles_before[i], triangles);
+    const auto after = TRY(count_components(surface.mesh, stage.context));
+    set_components(own, before[i], after);
+    whole.components += own.components;
+    whole.turned += own.turned;
+    whole.left_bodies += own.left_bodies;
+    surface.simplified_by = own.voxels.upper;
+    reports.push_back(report_of(choice, own, surface, stage));
+  }
+  const std::string name =
+      labels.size() == 1 ? labels.front().surface->id.name() : fmt::format("{} labels together", labels.size());
+  const bool is_one = labels.size() == 1;
+  add_sentences(reports.front(), choice, whole, is_one ? "at " + name : name,
+                fmt::format("{} {}", stage.source.label, name));
+  if (!is_one) {
+    reports.front().lines.push_back(
+        {fmt::format("simplified {} as one net of {} sheets, each between two labels or a label and none; all meshes "
+                     "were in memory together, and triangles of two labels count once",
+                     name, sheets),
+         true});
+  }
+  for (std::size_t i = 0; i < labels.size(); ++i) TRY(tell(reports[i], *labels[i].events));
+  return {};
 }
 
 }  // namespace isoextract::convert

@@ -1,8 +1,12 @@
-// Text of simplification settings, in the form of the command line.
+// Text of simplification settings, in the form of the command line, and the simplification of labels.
 #pragma once
 
+#include <span>
 #include <string>
 
+#include "base/error.hpp"
+#include "convert/events.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "convert/surface_edits.hpp"
 
 namespace isoextract::convert {
@@ -11,5 +15,16 @@ namespace isoextract::convert {
 [[nodiscard]] std::string triangle_count_text(const TriangleCount& count);
 // Returns "0.1voxel" or "0.5world".
 [[nodiscard]] std::string simplify_bound_text(const SimplifyBound& bound);
+
+// The surface of a label before its simplification, and what its report goes to.
+struct HeldLabel {
+  Surface* surface;
+  Events* events;
+};
+
+// Simplifies the surfaces of labels together (edit/label_net.hpp), as the job asks. A number of triangles is that of
+// all labels; a triangle that two labels have in common counts once. Each label gets a report, with its share of the
+// time by its triangles; sentences and notes about all of them are in that of the first. Fails as the algorithm does.
+[[nodiscard]] Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageContext& stage);
 
 }  // namespace isoextract::convert

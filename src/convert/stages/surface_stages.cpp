@@ -46,8 +46,9 @@ Result<void> run_stage(const StageInfo& stage, const StageContext& context, Even
   return tell(report, events);
 }
 
-Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface) {
+Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface, const StageRange& range) {
   for (const StageInfo& stage : kStages) {
+    if (stage.name < range.first || stage.name > range.last) continue;
     const bool is_of_pieces = stage.name == StageName::normals && context.job.edits.pieces.split;
     if (stage.edit != nullptr && !is_of_pieces) TRY(run_stage(stage, context, events, surface));
   }

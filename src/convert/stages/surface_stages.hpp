@@ -70,9 +70,16 @@ struct StageContext {
 [[nodiscard]] StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                                             const Surface& surface, const StageContext& stage, const StageTime& time);
 
-// Runs every edit of kStages and reports it. Skips shade_surface() for a mesh that is split later, because each body
-// gets its own run of it. Fails as the stages do.
-[[nodiscard]] Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface);
+// Stages of kStages from `first` to `last`.
+struct StageRange {
+  StageName first = kStages.front().name;
+  StageName last = kStages.back().name;
+};
+
+// Runs the edits of kStages that are in the range and reports them. Skips shade_surface() for a mesh that is split
+// later, because each body gets its own run of it. Fails as the stages do.
+[[nodiscard]] Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface,
+                                        const StageRange& range = {});
 
 // Runs one edit and reports it.
 [[nodiscard]] Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events,

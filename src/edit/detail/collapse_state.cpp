@@ -14,7 +14,7 @@ const CollapseLog& log_of(std::uint32_t collapse, std::span<const CollapseLog> l
 }  // namespace
 
 CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const glm::vec3> stored_places,
-                             std::span<const glm::uvec3> triangles)
+                             std::span<const glm::uvec3> triangles, const Sheets& sheets_of_triangles)
     : positions(places),
       stored(stored_places),
       original(triangles),
@@ -24,14 +24,13 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
       first_sample(triangles.size(), kNone),
       next_sample(places.size(), kNone),
       known(triangles.size()),
-      original_tree(places, triangles),
-      original_slot(triangles.size()) {
-  for (std::uint32_t slot = 0; slot < original_slot.size(); ++slot) original_slot[original_tree.triangle(slot)] = slot;
-}
+      sheets(sheets_of_triangles),
+      original_trees(places, triangles, gone, sheets_of_triangles),
+      original_slot(original_trees.slots(triangles.size())) {}
 
-std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseLog> logs) {
+const Collapse& find_collapse(std::uint32_t collapse, std::span<const CollapseLog> logs) {
   const CollapseLog& log = log_of(collapse, logs);
-  return log.collapses[collapse - log.first].vertex;
+  return log.collapses[collapse - log.first];
 }
 
 void drop_restored_samples(CollapseState& state) {

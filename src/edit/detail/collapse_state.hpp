@@ -16,6 +16,7 @@
 
 #include <glm/glm.hpp>
 
+#include "edit/detail/sheet_trees.hpp"
 #include "mesh/triangle_tree.hpp"
 
 namespace isoextract::edit {
@@ -34,7 +35,7 @@ struct CollapseState {
   // Needs at least one triangle. `positions` are in the space of distances, `stored` are those of the mesh. All spans
   // must outlive the state.
   CollapseState(std::span<const glm::vec3> positions, std::span<const glm::vec3> stored,
-                std::span<const glm::uvec3> original);
+                std::span<const glm::uvec3> original, const Sheets& sheets = {});
 
   std::span<const glm::vec3> positions;
   std::span<const glm::vec3> stored;
@@ -46,9 +47,15 @@ struct CollapseState {
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
   std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
-  mesh::TriangleTree original_tree;
-  std::vector<std::uint32_t> original_slot;  // the slot of each triangle in original_tree
+  Sheets sheets;
+  SheetTrees original_trees;
+  std::vector<std::uint32_t> original_slot;  // the slot of each triangle in the tree of its sheet
 
+  [[nodiscard]] std::uint32_t sheet(std::uint32_t t) const { return sheets.of(t); }
+  [[nodiscard]] bool has_role(std::uint32_t v, VertexRole role) const {
+    return !sheets.roles.empty() && sheets.roles[v] == role;
+  }
+  [[nodiscard]] const mesh::TriangleTree& original_tree(std::uint32_t t) const { return original_trees.tree(sheet(t)); }
   [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && changed_by[t] == kNone; }
   // Bytes for each triangle and each vertex, without the tree.
   static constexpr std::uint64_t kTriangleBytes =
@@ -83,8 +90,8 @@ struct RestoredTriangle {
   glm::uvec3 corners;
 };
 
-// Returns the vertex that a collapse removed. `logs` are sorted by `first`.
-[[nodiscard]] std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseLog> logs);
+// Returns the collapse with a number. `logs` are sorted by `first`.
+[[nodiscard]] const Collapse& find_collapse(std::uint32_t collapse, std::span<const CollapseLog> logs);
 
 // Removes from the sample lists all vertices that undone collapses brought back. Call it after undoing and before the
 // next collapse, which would list them twice.

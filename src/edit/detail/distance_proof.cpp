@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 
 #include "base/parallel.hpp"
@@ -15,6 +14,7 @@ namespace isoextract::edit {
 namespace {
 
 constexpr std::size_t kProofGrain = 256;
+constexpr std::size_t kSheetGrain = 64;
 
 class DistanceProof {
  public:
@@ -43,7 +43,7 @@ class DistanceProof {
       std::vector<RestoredTriangle> changed;
       for (const std::uint32_t t : wrong) {
         if (state_.changed_by[t] == kNone) continue;
-        if (options_.once) proof.refused.push_back(collapsed_vertex(state_.changed_by[t], logs_));
+        if (options_.once) proof.refused.push_back(find_collapse(state_.changed_by[t], logs_).vertex);
         proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
       }
       if (options_.once) break;
@@ -67,41 +67,40 @@ class DistanceProof {
     for_each_in_doubt(new_in_doubt, [&](std::size_t i, std::uint32_t t) {
       if (state_.gone[t] != 0) return;
       if (state_.changed_by[t] == kNone || state_.known[t].is_known()) return;
-      const mesh::TriangleBound found = bound(state_.corners[t], state_.original_tree, {state_.original_slot[t]});
+      const mesh::TriangleBound found =
+          bound(state_.corners[t], state_.original_tree(t), std::array{state_.original_slot[t]});
       state_.known[t] = {found.lower, found.upper};
       if (!good(found)) wrong[i] = t;
     });
     if (context_.cancelled()) return {};
     // Later passes need only the triangles near changes: nearer ones elsewhere can only lower the distance.
-    std::vector<std::uint32_t> numbers;
-    std::vector<glm::uvec3> there;
     const bool first = old_in_doubt.size() == state_.corners.size();
-    const std::vector<char> around = marked([&](std::uint32_t t) {
-      return state_.gone[t] == 0 &&
-             (first || in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
+    const std::vector<char> left_out = marked([&](std::uint32_t t) {
+      return state_.gone[t] != 0 ||
+             (!first && !in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
     });
-    for (std::uint32_t t = 0; t < around.size(); ++t) {
-      if (around[t] == 0) continue;
-      numbers.push_back(t);
-      there.push_back(state_.corners[t]);
-    }
-    const mesh::TriangleTree tree(state_.positions, there);
-    std::vector<std::uint32_t> slot_near(state_.positions.size(), 0);  // a slot near each vertex, if known
-    for (std::uint32_t slot = 0; slot < there.size(); ++slot) {
-      const std::uint32_t t = numbers[tree.triangle(slot)];
-      for (int corner = 0; corner < 3; ++corner) slot_near[state_.corners[t][corner]] = slot;
-      for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) {
-        slot_near[s] = slot;
-      }
+    const SheetTrees trees(state_.positions, state_.corners, left_out, state_.sheets);
+    const std::vector<std::uint32_t> slots = trees.slots(left_out.size());
+    std::vector<std::uint32_t> near(state_.positions.size(), kNone);  // a triangle near each vertex, if known
+    for (std::uint32_t t = 0; t < left_out.size(); ++t) {
+      if (left_out[t] != 0) continue;
+      for (int corner = 0; corner < 3; ++corner) near[state_.corners[t][corner]] = t;
+      for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) near[s] = t;
     }
     for_each_in_doubt(old_in_doubt, [&](std::size_t i, std::uint32_t t) {
+      const std::uint32_t sheet = state_.sheet(t);
+      const mesh::TriangleTree* const tree = trees.find(sheet);
+      if (tree == nullptr) return;  // nothing of the sheet has changed near it
       known_old_[t] = {};
       if (state_.is_original(t)) return;
       const glm::uvec3& c = state_.original[t];
-      const mesh::TriangleBound found = bound(c, tree, {slot_near[c.x], slot_near[c.y], slot_near[c.z]});
+      const auto slot_near = [&](std::uint32_t v) {
+        return near[v] != kNone && state_.sheet(near[v]) == sheet ? slots[near[v]] : 0;
+      };
+      const mesh::TriangleBound found = bound(c, *tree, std::array{slot_near(c.x), slot_near(c.y), slot_near(c.z)});
       known_old_[t] = {first ? found.lower : 0, found.upper};
       if (good(found)) return;
-      const std::uint32_t nearest = numbers[tree.triangle(found.slot)];
+      const std::uint32_t nearest = trees.triangle(sheet, found.slot);
       wrong[new_in_doubt.size() + i] = state_.changed_by[nearest] == kNone ? t : nearest;
     });
     std::erase(wrong, kNone);
@@ -120,9 +119,9 @@ class DistanceProof {
   // A triangle that takes far more parts than the original triangles under it is close to the limit: it is rejected.
   // `near` are slots of the tree that may be near.
   [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
-                                          std::initializer_list<std::uint32_t> near) const {
+                                          std::span<const std::uint32_t> near) const {
     const auto places = corners(t);
-    std::uint32_t hint = *near.begin();
+    std::uint32_t hint = near.front();
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t slot : near) {
       const double farthest = tree.max_distance_squared(slot, places);
@@ -212,6 +211,39 @@ class DistanceProof {
   std::vector<Cell> doubtful_;
 };
 
+// Bounds all changed triangles, each within its sheet, in the order of the triangles.
+void bound_by_sheet(const CollapseState& state, const SheetTrees& trees, const mesh::DistanceLimits& limits,
+                    const Context& context, Proof& proof) {
+  std::vector<DistanceBounds> found;
+  const auto add = [&](std::span<const glm::uvec3> triangles, const SheetTrees& to, const auto& counts) {
+    // Each round knows the distance of those before.
+    std::size_t round = 1 << 8;
+    for (std::size_t begin = 0; begin < triangles.size() && !context.cancelled(); begin += found.size(), round *= 2) {
+      found.assign(std::min(round, triangles.size() - begin), {});
+      const double known = proof.lower;
+      for_each_index(
+          found.size(),
+          [&](std::size_t i) {
+            const auto t = static_cast<std::uint32_t>(begin + i);
+            if (!counts(t) || context.cancelled()) return;
+            const glm::uvec3& c = triangles[t];
+            const mesh::TriangleBound bound = mesh::bound_distance(
+                {state.positions[c.x], state.positions[c.y], state.positions[c.z]}, to.tree(state.sheet(t)), limits,
+                known, &to == &trees ? 0 : state.original_slot[t]);
+            found[i] = {bound.lower, bound.upper};
+          },
+          kSheetGrain);
+      for (const DistanceBounds& bounds : found) {
+        proof.lower = std::max(proof.lower, bounds.lower);
+        proof.upper = std::max(proof.upper, bounds.upper);
+      }
+    }
+  };
+  add(state.corners, state.original_trees,
+      [&](std::uint32_t t) { return state.gone[t] == 0 && !state.is_original(t); });
+  add(state.original, trees, [&](std::uint32_t t) { return !state.is_original(t); });
+}
+
 }  // namespace
 
 Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
@@ -224,11 +256,9 @@ Result<Proof> measure_distance(const CollapseState& state, const Context& contex
   context.progress().begin("measuring the simplified mesh", 0);
   std::vector<char> new_left_out(state.corners.size());
   std::vector<char> old_left_out(state.corners.size());
-  std::vector<glm::uvec3> there;
   for (std::uint32_t t = 0; t < state.corners.size(); ++t) {
     new_left_out[t] = state.gone[t] != 0 || state.is_original(t) ? 1 : 0;
     old_left_out[t] = state.is_original(t) ? 1 : 0;
-    if (state.gone[t] == 0) there.push_back(state.corners[t]);
   }
   const mesh::DistanceLimits limits{.tolerance = kTolerance, .floor = mesh::float32_resolution(state.positions)};
   Proof proof;
@@ -240,8 +270,13 @@ Result<Proof> measure_distance(const CollapseState& state, const Context& contex
     proof.lower = std::max(proof.lower, found.lower);
     proof.upper = std::max(proof.upper, found.upper);
   };
-  measure({state.positions, state.corners, new_left_out}, state.original_tree);
-  measure({state.positions, state.original, old_left_out}, mesh::TriangleTree(state.positions, there));
+  const SheetTrees trees(state.positions, state.corners, state.gone, state.sheets);
+  if (state.sheets.count == 1) {
+    measure({state.positions, state.corners, new_left_out}, state.original_trees.tree(0));
+    measure({state.positions, state.original, old_left_out}, trees.tree(0));
+  } else {
+    bound_by_sheet(state, trees, limits, context, proof);
+  }
   TRY(context.check());
   return proof;
 }

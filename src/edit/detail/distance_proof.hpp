@@ -33,7 +33,7 @@ struct Proof {
 
 // Bytes for each triangle of the original mesh, without the state and the trees.
 inline constexpr std::uint64_t kProofTriangleBytes =
-    sizeof(DistanceBounds) + 6 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
+    sizeof(DistanceBounds) + 8 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
 
 // Undoes collapses in `state` until the distance is proven. The result does not depend on the number of threads. Fails
 // if the context is cancelled.

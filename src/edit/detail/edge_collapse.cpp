@@ -74,7 +74,7 @@ class PatchCollapse : private PatchMesh {
         quadrics_[t[corner]].add_plane(cross / length, places_[t.x], length / 2);
         const std::uint32_t from = t[corner];
         const std::uint32_t to = t[(corner + 1) % 3];
-        if (on_boundary_[from] == 0 || on_boundary_[to] == 0 || !is_boundary_edge(from, to)) continue;
+        if (leaves_[from] != 1 || leaves_[to] != 1 || !is_boundary_edge(from, to)) continue;
         const glm::dvec3 edge = places_[to] - places_[from];
         const glm::dvec3 upright = glm::cross(edge, cross);
         const double size = glm::length(upright);
@@ -163,38 +163,55 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // The link condition: v and `to` share only the neighbors opposite their edge. They belong to no tetrahedron and no
-  // triangular hole. No new edge joins two fixed vertices.
-  [[nodiscard]] bool keeps_topology(std::uint32_t v, std::uint32_t to) const {
-    std::array<std::uint32_t, 2> apex{kNone, kNone};
-    std::size_t apexes = 0;
+  // The link condition of complexes: v and `to` share only the neighbors opposite their edge. They belong to no
+  // tetrahedron and no triangular hole. A vertex of a curve stays on it, and no leaf between its two curve edges is a
+  // single triangle, which would make two curve edges one. No new edge joins two locked vertices.
+  [[nodiscard]] bool keeps_topology(std::uint32_t v, std::uint32_t to) {
+    apexes_.clear();
     for (const Around& a : ring_.around) {
-      if (a.from == to) apex[apexes++ % 2] = a.next;
-      if (a.next == to) apex[apexes++ % 2] = a.from;
+      if (a.from == to) apexes_.push_back(a.next);
+      if (a.next == to) apexes_.push_back(a.from);
     }
-    const bool along_boundary = on_boundary_[v] != 0;
-    if (apexes != (along_boundary ? 1 : 2) || apex[0] == apex[1]) return false;
-    if (along_boundary && (on_boundary_[to] == 0 || ring_.around.size() < 2)) return false;
-    // The triangle that replaces these three may already exist in another patch.
-    const bool three_around = !along_boundary && ring_.around.size() == 3;
-    if (three_around && fixed_[to] != 0 && fixed_[apex[0]] != 0 && fixed_[apex[1]] != 0) return false;
-    for (const std::uint32_t neighbor : ring_.neighbors) {
-      if (neighbor == to) continue;
-      if (neighbor == apex[0] || neighbor == apex[1]) {
-        // At a boundary, the two edges to the apex merge; they must not both be boundary edges.
-        if (along_boundary && is_boundary_edge(v, neighbor) && is_boundary_edge(to, neighbor)) return false;
-        continue;
+    const std::size_t leaves = leaves_[v];
+    if (apexes_.size() != (leaves > 0 ? leaves : 2)) return false;
+    if (leaves == 1 && leaves_[to] == 0) return false;
+    if (leaves == 2 && !is_curve_edge(ring_, to)) return false;
+    for (std::size_t i = 0; i < apexes_.size(); ++i) {
+      if (std::find(apexes_.begin(), apexes_.begin() + static_cast<std::ptrdiff_t>(i), apexes_[i]) !=
+          apexes_.begin() + static_cast<std::ptrdiff_t>(i)) {
+        return false;
       }
-      if (fixed_[neighbor] != 0 && fixed_[to] != 0) return false;
+      if (leaves > 0 && is_curve_edge(ring_, apexes_[i])) return false;
+    }
+    // The triangle that replaces these three may already exist in another patch.
+    const bool three_around = leaves == 0 && ring_.around.size() == 3;
+    if (three_around && locked_[to] != 0 && locked_[apexes_[0]] != 0 && locked_[apexes_[1]] != 0) return false;
+    for (const std::uint32_t neighbor : ring_.neighbors) {
+      if (neighbor == to || std::ranges::find(apexes_, neighbor) != apexes_.end()) continue;
+      if (locked_[neighbor] != 0 && locked_[to] != 0) return false;
       if (joined(neighbor, to)) return false;
     }
+    if (leaves > 0)
+      return keeps_touching_parts(v, to);  // no triangle of v has two apexes: they are in different leaves
     for (std::uint32_t c = first_corner_[to]; c != kNone; c = next_corner_[c]) {
       if (removed_[c / 3] != 0) continue;
       const Corners& t = corners_[c / 3];
       const auto has = [&](std::uint32_t w) { return t.x == w || t.y == w || t.z == w; };
-      if (!has(v) && has(apex[0]) && (along_boundary ? false : has(apex[1]))) return false;
+      if (!has(v) && has(apexes_[0]) && has(apexes_[1])) return false;
     }
     return true;
+  }
+
+  // Returns whether a curve along which a label touches itself keeps a vertex of its parts between its ends.
+  [[nodiscard]] bool keeps_touching_parts(std::uint32_t v, std::uint32_t to) const {
+    if (!state_.has_role(vertices_[v], VertexRole::touching) || is_touching(to)) return true;
+    return std::ranges::any_of(ring_.neighbors,
+                               [&](std::uint32_t w) { return w != to && is_touching(w) && is_curve_edge(ring_, w); });
+  }
+
+  // A locked vertex may be the end of several curves.
+  [[nodiscard]] bool is_touching(std::uint32_t v) const {
+    return leaves_[v] > 0 && locked_[v] == 0 && state_.has_role(vertices_[v], VertexRole::touching);
   }
 
   // Lists the remaining triangles of v, with `to` in its place.
@@ -211,40 +228,48 @@ class PatchCollapse : private PatchMesh {
   }
 
   // No triangle may turn by more than about 75 degrees, or become a sliver unless one was nearly as thin. A sliver has
-  // no reliable normal, so its successor is compared with the sum of all triangles around v.
+  // no reliable normal, so its successor is compared with the sum of all triangles of its sheet around v.
   [[nodiscard]] bool keeps_shape(std::uint32_t v) const {
     constexpr double kLeastCosine = 0.25;
     constexpr double kThin = 1e-2;
     constexpr double kThinnest = 1e-3;
     if (new_.empty()) return false;
     constexpr double kOfThinnest = 0.5;
-    glm::dvec3 around(0.0);
     double thin_enough = kThinnest;
     for (const Around& a : ring_.around) {
-      around += cross_product(corners_[a.triangle]);
       thin_enough = std::min(thin_enough, kOfThinnest * thickness(corners_[a.triangle]));
     }
     for (const auto& [f, t] : new_) {
       if (!(thickness(t) > thin_enough) || !has_area(t)) return false;
-      const glm::dvec3 before = thickness(corners_[f]) > kThin ? cross_product(corners_[f]) : around;
+      const glm::dvec3 before = thickness(corners_[f]) > kThin ? cross_product(corners_[f]) : sum_around(sheet(f));
       const glm::dvec3 after = cross_product(t);
       if (!(glm::dot(before, after) > kLeastCosine * glm::length(before) * glm::length(after))) return false;
     }
     return first_corner_[v] != kNone;
   }
 
-  // Finds the new triangle nearest to v and to each sample around v. Returns the largest squared distance, or infinity
-  // if it exceeds the limit.
+  // Returns the sum of the cross products of a sheet's triangles around v.
+  [[nodiscard]] glm::dvec3 sum_around(std::uint32_t of_sheet) const {
+    glm::dvec3 sum(0.0);
+    for (const Around& a : ring_.around) {
+      if (sheet(a.triangle) == of_sheet) sum += cross_product(corners_[a.triangle]);
+    }
+    return sum;
+  }
+
+  // Finds the new triangle nearest to v and to each sample around v, among those of the same sheet. Returns the largest
+  // squared distance, or infinity if it exceeds the limit.
   double attach(std::uint32_t v) {
     attached_.clear();
     targets_of_new_.clear();
     for (const auto& [f, t] : new_) targets_of_new_.emplace_back(places_[t.x], places_[t.y], places_[t.z]);
     double greatest = 0;
-    const auto add = [&](std::uint32_t sample) {
+    const auto add = [&](std::uint32_t sample, std::uint32_t of_sheet) {
       const glm::dvec3 p = glm::dvec3(state_.positions[sample]) - origin_;
       double least = std::numeric_limits<double>::infinity();
       std::uint32_t nearest = 0;
       for (std::size_t i = 0; i < new_.size(); ++i) {
+        if (sheet(new_[i].first) != of_sheet) continue;
         const double squared = targets_of_new_[i].distance_squared(p);
         if (squared < least) {
           least = squared;
@@ -256,15 +281,31 @@ class PatchCollapse : private PatchMesh {
       return least <= limit_squared_;
     };
     const auto beyond = std::numeric_limits<double>::infinity();
-    if (!add(vertices_[v])) return beyond;
+    for (const std::uint32_t of_sheet : sheets_around()) {
+      if (!add(vertices_[v], of_sheet)) return beyond;
+    }
+    keep_farthest();
     for (const Around& a : ring_.around) {
       const std::uint32_t t = triangles_[a.triangle];
       for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) {
-        if (!add(s)) return beyond;
+        if (!add(s, state_.sheet(t))) return beyond;
       }
     }
     return greatest;
   }
+
+  // Lists the sheets of the triangles around v.
+  [[nodiscard]] std::span<const std::uint32_t> sheets_around() {
+    sheets_.clear();
+    for (const Around& a : ring_.around) {
+      const std::uint32_t s = sheet(a.triangle);
+      if (std::ranges::find(sheets_, s) == sheets_.end()) sheets_.push_back(s);
+    }
+    return sheets_;
+  }
+
+  // A vertex can be a sample of one triangle only: that of the sheet that is farthest away.
+  void keep_farthest() { attached_ = {*std::ranges::max_element(attached_, {}, &Attached::distance_squared)}; }
 
   // Returns the largest squared distance from the midpoints of new edges to the original mesh, at least `known`. Call
   // attach(v) first.
@@ -272,10 +313,11 @@ class PatchCollapse : private PatchMesh {
     double farthest = known;
     near_.clear();
     for (const auto& [f, t] : new_) {
+      const mesh::TriangleTree& tree = state_.original_tree(triangles_[f]);
       std::uint32_t slot = state_.original_slot[triangles_[f]];
       double of_triangle = 0;
       const auto look = [&](const glm::dvec3& p) {
-        const auto nearest = state_.original_tree.nearest(p + origin_, slot, farthest);
+        const auto nearest = tree.nearest(p + origin_, slot, farthest);
         of_triangle = std::max(of_triangle, nearest.distance_squared);
         slot = nearest.slot;
       };
@@ -306,7 +348,8 @@ class PatchCollapse : private PatchMesh {
       if (near_[i].distance_squared < kClearlyNear * kClearlyNear * proven_ * proven_) continue;
       const Corners& t = new_[i].second;
       const std::array<glm::dvec3, 3> corners{places_[t.x] + origin_, places_[t.y] + origin_, places_[t.z] + origin_};
-      const mesh::TriangleBound found = mesh::bound_distance(corners, state_.original_tree, limits, 0, near_[i].slot);
+      const mesh::TriangleBound found =
+          mesh::bound_distance(corners, state_.original_tree(triangles_[new_[i].first]), limits, 0, near_[i].slot);
       if (!(found.upper <= proven_)) return false;
       near_[i].known = {found.lower, found.upper};
     }
@@ -380,6 +423,8 @@ class PatchCollapse : private PatchMesh {
   Ring ring_;
   Ring pushed_;
   std::vector<std::pair<double, std::uint32_t>> targets_;
+  std::vector<std::uint32_t> apexes_;
+  std::vector<std::uint32_t> sheets_;
   std::uint32_t prepared_ = kNone;  // the target that the members below belong to, or kNone
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<mesh::ClosestPointTriangle> targets_of_new_;

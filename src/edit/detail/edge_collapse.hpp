@@ -7,8 +7,8 @@
 //   farthest samples.
 // - Topology: a vertex collapses only if the link condition holds (Dey, Edelsbrunner, Guha, Nekhayev: Topology
 //   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Vertices of
-//   boundary loops collapse along their loop. Planes through boundary edges, at right angles to their triangles, are
-//   part of the quadrics.
+//   curves, which are boundary loops or where sheets meet, collapse along their curve; its ends stay. Planes through
+//   boundary edges, at right angles to their triangles, are part of the quadrics.
 //
 // The limits hardly change the order: they only make a second target be tried, and `proven` rejects single collapses.
 // Sample points prove nothing; distance_proof.hpp does.
@@ -41,7 +41,8 @@ struct CollapseVertices {
 //
 // Moves no locked vertex and joins no two locked vertices by a new edge, so patches that share only locked vertices can
 // run in parallel. Every vertex must have all its triangles in the patch or be locked. Keeps components, boundary
-// loops, Euler number and manifoldness; vertices where the surface is not manifold stay.
+// loops, sheets, Euler number and manifoldness. Vertices stay where the surface is neither a manifold nor sheets
+// around one curve.
 [[nodiscard]] CollapseLog collapse_edges(CollapseState& state, std::span<const std::uint32_t> patch,
                                          const CollapseVertices& vertices, const CollapseLimits& limits,
                                          std::uint32_t first);

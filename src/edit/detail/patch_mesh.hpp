@@ -1,8 +1,11 @@
 // A patch of a mesh with its own vertex numbers, and the triangles around each vertex.
+//
+// Sheets may meet in curves: edges that are not between two triangles of one sheet. A boundary is a curve of one sheet.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -26,7 +29,7 @@ class PatchMesh {
     std::vector<std::uint32_t> neighbors;  // without duplicates
   };
 
-  // Takes `patch` as collapse_edges() does; `locked` vertices are fixed.
+  // Takes `patch` as collapse_edges() does; `locked` vertices and those with VertexRole::kept are fixed.
   PatchMesh(CollapseState& state, std::span<const std::uint32_t> patch, std::span<const char> locked)
       : state_(state), triangles_(patch) {
     number_vertices();
@@ -49,15 +52,30 @@ class PatchMesh {
       ring.around.push_back({t, corners_[t][(at + 1) % 3], corners_[t][(at + 2) % 3]});
       link = &next_corner_[corner];
     }
-    for (const Around& a : ring.around) ring.neighbors.push_back(a.from);
-    if (on_boundary_[v] != 0) {  // the ring is open: its last vertex starts no edge
-      for (const Around& a : ring.around) {
-        if (std::none_of(ring.around.begin(), ring.around.end(), [&](const Around& b) { return b.from == a.next; })) {
-          ring.neighbors.push_back(a.next);
-        }
-      }
+    if (leaves_[v] == 0) {
+      for (const Around& a : ring.around) ring.neighbors.push_back(a.from);
+      return;
     }
+    const auto add = [&](std::uint32_t w) {
+      if (std::ranges::find(ring.neighbors, w) == ring.neighbors.end()) ring.neighbors.push_back(w);
+    };
+    for (const Around& a : ring.around) add(a.from);
+    for (const Around& a : ring.around) add(a.next);
   }
+
+  // Returns whether the edge from the ring's vertex to w is part of a curve: not between two triangles of one sheet
+  // that run along it in opposite directions.
+  [[nodiscard]] bool is_curve_edge(const Ring& ring, std::uint32_t w) const {
+    const Around* from = nullptr;
+    const Around* next = nullptr;
+    for (const Around& a : ring.around) {
+      if (a.from == w && std::exchange(from, &a) != nullptr) return true;
+      if (a.next == w && std::exchange(next, &a) != nullptr) return true;
+    }
+    return from == nullptr || next == nullptr || sheet(from->triangle) != sheet(next->triangle);
+  }
+
+  [[nodiscard]] std::uint32_t sheet(std::uint32_t triangle) const { return state_.sheet(triangles_[triangle]); }
 
   // Returns whether an existing edge has one triangle.
   [[nodiscard]] bool is_boundary_edge(std::uint32_t a, std::uint32_t b) const {
@@ -108,8 +126,9 @@ class PatchMesh {
   std::vector<char> removed_;                // 1: triangle removed
   std::vector<std::uint32_t> first_corner_;  // for each vertex: 3 * triangle + corner
   std::vector<std::uint32_t> next_corner_;
-  std::vector<char> fixed_;        // 1: vertex must stay
-  std::vector<char> on_boundary_;  // 1: vertex has a single open fan
+  std::vector<char> locked_;          // 1: vertex has triangles outside the patch
+  std::vector<char> fixed_;           // 1: vertex must stay
+  std::vector<std::uint8_t> leaves_;  // of a vertex on a curve: count_leaves(); else 0
 
  private:
   // Numbers vertices by first use. Positions become relative to one vertex, so that products keep their precision.
@@ -148,39 +167,53 @@ class PatchMesh {
     }
   }
 
-  // Fixes locked vertices, and vertices whose triangles form neither one closed fan nor one open fan.
+  // Fixes locked vertices, and vertices that lie neither within a sheet nor on a curve.
   void look_around_vertices(std::span<const char> locked) {
+    locked_.assign(vertices_.size(), 0);
     fixed_.assign(vertices_.size(), 0);
-    on_boundary_.assign(vertices_.size(), 0);
+    leaves_.assign(vertices_.size(), 1);
     Ring ring;
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
       look_around(v, ring);
-      const std::vector<Around>& around = ring.around;
-      std::size_t starts = 0;
-      std::size_t start = 0;
-      bool twice = false;
-      for (std::size_t i = 0; i < around.size(); ++i) {
-        std::size_t before = 0;
-        for (std::size_t j = 0; j < around.size(); ++j) {
-          before += around[j].next == around[i].from ? 1 : 0;
-          if (i != j && (around[i].from == around[j].from || around[i].next == around[j].next)) twice = true;
-        }
-        if (before == 0) {
-          ++starts;
-          start = i;
-        }
-      }
-      std::size_t walked = 1;
-      for (std::size_t i = start; !twice && walked < around.size(); ++walked) {
-        const auto next =
-            std::find_if(around.begin(), around.end(), [&](const Around& a) { return a.from == around[i].next; });
-        if (next == around.end() || (starts == 0 && next == around.begin())) break;
-        i = static_cast<std::size_t>(next - around.begin());
-      }
-      const bool one_fan = !twice && starts <= 1 && walked == around.size();
-      on_boundary_[v] = one_fan && starts == 1 ? 1 : 0;
-      fixed_[v] = !one_fan || locked[vertices_[v]] != 0 ? 1 : 0;
+      locked_[v] = locked[vertices_[v]] != 0 ? 1 : 0;
+      const std::optional<std::uint8_t> leaves = count_leaves(ring);
+      leaves_[v] = leaves.value_or(0);
+      fixed_[v] = !leaves || locked_[v] != 0 || state_.has_role(vertices_[v], VertexRole::kept) ? 1 : 0;
     }
+  }
+
+  // Returns 0 if the triangles around a vertex form one closed fan within a sheet. Returns the number of fans if they
+  // are leaves along a curve: each within a sheet, and from one to the other of the same two curve edges. A boundary is
+  // a curve with one leaf. Returns null for any other vertex.
+  [[nodiscard]] std::optional<std::uint8_t> count_leaves(const Ring& ring) const {
+    const std::vector<Around>& around = ring.around;
+    if (around.empty()) return std::nullopt;
+    std::vector<std::uint32_t> ends;  // of curve edges
+    for (const std::uint32_t w : ring.neighbors) {
+      if (is_curve_edge(ring, w)) ends.push_back(w);
+    }
+    if (!ends.empty() && ends.size() != 2) return std::nullopt;
+    // Follows each fan from its first triangle; of a closed fan any is the first.
+    std::size_t walked = 0;
+    std::size_t fans = 0;
+    constexpr std::size_t kMost = 255;
+    for (std::size_t start = 0; start < around.size() && fans < kMost; ++start) {
+      const bool is_first = ends.empty() ? start == 0 : around[start].from == ends[0] || around[start].from == ends[1];
+      if (!is_first) continue;
+      ++fans;
+      std::size_t at = start;
+      for (;; ++walked) {
+        if (walked >= around.size()) return std::nullopt;
+        const std::uint32_t w = around[at].next;
+        if (ends.empty() ? w == around[start].from : w == ends[0] || w == ends[1]) break;
+        at = static_cast<std::size_t>(std::ranges::find(around, w, &Around::from) - around.begin());
+      }
+      ++walked;
+      const bool returns = around[start].from == around[at].next;  // a cone from a curve edge to itself
+      if (!ends.empty() && returns) return std::nullopt;
+    }
+    if (walked != around.size()) return std::nullopt;
+    return static_cast<std::uint8_t>(ends.empty() ? 0 : fans);
   }
 };
 

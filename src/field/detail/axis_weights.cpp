@@ -19,6 +19,7 @@ std::array<double, AxisWeights::kMaxKernelWeights> kernel_weights(ResampleKernel
     case ResampleKernel::bspline:
       return {u * u * u / 6, (4 - t * t * (6 - 3 * t)) / 6, (4 - u * u * (6 - 3 * u)) / 6, t * t * t / 6};
     case ResampleKernel::nearest:
+    case ResampleKernel::majority:
     case ResampleKernel::linear: break;
   }
   return {0, u, t, 0};
@@ -66,7 +67,7 @@ std::uint64_t AxisWeights::bytes(int old_count, int new_count) {
 }
 
 AxisWeights::AxisWeights(int old_count, int new_count, ResampleKernel kernel, bool means)
-    : mean_(means && new_count < old_count && kernel != ResampleKernel::nearest),
+    : mean_(means && new_count < old_count && !makes_no_values(kernel)),
       convex_(mean_ || kernel != ResampleKernel::cubic) {
   entries_.reserve(static_cast<std::size_t>(new_count));
   const std::int64_t steps = new_count - 1;
@@ -115,7 +116,7 @@ void AxisWeights::add_mean(Entry entry, double half_width, int old_count) {
 
 void AxisWeights::add_kernel(Entry entry, ResampleKernel kernel, int old_count) {
   const bool passes_through = kernel != ResampleKernel::bspline;
-  if (kernel == ResampleKernel::nearest || (passes_through && entry.t == 0)) {
+  if (makes_no_values(kernel) || (passes_through && entry.t == 0)) {
     entry.first = entry.t > 0.5 ? entry.below + 1 : entry.below;
     entry.count = 1;
     weights_.push_back(1);

@@ -19,6 +19,11 @@ struct SampleWeights {
   double t = 0;
 };
 
+// Returns whether all new samples are old ones. Where majority has no means to take, it is nearest.
+[[nodiscard]] constexpr bool makes_no_values(ResampleKernel kernel) {
+  return kernel == ResampleKernel::nearest || kernel == ResampleKernel::majority;
+}
+
 class AxisWeights {
  public:
   static constexpr int kMaxKernelWeights = 4;  // the most weights of a kernel

@@ -246,6 +246,31 @@ TEST(Resample, NearestReturnsOldSamples) {
   }
 }
 
+TEST(Resample, MajorityReturnsTheValueOfMostVoxels) {
+  const auto middle = [](const std::vector<double>& samples, NanHandling nan = NanHandling::left_out) {
+    return row_of(samples, 3, ResampleKernel::majority, nan)[1];
+  };
+  constexpr double kNaN = test::kNaN;
+  // Half of the voxels beside the middle one are in its cell.
+  EXPECT_EQ(middle({9, 5, 5, 7, 1}), 5);
+  EXPECT_EQ(middle({9, 5, 7, 5, 1}), 7) << "as many of both: the nearest";
+  EXPECT_EQ(middle({0, 0, 4, 7, 4, 0, 0}), 4);
+  EXPECT_EQ(middle({0, 0, 0, 4, 4, 9, 2, 2, 0, 0, 0}), 2) << "as many of both: the least";
+  EXPECT_EQ(row_of({1, 2, 2, 2, 2, 2, 3}, 3, ResampleKernel::majority), (std::vector<double>{1, 2, 3}))
+      << "the boundary stays";
+  EXPECT_EQ(row_of({1, 2}, 4, ResampleKernel::majority), (std::vector<double>{1, 1, 2, 2})) << "finer: the nearest";
+  EXPECT_EQ(middle({0, 0, 4, kNaN, 4, 0, 0}), 4);
+  EXPECT_EQ(middle({0, 0, 0, 4, 4, 9, kNaN, kNaN, 0, 0, 0}), 4) << "NaN loses a tie";
+  EXPECT_TRUE(std::isnan(middle({0, 0, 4, kNaN, 7, 0, 0}))) << "unless it is nearest";
+  EXPECT_TRUE(std::isnan(middle({0, 0, kNaN, 4, 4, 0, 0}, NanHandling::spread)));
+  // More values than are searched one by one; ids that float cannot hold.
+  const ScalarField ids = test::dense_field<std::int32_t>(
+      {9, 9, 9}, [](int i, int j, int k) { return 2'000'000'000 + (i + 9 * j + 81 * k) % 61 * (i % 2); });
+  const ScalarField coarse = resampled(ids, glm::ivec3(3), ResampleKernel::majority);
+  EXPECT_EQ(coarse.type(), SampleType::i32);
+  EXPECT_EQ(sample_at(coarse, glm::ivec3(1)), 2'000'000'000);
+}
+
 TEST(Resample, KernelsAreLinearBesideNonFiniteSamples) {
   const std::vector<double> samples{1, 2, 5, test::kNaN, 5, 2, 1, 0};
   for (const ResampleKernel kernel : {ResampleKernel::cubic, ResampleKernel::bspline}) {
