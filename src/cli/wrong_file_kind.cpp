@@ -43,7 +43,9 @@ Error add_volume_file_hint(Error error, const std::string& path) {
   if (error.code != ErrorCode::input || !format || *format == mesh_io::MeshFormat::ply || !has_content(path)) {
     return error;
   }
-  error.hint = fmt::format("the file name is that of a mesh: 'isoextract check {}' reports on it", shell_quoted(path));
+  error.hint = fmt::format(
+      "the file name is that of a mesh: 'isoextract check {0}' reports on it, 'isoextract {0} -o OUT.glb' converts it",
+      shell_quoted(path));
   return error;
 }
 

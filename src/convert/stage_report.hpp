@@ -94,7 +94,7 @@ class Value {
   Value(const field::IndexBox& box);  // null if the box is empty
   Value(const field::Affine& map);    // three rows of four numbers: linear part, then offset
   Value(const StageTime& time);
-  Value(const SurfaceId& id);  // a number for an iso value, an integer for a label
+  Value(const SurfaceId& id);  // a number for an iso value, an integer for a label, a text for a mesh of a file
   template <class T>
   Value(const std::optional<T>& value) {
     if (value) *this = Value(*value);
@@ -105,6 +105,7 @@ class Value {
 
   [[nodiscard]] bool is_none() const { return kind_ == Kind::none; }
   [[nodiscard]] bool is_integer() const { return kind_ == Kind::integer; }
+  [[nodiscard]] bool is_text() const { return kind_ == Kind::text; }
   [[nodiscard]] const Figures* parts() const { return parts_.get(); }
   template <class T>
   [[nodiscard]] T as() const {
@@ -167,11 +168,12 @@ struct OpenBoundary {
   std::uint64_t hole_cells = 0;  // cells left out because of NaN samples
 };
 
-// Defects that a reader finds who welds the vertices of a file by position.
+// Defects that readers of the file find: those that weld vertices by position, and all readers if the input was a mesh.
 struct WeldedDefects {
   std::uint64_t open_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
   std::uint64_t nonmanifold_vertices = 0;
+  std::uint64_t misoriented_edges = 0;  // of a mesh as input only
 };
 
 // An output that was written, or that was skipped because none of its surfaces has triangles (then `surfaces` and

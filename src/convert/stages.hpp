@@ -20,6 +20,7 @@ struct Surface;
 enum class StageName {
   open,
   read,
+  read_mesh,
   particles_to_field,
   choose_particles,
   read_attributes,
@@ -91,6 +92,10 @@ struct StageInfo {
 inline constexpr std::array kStages{
     StageInfo{StageName::open, "open"},
     StageInfo{StageName::read, "read"},
+    StageInfo{.name = StageName::read_mesh,
+              .word = "read mesh",
+              .section = "mesh_files",
+              .asked = [](const ConversionJob& job) { return job.source.mesh; }},
     StageInfo{StageName::particles_to_field, "particles to field"},
     StageInfo{.name = StageName::choose_particles,
               .word = "choose particles",

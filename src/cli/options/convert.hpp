@@ -71,7 +71,7 @@ struct ConvertFlags : OptionSet {
 
  public:
   InputFlags input{*this, of_ == Of::convert
-                              ? InputUse{"INPUT", "Volumes or particles to convert", true}
+                              ? InputUse{"INPUT", "Volumes, particles or mesh files to convert", true}
                               : InputUse{"INPUT", "Volume or particles the mesh was made from", false, 1}};
   ParticleFlags particles{*this};
 

@@ -43,6 +43,7 @@ struct OutputMeshes {
       written.welded.open_edges += surface.welded->open_edges;
       written.welded.nonmanifold_edges += surface.welded->nonmanifold_edges;
       written.welded.nonmanifold_vertices += surface.welded->nonmanifold_vertices;
+      written.welded.misoriented_edges += surface.welded->misoriented_edges;
     }
     if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
   }
@@ -73,7 +74,7 @@ struct OutputMeshes {
     for (std::size_t m = 0; m < done.size(); ++m) {
       if (done[m].bytes_before == 0) continue;
       const auto& [label, id, end] = written.surfaces[m];
-      reports.push_back(report_of({fmt::format("{} {}", label, id.name()), id, job.path, packing, done[m]}));
+      reports.push_back(report_of({id == kWholeFile ? label : fmt::format("{} {}", label, id.name()), id, job.path, packing, done[m]}));
     }
     return reports;
   }

@@ -13,12 +13,14 @@
 #include "edit/bounded_simplify.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
+#include "mesh/metrics.hpp"
 #include "mesh/shells.hpp"
 
 namespace isoextract::convert {
 namespace {
 
 constexpr double kPatchVoxels = 32;
+constexpr double kPatchEdges = 32;  // typical edges of the mesh
 
 struct Stretch {
   double least = 1;
@@ -119,6 +121,8 @@ struct DistanceRange {
   double upper = 0;
 };
 
+std::string range_text(const DistanceRange& range) { return fmt::format("{:.4g} to {:.4g}", range.lower, range.upper); }
+
 Figures figures_of(const DistanceRange& range) { return {{Key::lower, range.lower}, {Key::upper, range.upper}}; }
 
 // Bounds of the Hausdorff distance between the simplified mesh and the original, and changes of the components.
@@ -146,18 +150,18 @@ std::string why_unchanged(const SimplifyChoice& asked, const Simplified& done) {
                      bound_text(*asked.within));
 }
 
-std::string line_of(const SimplifyChoice& asked, const Simplified& done, const std::string& surface) {
+std::string line_of(const SimplifyChoice& asked, const Simplified& done, const SurfaceId& surface,
+                    const Source& source) {
   const edit::SimplifyFigures& facts = done.facts;
   const double seconds = facts.time.wall_seconds;
   if (facts.triangles_after == facts.triangles_before) {
-    return fmt::format("not simplified at {}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
+    return fmt::format("not simplified{}: {}; {:.2f} s", surface.place(), why_unchanged(asked, done), seconds);
   }
   std::string text = fmt::format(
-      "simplified at {}: {} of {} triangles left ({:.1f} %); requested {}, measured {:.4g} to {:.4g} voxels, "
-      "in the mesh's units {:.4g} to {:.4g}; {:.2f} s",
-      surface, facts.triangles_after, facts.triangles_before,
+      "simplified{}: {} of {} triangles left ({:.1f} %); requested {}, measured {}; {:.2f} s", surface.place(),
+      facts.triangles_after, facts.triangles_before,
       100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
-      asked_text(asked), done.voxels.lower, done.voxels.upper, done.world.lower, done.world.upper, seconds);
+      asked_text(asked), source.length_text(range_text(done.voxels), range_text(done.world)), seconds);
   if (done.asked > 0 && facts.triangles_after > done.asked) {
     text += asked.within ? "; fewer triangles would exceed the distance or change the topology"
                          : "; fewer triangles would change the topology or flip triangles";
@@ -216,7 +220,8 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   const Stretch voxel = stretch_of(output_from_index.linear);
   edit::SimplifyOptions options;
   options.max_distance = choice.within ? choice.within->distance : std::numeric_limits<double>::infinity();
-  options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
+  // From the mesh alone, so that a mesh file gives the same triangles as the volume that it came from.
+  options.patch_size = kPatchEdges * mesh::typical_edge(surface.mesh);
   if (choice.triangles) options.triangles = wanted(*choice.triangles, surface.mesh.triangles.size());
   const bool in_world_units = choice.within && choice.within->in_world_units;
   if (!in_world_units && voxel.is_even()) {
@@ -270,7 +275,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   report.details.push_back(fmt::format(
       "{} rounds over {} patches; {} of {} collapses undone in {} passes; {:.2f} s of processor time", facts.rounds,
       facts.patches, facts.undone_collapses, facts.collapses, facts.passes, facts.time.cpu_seconds));
-  report.lines.push_back({line_of(choice, result, surface.id.name())});
+  report.lines.push_back({line_of(choice, result, surface.id, stage.source)});
   report.notes = notes_of(result, report.subject);
   return report;
 }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -20,6 +21,7 @@
 #include "base/note.hpp"
 #include "files/file_bytes.hpp"
 #include "mesh/attributes.hpp"
+#include "mesh/mesh.hpp"
 
 namespace isoextract::mesh_io {
 
@@ -55,6 +57,7 @@ struct FilePart {
   std::string name;
   std::uint64_t first_vertex = 0;
   std::uint64_t first_triangle = 0;
+  std::optional<mesh::Material> material = {};
 };
 
 struct FileSurface {
@@ -72,6 +75,7 @@ struct FileSurface {
   // Vertices have normals and positions that were not rounded, so equal positions may be copies for different normals.
   bool has_normals = false;
   bool is_quantized = false;  // positions were rounded by packing
+  std::set<std::string> left_out;  // of a scene: the kinds of data that a mesh cannot hold, "textures"
   Notes notes;
 };
 
@@ -114,6 +118,7 @@ struct MeshSource {
   std::span<const std::byte> content;
   MemoryUse& memory;
   bool with_normals = false;
+  bool as_scene = false;  // MeshReadOptions::scene
   [[nodiscard]] std::string_view text() const {
     return {reinterpret_cast<const char*>(content.data()), content.size()};
   }
