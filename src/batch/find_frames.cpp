@@ -220,8 +220,8 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
 
 // The folder may hold files of a known kind without telling names, such as a DICOM series.
 tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string& first) {
-  std::string message =
-      fmt::format("{}: no file in the folder has the extension of a volume, particle or mesh format", printable(folder));
+  std::string message = fmt::format("{}: no file in the folder has the extension of a volume, particle or mesh format",
+                                    printable(folder));
   Hint hint("give a pattern, with the folder before it, to find files of any name");
   if (const auto known =
           first.empty() ? std::nullopt : volume_io::unsupported_format_error(fs::path(folder) / first, Context())) {
@@ -273,9 +273,12 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   if (!is_one && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
   FoundFrames found = numbered_frames(names, sequences, decimals, folder.ends_with('/') ? folder : folder + '/');
   if (others > 0) {
-    found.notes.push_back({NoteId::other_files,
-                           fmt::format("{}: {} other file{} the extension of {} format", printable(folder), others,
-                                       others == 1 ? " lacks" : "s lack", are_particles ? "a particle" : are_meshes ? "a mesh" : "a volume")});
+    found.notes.push_back(
+        {NoteId::other_files, fmt::format("{}: {} other file{} the extension of {} format", printable(folder), others,
+                                          others == 1 ? " lacks" : "s lack",
+                                          are_particles ? "a particle"
+                                          : are_meshes  ? "a mesh"
+                                                        : "a volume")});
   }
   return found;
 }

@@ -139,8 +139,8 @@ class ConversionPrinter final : public convert::Events {
     watch_.restart();
   }
 
-  // Returns " iso 0.3, 0.5", or " 3000 labels from 1 to 3000" if there are more labels than a reader takes in; for a mesh
-  // file "", or " (3 meshes)".
+  // Returns " iso 0.3, 0.5", or " 3000 labels from 1 to 3000" if there are more labels than a reader takes in; for a
+  // mesh file "", or " (3 meshes)".
   [[nodiscard]] std::string surfaces_text(const convert::WrittenOutput& output) const {
     if (plan_.job.source.mesh) {
       const std::size_t meshes = output.surfaces.size();

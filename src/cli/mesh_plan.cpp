@@ -26,7 +26,7 @@ struct Misplaced {
 constexpr std::string_view kSamples = "it describes the samples of a volume";
 constexpr std::string_view kParticles = "it describes particles";
 constexpr std::string_view kLabels = "labels are samples of a volume";
-constexpr std::string_view kExtraction = "it says how a surface is extracted from a field";
+constexpr std::string_view kExtraction = "it describes the extraction of a surface from a field";
 constexpr std::string_view kGrid = "it makes another grid of samples";
 constexpr std::string_view kBackends = "the backends extract surfaces from a field";
 
@@ -38,8 +38,8 @@ void add_all(const OptionSet& set, std::string_view why, std::vector<Misplaced>&
 std::vector<Misplaced> options_of_fields(const ConvertFlags& flags) {
   std::vector<Misplaced> options;
   for (const Option* option : flags.input.options()) {
-    const bool is_general = option->is_positional() || option == &flags.input.memory_limit ||
-                            option == &flags.input.in_process;
+    const bool is_general =
+        option->is_positional() || option == &flags.input.memory_limit || option == &flags.input.in_process;
     if (!is_general) options.push_back({option, kSamples});
   }
   add_all(flags.particles, kParticles, options);
@@ -65,8 +65,8 @@ std::vector<Misplaced> options_of_fields(const ConvertFlags& flags) {
       {&flags.relaxations, kExtraction},
       {&flags.no_merge, kExtraction},
       {&flags.t_junctions, kExtraction},
-      {&flags.attributes, "attributes are sampled from fields and particles; those of the mesh file are kept anyway"},
-      {&flags.color, "colors come from fields and particles; those of the mesh file are kept anyway"},
+      {&flags.attributes, "attributes come from fields and particles; the output keeps those of the mesh file anyway"},
+      {&flags.color, "colors come from fields and particles; the output keeps those of the mesh file anyway"},
       {&flags.placement.to_space, "a mesh file states no patient space"},
       {&flags.half, "it stores the samples of a field"},
       {&flags.error, "the error of a surface is its distance to the isosurface of a field"},
@@ -80,9 +80,9 @@ std::vector<Misplaced> options_of_fields(const ConvertFlags& flags) {
 // Refuses values in voxels and methods of particles.
 Result<void> check_values(const ConvertFlags& flags) {
   if (flags.simplify && !flags.simplify->in_world_units) {
-    return refuse_usage(fmt::format("--simplify {}: the distance is in voxels, which a mesh does not have",
-                                    flags.simplify->distance),
-                        fmt::format("give it in the units of the mesh: --simplify {}world", flags.simplify->distance));
+    return refuse_usage(
+        fmt::format("--simplify {}: the distance is in voxels, which a mesh does not have", flags.simplify->distance),
+        fmt::format("give it in the units of the mesh: --simplify {}world", flags.simplify->distance));
   }
   const auto& least = flags.edits.least;
   if (least && least->measure != edit::ComponentMeasure::triangles && !least->in_world_units) {
@@ -96,7 +96,8 @@ Result<void> check_values(const ConvertFlags& flags) {
                         "use --smooth N:taubin or --smooth N:sinc");
   }
   if (flags.surface.cap && flags.surface.clip.empty()) {
-    return refuse_usage("--cap: without --clip there is no cut of the mesh to close", "give --clip, or leave --cap out");
+    return refuse_usage("--cap: without --clip there is no cut of the mesh to close",
+                        "give --clip, or leave --cap out");
   }
   if (flags.placement.space == convert::Space::index) {
     return refuse_usage("--space index: a mesh has no voxel coordinates", "leave --space out");
@@ -159,8 +160,8 @@ Result<void> check_mesh_frames(const ConvertFlags& flags, const batch::Frames& f
     return format && mesh_io::is_gltf(*format);
   };
   const bool first = is_gltf_named(found.frames.front());
-  const auto other = std::ranges::find_if(
-      found.frames, [&](const batch::Frame& frame) { return is_gltf_named(frame) != first; });
+  const auto other =
+      std::ranges::find_if(found.frames, [&](const batch::Frame& frame) { return is_gltf_named(frame) != first; });
   if (other == found.frames.end()) return {};
   return refuse_usage(fmt::format("{} and {} have different up axes: glTF prescribes y, other formats count as z",
                                   printable(found.frames.front().input), printable(other->input)),

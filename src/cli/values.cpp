@@ -249,11 +249,13 @@ Result<convert::TriangleCount> parse_triangle_count(std::string_view text) {
   constexpr double kMost = 0x1p53;
   std::string_view number = text;
   const bool in_percent = text.ends_with('%');
-  if (in_percent) number.remove_suffix(1);
-  const auto amount = whole_text_as<double>(number);
+  const double unit = text.ends_with('k') ? 1e3 : text.ends_with('M') ? 1e6 : 1;
+  if (in_percent || unit > 1) number.remove_suffix(1);
+  auto amount = whole_text_as<double>(number);
+  if (amount) *amount *= unit;
   const bool fits = amount && *amount > 0 && *amount <= (in_percent ? kAll : kMost);
   if (!fits || (!in_percent && *amount != std::floor(*amount))) {
-    return expected_found("a number of triangles such as 100000, or a part of them such as 10%", text);
+    return expected_found("a number of triangles such as 100000 or 100k, or a part of them such as 10%", text);
   }
   return convert::TriangleCount{*amount, in_percent};
 }

@@ -143,8 +143,7 @@ class Conversion {
         if (!file) file.emplace(open(output));
         const std::size_t before = file->written.surfaces.size();
         const std::span<const ResolvedIso> all(source_.isos);
-        const auto asked =
-            job_.source.mesh ? all : all.subspan(first_iso_of(job_, output_, grid), output.isos.size());
+        const auto asked = job_.source.mesh ? all : all.subspan(first_iso_of(job_, output_, grid), output.isos.size());
         const auto isos =
             chosen_.large_enough(surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
         const Notes repeated = repeated_notes(source_.label, asked, files::output_label(output.path));
@@ -293,8 +292,8 @@ class Conversion {
 
   [[nodiscard]] SurfaceMaker maker() {
     const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
-    return {job_, source_, backends_.extractor(), backends_.other(), labels, looks_, all_, source_.meshes,
-            extras_.mesh_facts, context_};
+    return {job_,   source_, backends_.extractor(), backends_.other(),  labels,
+            looks_, all_,    source_.meshes,        extras_.mesh_facts, context_};
   }
 
   Result<void> add(Surface surface, OutputMeshes& file) {

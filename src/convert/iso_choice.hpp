@@ -24,8 +24,8 @@ inline constexpr FileMesh kWholeFile{0};
 class SurfaceId {
  public:
   SurfaceId() = default;
-  SurfaceId(double iso) : of_(iso) {}     // NOLINT(google-explicit-constructor): iso values are the rule
-  SurfaceId(Label label) : of_(label) {}  // NOLINT(google-explicit-constructor)
+  SurfaceId(double iso) : of_(iso) {}      // NOLINT(google-explicit-constructor): iso values are the rule
+  SurfaceId(Label label) : of_(label) {}   // NOLINT(google-explicit-constructor)
   SurfaceId(FileMesh mesh) : of_(mesh) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool is_iso() const { return std::holds_alternative<double>(of_); }

@@ -82,25 +82,23 @@ Result<void> adapt_materials(const MeshFile& file, mesh_io::MeshFormat format, c
   const auto count = std::ranges::count_if(file.parts, has_material);
   if (count == 0 || mesh_io::is_gltf(format)) return {};
   const auto has_color = [](const MeshPart& part) { return part.material && part.material->color; };
-  const bool colored = std::ranges::any_of(mesh.attributes, [](const mesh::Attribute& attribute) {
-    return attribute.role == mesh::AttributeRole::color;
-  });
-  const bool to_vertices =
-      format == mesh_io::MeshFormat::ply && !colored && std::ranges::any_of(file.parts, has_color);
+  const bool colored = std::ranges::any_of(
+      mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.role == mesh::AttributeRole::color; });
+  const bool to_vertices = format == mesh_io::MeshFormat::ply && !colored && std::ranges::any_of(file.parts, has_color);
   if (to_vertices) {
     std::vector<edit::RangeColor> colors;
     for (const MeshPart& part : file.parts) {
       if (!has_color(part)) continue;
       const glm::dvec3& linear = *part.material->color;
-      colors.push_back({part.first_vertex, part.vertices,
+      colors.push_back({part.first_vertex,
+                        part.vertices,
                         {linear_to_srgb(linear.x), linear_to_srgb(linear.y), linear_to_srgb(linear.z)}});
     }
     TRY(edit::color_ranges(mesh, colors, context));
   }
-  events.note({NoteId::data_left_out,
-               fmt::format("{}: {} has no materials: those of {} meshes are left out{}", label,
-                           mesh_io::mesh_format_info(format).name, count,
-                           to_vertices ? ", and their colors are those of the vertices" : "")});
+  events.note({NoteId::data_left_out, fmt::format("{}: {} has no materials, so the output lacks those of {} meshes{}",
+                                                  label, mesh_io::mesh_format_info(format).name, count,
+                                                  to_vertices ? "; the vertices have their colors" : "")});
   return {};
 }
 

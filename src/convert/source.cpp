@@ -389,7 +389,9 @@ SourceUse use_of(const ConversionJob& job) {
   use.is_in_meters = meshes != nullptr && mesh_io::is_gltf(meshes->format);
   use.mesh_format = job.meshes().format;
   // Each body has a file: the bodies of several surfaces would have the same names.
-  const auto has_piece = [](const OutputFileJob& output) { return output.path.find(kPiecePlaceholder) != std::string::npos; };
+  const auto has_piece = [](const OutputFileJob& output) {
+    return output.path.find(kPiecePlaceholder) != std::string::npos;
+  };
   const bool into_files = job.edits.pieces.split && std::ranges::any_of(job.outputs, has_piece);
   use.meshes_apart = mesh_io::mesh_format_info(use.mesh_format).can_hold_several_meshes && !into_files;
   use.counts_neighbors = job.edits.smooth && job.edits.smooth->method == edit::SmoothMethod::weighted;

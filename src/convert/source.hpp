@@ -45,7 +45,7 @@ struct Source {
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
   std::optional<NeighborCounts> neighbors;    // set if SourceUse::counts_neighbors is and there are particles
-  // Of a mesh file: its meshes in output coordinates, in the order of `isos`. The conversion takes one after the other.
+  // Meshes of a mesh file in output coordinates, in the order of `isos`. The conversion takes one after the other.
   // `field` then has no samples. Its voxels are cubes of the file's typical edge length, for stages that need a length.
   std::vector<mesh::Mesh> meshes;
   bool of_meshes = false;
@@ -111,8 +111,8 @@ struct SourceUse {
 // Opens the input and returns a source that is ready for extraction. Fails as the functions it calls do: read_volume(),
 // filter_field(), blur_field(), resample(), rebuild_level_set(), place_field(), resolve_isos() and
 // read_volume_attributes(). For particles it fails as is_particles(), read_particles(), make_particle_field() and
-// find_attributes() do, for mesh files as open_mesh_source() does. With SourceUse::counts_neighbors it fails with ErrorCode::usage for volumes and for particles
-// without kernels.
+// find_attributes() do, for mesh files as open_mesh_source() does. With SourceUse::counts_neighbors it fails with
+// ErrorCode::usage for volumes and for particles without kernels.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

@@ -52,9 +52,10 @@ struct RangeColor {
 // Colors ranges of vertices as color_uniformly() does; vertices outside them become white.
 [[nodiscard]] Result<void> color_ranges(mesh::Mesh& mesh, std::span<const RangeColor> ranges, const Context& context);
 
-// Stores the colors that the vertices have (AttributeRole::color) in another way; `are_linear` says that they are linear
-// light now, else sRGB. Alpha stays; linear_u16 adds an alpha of 1 if there is none. Does nothing without colors. Colors
-// of srgb_u8 survive a way to linear_u16 and back. Fails with ErrorCode::out_of_memory if memory is short.
+// Stores the colors that the vertices have (AttributeRole::color) in another way; `are_linear` says that they are
+// linear light now, else sRGB. Alpha stays; linear_u16 adds an alpha of 1 if there is none. Does nothing without
+// colors. Colors of srgb_u8 survive a way to linear_u16 and back. Fails with ErrorCode::out_of_memory if memory is
+// short.
 [[nodiscard]] Result<void> store_colors(mesh::Mesh& mesh, bool are_linear, ColorStorage storage,
                                         const Context& context);
 

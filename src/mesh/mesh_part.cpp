@@ -11,9 +11,9 @@ Result<Mesh> copy_part(const Mesh& mesh, const PartRange& part, PartData data, c
   if (data == PartData::attributes) {
     for (const Attribute& attribute : mesh.attributes) attribute_bytes += attribute.stride();
   }
-  auto memory = TRY(context.reserve(
-      part.vertices * (sizeof(glm::vec3) + attribute_bytes) + part.triangles * sizeof(glm::uvec3),
-      fmt::format("{}: one of its meshes", mesh.name)));
+  auto memory =
+      TRY(context.reserve(part.vertices * (sizeof(glm::vec3) + attribute_bytes) + part.triangles * sizeof(glm::uvec3),
+                          fmt::format("{}: one of its meshes", mesh.name)));
   Mesh copy;
   copy.name = mesh.name;
   copy.origin = mesh.origin;

@@ -200,10 +200,10 @@ std::vector<MeshPart> parts_of(const FileSurface& surface, bool as_scene) {
     const bool last = i + 1 == surface.parts.size();
     const std::uint64_t end_vertex = last ? surface.positions.size() : surface.parts[i + 1].first_vertex;
     const std::uint64_t end_triangle = last ? surface.triangles.size() : surface.parts[i + 1].first_triangle;
-    parts.push_back({{part.first_vertex, end_vertex - part.first_vertex, part.first_triangle,
-                      end_triangle - part.first_triangle},
-                     part.name,
-                     part.material});
+    parts.push_back(
+        {{part.first_vertex, end_vertex - part.first_vertex, part.first_triangle, end_triangle - part.first_triangle},
+         part.name,
+         part.material});
   }
   return parts;
 }

@@ -47,20 +47,20 @@ struct FileNormals {
 
 // One mesh of a file with several: a range of vertices and a range of triangles.
 struct MeshPart : mesh::PartRange {
-  std::string name;  // from the file, up to 200 bytes; may be empty
+  std::string name;                             // from the file, up to 200 bytes; may be empty
   std::optional<mesh::Material> material = {};  // with MeshReadOptions::scene, if the file states one
 };
 
 struct MeshReadOptions {
   bool normals = false;
-  // For conversions: a part for each node and material of glTF and for each object of OBJ, also if there is only one,
-  // called like its node; materials; and a note about all data that a mesh cannot hold, such as textures.
+  // For conversions: reads materials. Makes a part of each node and material of glTF and of each object of OBJ, also of
+  // a single one, called like its node. Adds a note about all data that a mesh cannot hold, such as textures.
   bool scene = false;
 };
 
 struct MeshFile {
-  mesh::Mesh mesh;                // has the file's name; has no normals
-  FileNormals normals;            // if requested and in the file; mesh.memory includes their bytes
+  mesh::Mesh mesh;      // has the file's name; has no normals
+  FileNormals normals;  // if requested and in the file; mesh.memory includes their bytes
   // glTF: one per node that shows a mesh; empty if there is only one. MeshReadOptions::scene changes both.
   std::vector<MeshPart> parts;
   std::string_view format;        // "PLY, text"

@@ -191,6 +191,14 @@ class MeshInputTest(ProgramTest):
         self.convert("empty.obj", "-o", "out.ply", "--empty", "skip")
         self.assertNotIn("out.ply", self.files())
 
+    def test_info_names_the_command(self):
+        self.convert(*RING, "-o", "a.stl")
+        self.convert(*RING, "-o", "a.ply")
+        for name in ("a.stl",):
+            self.assert_fails(2, self.run_program("info", name), f"isoextract {name} -o OUT.glb")
+        self.convert("a.ply", "--triangles", "1k", "-o", "b.ply")
+        self.assertEqual(len(self.mesh("b.ply").triangles), 1000)
+
     def test_its_own_file_is_not_overwritten(self):
         self.convert("demo:sphere?size=8", "--iso", "0", "-o", "a.glb")
         before = (self.folder / "a.glb").read_bytes()
@@ -274,7 +282,7 @@ class MeshInputTest(ProgramTest):
         self.assertEqual(again["materials"], model["materials"])
         self.assertEqual([n["name"] for n in again["nodes"]], [n["name"] for n in model["nodes"]])
         run = self.convert("b.glb", "-o", "d.obj")
-        self.assertIn("obj has no materials: those of 4 meshes are left out", run.err)
+        self.assertIn("obj has no materials, so the output lacks those of 4 meshes", run.err)
         self.convert("d.obj", "-o", "e.glb")
         self.assertEqual(list(read_glb((self.folder / "e.glb").read_bytes())), list(meshes))
 
@@ -323,8 +331,97 @@ class MeshInputTest(ProgramTest):
         self.assertLessEqual({"out_1.ply", "out_2.ply"}, set(self.files()))
         self.convert(SPHERE, "--iso", "0", "-o", "in/m_3.glb")
         run = self.run_program("in/m_1.stl", "in/m_3.glb", "-o", "mixed_{}.ply")
-        self.assert_fails(1, run, "in/m_3.glb", "up axis")
+        self.assert_fails(1, run, "in/m_3.glb", "up axes")
         self.assert_fails(1, self.run_program("in/m_1.stl", "in/m_2.stl", "--iso", "0", "-o", "o_{}.ply"), "--iso has no effect")
+
+    # Repair
+
+    def damaged(self, name, vertices, triangles):
+        (self.folder / name).write_text(ply_text(vertices, triangles))
+        run = self.convert(name, "--repair", "-o", "out.ply", "--report", "r.json")
+        (entry,) = json.loads((self.folder / "r.json").read_text())["repairs"]
+        return self.mesh("out.ply"), entry, run
+
+    def test_repair_of_each_damage(self):
+        vertices, triangles = box((0, 0, 0), (1, 2, 3))
+        soup = [v for t in triangles for v in (vertices[i] for i in t)]
+        each = [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(12)]
+        flipped = [t[::-1] if i in (1, 4, 7) else t for i, t in enumerate(triangles)]
+        inward = [t[::-1] for t in triangles]
+        middle = [*vertices, tuple((a + b) / 2 for a, b in zip(vertices[triangles[0][0]], vertices[triangles[0][1]]))]
+        a, b, c = triangles[0]
+        split = [(a, 8, c), (8, b, c), *triangles[1:], (a, b, 8)]  # a triangle without area closes the T-junction
+        for name, some, many, figure, count in (
+                ("unwelded", soup, each, "welded", 28), ("twice", vertices, triangles + triangles[2:4], "duplicates", 2),
+                ("flipped", vertices, flipped, "turned", 3), ("inward", vertices, inward, "components_turned", 1),
+                ("open", vertices, triangles[2:], "holes_filled", 1), ("cut", vertices, triangles[1:3] + triangles[4:], "holes_filled", 2),
+                ("flat", middle, split, "without_area", 1),
+                ("repeated", vertices, [*triangles, (1, 1, 2)], "without_area", 1)):
+            with self.subTest(name=name):
+                mesh, entry, run = self.damaged(f"{name}.ply", some, many)
+                self.assertEqual(entry[figure], count, entry)
+                self.assertEqual(mesh.open_edges(), 0)
+                self.assertAlmostEqual(mesh.volume(), 6, places=6)
+                self.assertEqual(entry["verdict"], "printable")
+                self.assertIn("; closed;", run.err)
+                self.assertIn("then printable", run.err)
+
+    def test_repair_of_everything_at_once(self):
+        self.convert("demo:gyroid?size=20", "--iso", "0.2", "--cap", "-o", "a.ply")
+        whole = self.mesh("a.ply")
+        volume = self.numpy_volume(whole)
+        random = numpy.random.default_rng(7)
+        triangles = list(whole.triangles)
+        gone = set(random.choice(len(triangles), 12, replace=False).tolist())
+        rest = [t for i, t in enumerate(triangles) if i not in gone]
+        rest = [t[::-1] if random.random() < 0.3 else t for t in rest] + rest[5:9]
+        soup = [whole.vertices[v] for t in rest for v in t]
+        order = random.permutation(len(rest))
+        each = [(3 * i, 3 * i + 1, 3 * i + 2) for i in order]
+        mesh, entry, _ = self.damaged("b.ply", soup, each)
+        self.assertEqual(mesh.open_edges(), 0)
+        self.assertAlmostEqual(self.numpy_volume(mesh) / volume, 1, places=3)
+        self.assertEqual(entry["duplicates"], 4)
+        self.assertEqual(len(mesh.triangles), len(triangles))
+        self.assertLessEqual(entry["holes_filled"], 12)
+
+    @staticmethod
+    def numpy_volume(mesh):
+        corners = numpy.array(mesh.vertices)[numpy.array(mesh.triangles)]
+        return numpy.einsum("ij,ij->i", corners[:, 0], numpy.cross(corners[:, 1], corners[:, 2])).sum() / 6
+
+    def test_shells_are_turned_by_nesting(self):
+        parts = [box((0, 0, 0), (9, 9, 9)), box((1, 1, 1), (4, 4, 4)), box((2, 2, 2), (3, 3, 3)), box((20, 0, 0), (21, 1, 1))]
+        vertices, triangles = [], []
+        for some, many in parts:
+            triangles += [tuple(i + len(vertices) for i in t) for t in many]
+            vertices += some
+        mesh, entry, _ = self.damaged("nested.ply", vertices, triangles)
+        self.assertEqual(entry["components_turned"], 1)
+        self.assertAlmostEqual(mesh.volume(), 729 - 27 + 1 + 1, places=4)
+
+    def test_what_repair_leaves(self):
+        sheet = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        mesh, entry, run = self.damaged("sheet.ply", sheet, [(0, 1, 2), (0, 2, 3)])
+        self.assertEqual((entry["holes_left"], len(mesh.triangles)), (1, 2))
+        self.assertIn("not printable: 4 open edges", run.err)
+        strip = [(numpy.cos(a) * (3 + w * numpy.cos(a / 2)), numpy.sin(a) * (3 + w * numpy.cos(a / 2)), w * numpy.sin(a / 2))
+                 for a in numpy.linspace(0, 2 * numpy.pi, 20, endpoint=False) for w in (-1, 1)]
+        faces = []
+        for i in range(20):
+            a, b, c, d = 2 * i, 2 * i + 1, (2 * i + 2) % 40, (2 * i + 3) % 40
+            if i == 19:
+                c, d = d, c
+            faces += [(a, b, c), (b, d, c)]
+        _, entry, run = self.damaged("moebius.ply", strip, faces)
+        self.assertEqual(entry["contradictions"], 1)
+        vertices, triangles = box((0, 0, 0), (1, 2, 3))
+        (self.folder / "open.ply").write_text(ply_text(vertices, triangles[2:]))
+        run = self.convert("open.ply", "--repair=0", "-o", "out.ply")
+        self.assertIn("left 1 hole open", run.err)
+        self.assertEqual(self.mesh("out.ply").open_edges(), 4)
+        self.assert_fails(1, self.run_program("open.ply", "--repair=2000", "-o", "out.ply"), "--repair", "0 to 1000")
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--repair", "-o", "o.ply"), "--repair", "mesh")
 
 
 if __name__ == "__main__":

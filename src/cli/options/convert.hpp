@@ -166,14 +166,14 @@ struct ConvertFlags : OptionSet {
       "0.1voxel in voxels, 0.5world in the units of the mesh. The distance is measured and reported. Boundaries get "
       "fewer vertices and stay within ERR, too.",
       About::surface | About::edit};
-  Value<convert::TriangleCount> triangles{
-      in(OptionGroup::surface),
-      "--triangles",
-      "N|P%",
-      parse_triangle_count,
-      "Reduce each surface to N triangles, or to P percent. The topology may allow fewer removals. The distance is "
-      "measured and reported. With --simplify it ends at whichever comes first.",
-      About::surface | About::edit};
+  Value<convert::TriangleCount> triangles{in(OptionGroup::surface),
+                                          "--triangles",
+                                          "N|P%",
+                                          parse_triangle_count,
+                                          "Reduce each surface to N triangles, or to P percent. 50k means 50,000, 2M "
+                                          "two million. The topology may allow fewer removals. The distance is "
+                                          "measured and reported. With --simplify it ends at whichever comes first.",
+                                          About::surface | About::edit};
   Value<convert::EmptyPolicy> empty{only_convert(OptionGroup::surface), "--empty",
                                     "What to do if there is no surface (default: error). error fails; skip writes no "
                                     "file and removes an old one of that name; write writes an empty mesh."};

@@ -107,6 +107,17 @@ struct SurfaceFlags : OptionSet {
 struct EditFlags : OptionSet {
   explicit EditFlags(OptionSet& command);
 
+  Value<convert::RepairChoice> repair{
+      *this,
+      "--repair",
+      "EDGES",
+      parse_repair,
+      "Repair a mesh file, before all other edits. Welds vertices of equal positions on boundary edges; drops "
+      "triangles "
+      "without area and duplicates; gives neighbors one winding; fills holes of up to EDGES edges (default: 100, 0 "
+      "fills none); turns closed shells by their nesting. Reports the count of each step, then what 'check' finds.",
+      About::surface | About::edit,
+      IfLeftOut{"100"}};
   Value<convert::MinComponentSize> least{
       *this,
       "--drop-components",
@@ -145,6 +156,7 @@ struct EditFlags : OptionSet {
   // Returns the edits without a simplification, which plan_edits() adds.
   [[nodiscard]] convert::SurfaceEdits chosen() const {
     convert::SurfaceEdits edits;
+    edits.repair = repair;
     edits.pieces = {least, fill_cavities, largest, split};
     edits.smooth = smooth;
     return edits;

@@ -26,8 +26,8 @@ Result<void> ConversionBackends::open() {
 
 bool ConversionBackends::fall_back_to_cpu(const Error& error) {
   if (extractor_ == nullptr) return false;
-  const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
-                   other_ == nullptr;
+  const bool may =
+      job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) && other_ == nullptr;
   if (!may || error.code != ErrorCode::unavailable) return false;
   extract_with({extract::make_cpu_extractor(), fmt::format("cpu, because {}", error.message)}, {});
   return true;

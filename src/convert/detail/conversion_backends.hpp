@@ -26,9 +26,9 @@ class ConversionBackends {
   // Falls back to the CPU, with a note, if automatic chose a GPU that cannot do the work; never when verifying.
   bool fall_back_to_cpu(const Error& error);
 
-  // Null before open(), and for jobs that extract nothing.
+  // Returns null before open(), and for jobs that extract nothing.
   [[nodiscard]] extract::Extractor* extractor() const { return extractor_.get(); }
-  // Null without verification.
+  // Returns null without verification.
   [[nodiscard]] extract::Extractor* other() const { return other_.get(); }
 
  private:

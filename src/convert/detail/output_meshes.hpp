@@ -74,7 +74,8 @@ struct OutputMeshes {
     for (std::size_t m = 0; m < done.size(); ++m) {
       if (done[m].bytes_before == 0) continue;
       const auto& [label, id, end] = written.surfaces[m];
-      reports.push_back(report_of({id == kWholeFile ? label : fmt::format("{} {}", label, id.name()), id, job.path, packing, done[m]}));
+      reports.push_back(report_of(
+          {id == kWholeFile ? label : fmt::format("{} {}", label, id.name()), id, job.path, packing, done[m]}));
     }
     return reports;
   }

@@ -33,6 +33,7 @@ Result<Surface> take_mesh(const SurfaceMaker& maker, const ResolvedIso& asked, M
                   .id = asked.id,
                   .mesh = std::move(maker.meshes.at(number == 0 ? 0 : number - 1)),
                   .counts_open_edges = true};
+  TRY(tell(TRY(repair_surface(surface, {maker.job, maker.source, maker.facts(false), maker.context})), made.events));
   const mesh::Topology topology = TRY(mesh::measure_topology(surface.mesh, maker.context));
   made.open = topology.open_edges > 0 || is_cut_open(maker);
   return surface;

@@ -25,13 +25,12 @@ std::optional<field::IndexBox> capped_box(const Source& source) {
 
 std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts, const Surface& surface,
                     const Source& source) {
-  std::string text = fmt::format(
-      "smoothed{}: {} passes of {}, {}; vertices moved by at most {}", surface.id.place(), asked.passes,
-      word_of(asked.method),
-      facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
-                        : fmt::format("pass band {}", asked.pass_band),
-      source.length_text(fmt::format("{:.4g}", facts.greatest_move),
-                         fmt::format("{:.4g}", facts.max_displacement_world)));
+  std::string text = fmt::format("smoothed{}: {} passes of {}, {}; vertices moved by at most {}", surface.id.place(),
+                                 asked.passes, word_of(asked.method),
+                                 facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
+                                                   : fmt::format("pass band {}", asked.pass_band),
+                                 source.length_text(fmt::format("{:.4g}", facts.greatest_move),
+                                                    fmt::format("{:.4g}", facts.max_displacement_world)));
   if (facts.border_vertices == 0) {
     const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
     text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");

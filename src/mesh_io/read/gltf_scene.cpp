@@ -45,7 +45,8 @@ bool has_texture(const json& material) {
   const json* const surface = object_at(material, "pbrMetallicRoughness");
   return material.contains("normalTexture") || material.contains("occlusionTexture") ||
          material.contains("emissiveTexture") ||
-         (surface != nullptr && (surface->contains("baseColorTexture") || surface->contains("metallicRoughnessTexture")));
+         (surface != nullptr &&
+          (surface->contains("baseColorTexture") || surface->contains("metallicRoughnessTexture")));
 }
 
 // Returns whether the material has other values for light than those that the writer sets.

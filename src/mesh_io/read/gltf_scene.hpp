@@ -32,8 +32,8 @@ struct GltfScene {
 // Returns the meshes of the default scene; without scenes those of all root nodes.
 [[nodiscard]] GltfScene find_gltf_scene(const nlohmann::json& model, MemoryUse& memory);
 
-// Returns the color, opacity and sides of a primitive's material; nothing if it has no material. In a file of isoextract
-// the color that its writer gives meshes without color counts as none.
+// Returns the color, opacity and sides of a primitive's material; nothing if it has no material. In a file of
+// isoextract the color that its writer gives meshes without color counts as none.
 [[nodiscard]] std::optional<mesh::Material> gltf_material(const nlohmann::json& model, const nlohmann::json& primitive,
                                                           bool is_by_isoextract);
 

@@ -74,7 +74,7 @@ struct FileSurface {
   std::string placement;  // MeshWriteOptions::placement, from any program; read_mesh() keeps up to kMaxPlacement bytes
   // Vertices have normals and positions that were not rounded, so equal positions may be copies for different normals.
   bool has_normals = false;
-  bool is_quantized = false;  // positions were rounded by packing
+  bool is_quantized = false;       // positions were rounded by packing
   std::set<std::string> left_out;  // of a scene: the kinds of data that a mesh cannot hold, "textures"
   Notes notes;
 };

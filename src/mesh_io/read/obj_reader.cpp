@@ -40,7 +40,8 @@ std::uint32_t normal_index(const TextScanner& scanner, std::string_view corner, 
   return index_of(scanner, corner.substr(second + 1), corner, normals, "normal");
 }
 
-// Makes parts of the objects of a file, if the faces of each use only vertices that stand between its name and the next.
+// Makes parts of the objects of a file, if the faces of each use only vertices that stand between its name and the
+// next.
 class ObjectParts {
  public:
   ObjectParts(FileSurface& surface, MemoryUse& memory) : surface_(surface), memory_(memory) {}
@@ -53,8 +54,7 @@ class ObjectParts {
     name = name.substr(0, kNameBytes);
     memory_.make_room(surface_.parts, 1);
     memory_.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
-    surface_.parts.push_back(
-        {std::string(name), first ? 0 : surface_.positions.size(), surface_.triangles.size()});
+    surface_.parts.push_back({std::string(name), first ? 0 : surface_.positions.size(), surface_.triangles.size()});
   }
 
   void add_face(std::span<const std::uint32_t> corners) {
@@ -68,8 +68,9 @@ class ObjectParts {
   void end() {
     if (are_apart_ || surface_.parts.empty()) return;
     surface_.left_out.insert(
-        surface_.parts.size() == 1 ? "the name of its object"
-                                   : fmt::format("the names of its {} objects, which share vertices", surface_.parts.size()));
+        surface_.parts.size() == 1
+            ? "the name of its object"
+            : fmt::format("the names of its {} objects, which share vertices", surface_.parts.size()));
     surface_.parts.clear();
   }
 
@@ -107,7 +108,8 @@ FileSurface read_obj(const MeshSource& source) {
     if (keyword == "v") {
       source.memory.make_room(surface.positions, 1);
       surface.positions.push_back(point_of(scanner));
-      if (source.as_scene && !scanner.word().empty() && !scanner.word().empty()) surface.left_out.insert("vertex colors");
+      if (source.as_scene && !scanner.word().empty() && !scanner.word().empty())
+        surface.left_out.insert("vertex colors");
     } else if (keyword == "o" && source.as_scene) {
       objects.begin(scanner.rest_of_line());
     } else if (keyword == "vn" && source.with_normals) {
