@@ -194,7 +194,7 @@ class MeshInputTest(ProgramTest):
     def test_info_names_the_command(self):
         self.convert(*RING, "-o", "a.stl")
         self.convert(*RING, "-o", "a.ply")
-        for name in ("a.stl",):
+        for name in ("a.stl", "a.ply"):
             self.assert_fails(2, self.run_program("info", name), f"isoextract {name} -o OUT.glb")
         self.convert("a.ply", "--triangles", "1k", "-o", "b.ply")
         self.assertEqual(len(self.mesh("b.ply").triangles), 1000)

@@ -112,10 +112,11 @@ struct EditFlags : OptionSet {
       "--repair",
       "EDGES",
       parse_repair,
-      "Repair a mesh file, before all other edits. Welds vertices of equal positions on boundary edges; drops "
-      "triangles "
-      "without area and duplicates; gives neighbors one winding; fills holes of up to EDGES edges (default: 100, 0 "
-      "fills none); turns closed shells by their nesting. Reports the count of each step, then what 'check' finds.",
+      "Repair a mesh file, before all other edits. Welds vertices of equal positions on boundary edges. Drops "
+      "duplicate "
+      "triangles and those without area. Gives neighbors one winding. Fills holes of up to EDGES edges (default: 100; "
+      "0: "
+      "none). Turns closed shells by their nesting. Reports the count of each step, then what 'check' finds.",
       About::surface | About::edit,
       IfLeftOut{"100"}};
   Value<convert::MinComponentSize> least{
