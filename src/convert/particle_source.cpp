@@ -7,7 +7,7 @@
 
 #include "base/printable.hpp"
 #include "convert/attribute_source.hpp"
-#include "convert/mesh_source.hpp"
+#include "convert/detail/mesh_source.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/simulation_box.hpp"
 #include "field/demo_field.hpp"

@@ -9,10 +9,10 @@
 
 #include "base/printable.hpp"
 #include "convert/detail/lost_labels.hpp"
+#include "convert/detail/mesh_source.hpp"
 #include "convert/detail/place_report.hpp"
 #include "convert/field_label.hpp"
 #include "convert/json_values.hpp"
-#include "convert/mesh_source.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/particle_field.hpp"
 #include "convert/placement_record.hpp"

@@ -1,4 +1,4 @@
-#include "convert/mesh_source.hpp"
+#include "convert/detail/mesh_source.hpp"
 
 #include <algorithm>
 #include <optional>
