@@ -16,6 +16,7 @@
 #include "files/folder_names.hpp"
 #include "files/frame_pattern.hpp"
 #include "files/natural_order.hpp"
+#include "mesh_io/mesh_writer.hpp"
 #include "particle_io/particle_format.hpp"
 #include "volume_io/volume_format.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -219,8 +220,8 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
 
 // The folder may hold files of a known kind without telling names, such as a DICOM series.
 tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string& first) {
-  std::string message =
-      fmt::format("{}: no file in the folder has the extension of a volume or particle format", printable(folder));
+  std::string message = fmt::format("{}: no file in the folder has the extension of a volume, particle or mesh format",
+                                    printable(folder));
   Hint hint("give a pattern, with the folder before it, to find files of any name");
   if (const auto known =
           first.empty() ? std::nullopt : volume_io::unsupported_format_error(fs::path(folder) / first, Context())) {
@@ -230,11 +231,12 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
   return fail(ErrorCode::input, std::move(message), std::move(hint));
 }
 
-// Finds volumes, else particles, else pictures: tables, meshes and pictures often lie beside volumes.
+// Finds volumes, else particles, else pictures, else meshes: tables, meshes and pictures often lie beside volumes.
 Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> names;
   std::vector<std::string> particles;
   std::vector<std::string> pictures;
+  std::vector<std::string> meshes;
   std::size_t others = 0;
   std::string first;  // of the files that are neither
   TRY(files::visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
@@ -248,6 +250,8 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
     } else {
       if (particle_io::has_particle_extension(name)) {
         particles.push_back(name);
+      } else if (mesh_io::mesh_format_by_path(name)) {
+        meshes.push_back(name);
       } else if (first.empty() || files::NaturalLess()(name, first)) {
         first = name;
       }
@@ -255,8 +259,9 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
     }
   }));
   const bool are_particles = names.empty() && !particles.empty();
+  const bool are_meshes = names.empty() && !are_particles && pictures.empty();
   if (names.empty()) {
-    names = std::move(are_particles ? particles : pictures);
+    names = std::move(are_particles ? particles : !pictures.empty() ? pictures : meshes);
     others -= names.size();
   }
   if (names.empty()) return fail_no_names(folder, first);
@@ -268,9 +273,12 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   if (!is_one && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
   FoundFrames found = numbered_frames(names, sequences, decimals, folder.ends_with('/') ? folder : folder + '/');
   if (others > 0) {
-    found.notes.push_back({NoteId::other_files,
-                           fmt::format("{}: {} other file{} the extension of {} format", printable(folder), others,
-                                       others == 1 ? " lacks" : "s lack", are_particles ? "a particle" : "a volume")});
+    found.notes.push_back(
+        {NoteId::other_files, fmt::format("{}: {} other file{} the extension of {} format", printable(folder), others,
+                                          others == 1 ? " lacks" : "s lack",
+                                          are_particles ? "a particle"
+                                          : are_meshes  ? "a mesh"
+                                                        : "a volume")});
   }
   return found;
 }

@@ -16,6 +16,7 @@
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/height_plan.hpp"
+#include "cli/mesh_plan.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/particle_file_plan.hpp"
 #include "cli/particle_plan.hpp"
@@ -302,6 +303,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto found =
       TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
                                    : batch::find_frames(flags.input.inputs, flags.batch.frames, flags.heightfield));
+  TRY(take_mesh(one, found.frames.front().input, context));
+  TRY(check_mesh_frames(one, found));
   const std::string usual_labels = TRY(set_default_labels(one, found.frames.front().input, context));
   TRY(take_labels(one));
   if (one.labels.chosen) flags.labels.chosen = *one.labels.chosen;

@@ -18,6 +18,7 @@
 #include "convert/placement_record.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
+#include "mesh/mesh_part.hpp"
 #include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
@@ -38,26 +39,10 @@ Result<check::MeshCheck> check_one(mesh::Mesh& mesh, const mesh_io::FileNormals&
   return check;
 }
 
-// Copies the positions and triangles of a part; the checks need no other data.
-Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const mesh_io::MeshPart& part, const Context& context) {
-  auto memory = TRY(context.reserve(part.vertices * sizeof(glm::vec3) + part.triangles * sizeof(glm::uvec3),
-                                    fmt::format("{}: one of its meshes", mesh.name)));
-  mesh::Mesh copy;
-  copy.name = mesh.name;
-  copy.origin = mesh.origin;
-  copy.positions = Buffer<glm::vec3>(part.vertices);
-  copy.triangles = Buffer<glm::uvec3>(part.triangles);
-  std::ranges::copy(mesh.positions.span().subspan(part.first_vertex, part.vertices), copy.positions.begin());
-  std::ranges::transform(mesh.triangles.span().subspan(part.first_triangle, part.triangles), copy.triangles.begin(),
-                         [&](const glm::uvec3& t) { return t - static_cast<std::uint32_t>(part.first_vertex); });
-  copy.memory = std::move(memory);
-  return copy;
-}
-
 Result<void> check_parts(const CheckPlan& plan, const mesh_io::MeshFile& file, const Context& context,
                          CheckReport& report) {
   for (const mesh_io::MeshPart& part : file.parts) {
-    auto mesh = TRY(copy_of_part(file.mesh, part, context));
+    auto mesh = TRY(mesh::copy_part(file.mesh, part, mesh::PartData::positions, context));
     const auto numbers = file.normals.empty()
                              ? std::span<const glm::uvec3>()
                              : file.normals.numbers.span().subspan(part.first_triangle, part.triangles);

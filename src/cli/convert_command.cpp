@@ -124,7 +124,7 @@ class ConversionPrinter final : public convert::Events {
     } else if (!output.surfaces.empty()) {
       std::vector<std::string> labels;
       for (const convert::WrittenOutput::Part& part : output.surfaces) labels.push_back(part.label);
-      line = fmt::format("{} {} -> {}{}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
+      line = fmt::format("{}{} -> {}{}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
                          fmt::join(without_repeats(labels), ", "), surfaces_text(output), path,
                          output.files > 2 ? fmt::format(" ({} files)", output.files) : "", output.triangles,
                          output.vertices, bytes, closed_or_open_text(output, plan_.job), output.placement, seconds);
@@ -143,17 +143,22 @@ class ConversionPrinter final : public convert::Events {
     watch_.restart();
   }
 
-  // Returns "iso 0.3, 0.5", or "3000 labels from 1 to 3000" if there are more labels than a reader takes in.
+  // Returns " iso 0.3, 0.5", or " 3000 labels from 1 to 3000" if there are more labels than a reader takes in; for a
+  // mesh file "", or " (3 meshes)".
   [[nodiscard]] std::string surfaces_text(const convert::WrittenOutput& output) const {
+    if (plan_.job.source.mesh) {
+      const std::size_t meshes = output.surfaces.size();
+      return meshes > 1 ? fmt::format(" ({} meshes)", meshes) : std::string();
+    }
     constexpr std::size_t kMostListed = 20;
     std::vector<std::string> ids;
     for (const convert::WrittenOutput::Part& part : output.surfaces) ids.push_back(part.id.text());
     ids = without_repeats(ids);
     if (ids.size() <= kMostListed || !output.surfaces.front().id.is_label()) {
-      return fmt::format("{} {}", word_, fmt::join(ids, ", "));
+      return fmt::format(" {} {}", word_, fmt::join(ids, ", "));
     }
     const auto [least, greatest] = std::ranges::minmax(output.surfaces, {}, &convert::WrittenOutput::Part::id);
-    return fmt::format("{} labels from {} to {}", ids.size(), least.id.text(), greatest.id.text());
+    return fmt::format(" {} labels from {} to {}", ids.size(), least.id.text(), greatest.id.text());
   }
 
   struct Line {

@@ -11,6 +11,7 @@
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/height_plan.hpp"
+#include "cli/mesh_plan.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "cli/packing_plan.hpp"
@@ -45,7 +46,11 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFo
                                     word_of(*flags.normals)),
                         "leave out --normals, or choose another format");
   }
-  if (flags.heightfield)
+  if (reads_mesh(flags) && flags.normals == convert::Normals::smooth) {
+    return refuse_usage("--normals smooth: these normals are the gradient of a field, and the input is a mesh",
+                        "use --normals area or --normals flat");
+  }
+  if (flags.heightfield || reads_mesh(flags))
     return flags.normals.value_or(is_gltf(format) ? convert::Normals::area : convert::Normals::none);
   const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface, flags.input).method);
   if (!method.traits.gradient_normals) {
@@ -143,6 +148,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   plan.threads = flags.run.threads;
   convert::ConversionJob& job = plan.job;
   job.source.read = TRY(plan_read(flags.input));
+  job.source.mesh = reads_mesh(flags);
   job.source.particles = TRY(plan_particles(flags.particles, flags.surface.nan, has_attributes(flags)));
   plan.context = context;
 
@@ -218,6 +224,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   ConvertFlags flags = given;
   TRY(take_heights(flags));
   const Context context(plan_memory(flags.input.memory_limit));
+  TRY(take_mesh(flags, inputs.front(), context));
   const std::string labels_note = TRY(set_default_labels(flags, inputs.front(), context));
   TRY(take_labels(flags));
   auto note = TRY(makes_surfaces(flags) ? set_default_iso(flags, inputs.front(), context) : std::string());

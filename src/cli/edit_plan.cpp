@@ -16,6 +16,9 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
     return refuse_usage("--error measures a whole surface, and --split-components writes each body as its own mesh",
                         "leave one of them out");
   }
+  if (edits.repair && !job.source.mesh) {
+    return refuse_usage("--repair works on mesh files, and the input is none", "leave --repair out");
+  }
   job.source.blurs = flags.surface.blurs;
   job.edits = edits.chosen();
   if (flags.simplify || flags.triangles) job.edits.simplify = convert::SimplifyChoice{flags.simplify, flags.triangles};

@@ -86,6 +86,12 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
   return choice;
 }
 
+Result<convert::RepairChoice> parse_repair(std::string_view text) {
+  const auto edges = parse_count(text);
+  if (edges && *edges <= edit::kMostHoleEdges) return convert::RepairChoice{*edges};
+  return expected_but(fmt::format("a number of edges from 0 to {}", edit::kMostHoleEdges), text);
+}
+
 Result<HeightBase> parse_height_base(std::string_view text) {
   if (text == "none") return HeightBase();
   const auto height = parse_number(text);

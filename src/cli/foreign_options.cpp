@@ -64,9 +64,10 @@ Result<void> refuse_output_among_inputs(const ConvertFlags& flags) {
   const std::string& last = inputs.back();
   const auto format = mesh_io::mesh_format_by_path(last);
   if (!format) return {};
-  // An existing PLY may be an input of particles.
+  // An existing PLY may be an input of particles, and an existing mesh beside other meshes one more input.
   std::error_code none;
-  if (*format == mesh_io::MeshFormat::ply && std::filesystem::exists(last, none)) return {};
+  const bool may_be_input = *format == mesh_io::MeshFormat::ply || mesh_io::mesh_format_by_path(inputs.front());
+  if (may_be_input && std::filesystem::exists(last, none)) return {};
   return refuse_usage(fmt::format("{}: the last input has the name of a mesh file, and -o is missing", last),
                       fmt::format("give the output with -o: -o {}", shell_quoted(last)));
 }

@@ -24,7 +24,7 @@ std::string heading(FormatUse use) {
     case FormatUse::read_volume: return "Volumes that isoextract reads";
     case FormatUse::read_particles: return "Particles that isoextract reads";
     case FormatUse::unpack: return "Packed files that isoextract opens";
-    case FormatUse::write_mesh: return "Meshes that isoextract writes";
+    case FormatUse::write_mesh: return "Meshes that isoextract reads and writes";
     case FormatUse::write_field: return "Fields that isoextract writes";
     case FormatUse::write_particles: break;
   }

@@ -40,6 +40,7 @@ constexpr std::array kExamples{
             "Checks that two meshes are at most 0.1 apart (exit code 6 if not)."},
     Example{"isoextract check head.stl --require printable", "",
             "Lists the defects of a mesh (exit code 6 if a slicer would fail)."},
+    Example{"isoextract scan.stl --repair --triangles 50k -o small.stl", "", "Repairs and simplifies a mesh file."},
     Example{"isoextract render smoke.vdb mesh.glb -o smoke.png", "", "Draws a volume with a mesh in it."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "",
             "Needs no input file, and writes to stdout."},

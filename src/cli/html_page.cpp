@@ -96,7 +96,7 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
     if (none) surfaces.push_back(&no_surface);
     for (const batch::SurfaceFigures* figures : surfaces) {
       const batch::SurfaceFigures& surface = *figures;
-      const std::string number = surface.id.is_label() ? surface.id.text() : fmt::format("{:.6g}", surface.id.iso());
+      const std::string number = !surface.id.is_iso() ? surface.id.text() : fmt::format("{:.6g}", surface.id.iso());
       const std::string value =
           surface.asked.empty() ? number : fmt::format("{} ({})", number, html_text(surface.asked));
       const std::string iso = with_grid(surface.grid, value);

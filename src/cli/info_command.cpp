@@ -118,7 +118,7 @@ InputReport look_at_particles(const InfoPlan& plan, const std::string& input, co
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   auto measured = measure_particles(source_of(plan, input), context);
   if (!measured) {
-    report.error = std::move(measured.error());
+    report.error = add_volume_file_hint(std::move(measured.error()), input);
     return report;
   }
   report.volume = measured->report.frame;

@@ -36,7 +36,7 @@ Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context
   render::PreviewOptions options = options_;
   std::vector<mesh_io::MeshFile> files;
   for (const std::string& file : meshes_[n].files) {
-    auto read = TRY(mesh_io::read_mesh(file, context));
+    auto read = TRY(mesh_io::read_mesh(file, context, {.scene = true}));
     if (read.y_up) options.up = render::UpAxis::y;
     TRY(convert::color_by_materials(read, context));
     TRY(render::add_normals(read.mesh, file, context));

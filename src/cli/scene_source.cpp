@@ -33,7 +33,7 @@ struct PlacedMesh {
 Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
                              convert::Events& events) {
   context.progress().begin("reading meshes", 0);
-  auto file = TRY(mesh_io::read_mesh(path, context));
+  auto file = TRY(mesh_io::read_mesh(path, context, {.scene = true}));
   for (const Note& note : file.notes) events.note(note);
   if (plan.mesh_colors.empty()) {
     TRY(convert::color_by_materials(file, context));

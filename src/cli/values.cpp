@@ -245,17 +245,17 @@ Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
 }
 
 Result<convert::TriangleCount> parse_triangle_count(std::string_view text) {
-  constexpr double kAll = 100;
   constexpr double kMost = 0x1p53;
   std::string_view number = text;
   const bool in_percent = text.ends_with('%');
-  if (in_percent) number.remove_suffix(1);
-  const auto amount = whole_text_as<double>(number);
-  const bool fits = amount && *amount > 0 && *amount <= (in_percent ? kAll : kMost);
-  if (!fits || (!in_percent && *amount != std::floor(*amount))) {
-    return expected_found("a number of triangles such as 100000, or a part of them such as 10%", text);
+  const double unit = text.ends_with('k') ? 1e3 : text.ends_with('M') ? 1e6 : 1;
+  if (in_percent || unit > 1) number.remove_suffix(1);
+  const double amount = whole_text_as<double>(number).value_or(0) * unit;
+  const bool fits = amount > 0 && amount <= (in_percent ? 100 : kMost);
+  if (!fits || (!in_percent && amount != std::floor(amount))) {
+    return expected_found("a number of triangles such as 100000 or 100k, or a part of them such as 10%", text);
   }
-  return convert::TriangleCount{*amount, in_percent};
+  return convert::TriangleCount{amount, in_percent};
 }
 
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {

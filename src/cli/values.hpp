@@ -79,6 +79,7 @@ struct HeightBase {
 [[nodiscard]] Result<convert::MinComponentSize> parse_least_piece(
     std::string_view text);                                                          // 100, area:40, volume:5world
 [[nodiscard]] Result<HeightBase> parse_height_base(std::string_view text);           // a finite number, or none
+[[nodiscard]] Result<convert::RepairChoice> parse_repair(std::string_view text);     // 100
 [[nodiscard]] Result<convert::SmoothChoice> parse_smoothing(std::string_view text);  // 20, 20:sinc, 20:taubin:0.05
 [[nodiscard]] Result<convert::BlurStep> parse_blur(std::string_view text);           // 2, 2voxel, 0.5world, median:1
 

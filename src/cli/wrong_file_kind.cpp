@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "cli/values.hpp"
-#include "mesh_io/mesh_writer.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "particle_io/particle_format.hpp"
 #include "volume_io/volume_reader.hpp"
 
@@ -38,12 +38,10 @@ Error add_volume_file_hint(Error error, const std::string& path) {
     error.hint = "give one of the files in the folder; only a conversion takes a folder, as a sequence";
     return error;
   }
-  const auto format = mesh_io::mesh_format_by_path(path);
-  // PLY is excluded, because it may hold particles.
-  if (error.code != ErrorCode::input || !format || *format == mesh_io::MeshFormat::ply || !has_content(path)) {
-    return error;
-  }
-  error.hint = fmt::format("the file name is that of a mesh: 'isoextract check {}' reports on it", shell_quoted(path));
+  if (error.code != ErrorCode::input || !has_content(path) || !mesh_io::find_mesh_format(path, Context())) return error;
+  error.hint = fmt::format(
+      "the file is a mesh: 'isoextract check {0}' reports on it, 'isoextract {0} -o OUT.glb' converts it",
+      shell_quoted(path));
   return error;
 }
 

@@ -12,7 +12,7 @@ namespace isoextract::cli {
 [[nodiscard]] Error add_mesh_file_hint(Error error, const std::string& path);
 
 // Adds a hint to an error of reading a volume if `path` is a folder and the error has no hint. Replaces the hint of an
-// ErrorCode::input if the non-empty file has the extension of a mesh format. PLY does not count: it may hold particles.
+// ErrorCode::input if the non-empty file is a mesh (mesh_io::find_mesh_format()).
 [[nodiscard]] Error add_volume_file_hint(Error error, const std::string& path);
 
 }  // namespace isoextract::cli

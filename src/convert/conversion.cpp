@@ -4,7 +4,6 @@
 #include <exception>
 #include <filesystem>
 #include <iterator>
-#include <memory>
 #include <new>
 #include <span>
 #include <unordered_set>
@@ -17,6 +16,7 @@
 #include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
+#include "convert/detail/conversion_backends.hpp"
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/field_file.hpp"
 #include "convert/detail/label_choice.hpp"
@@ -54,7 +54,7 @@ class Conversion {
         outcome_(outcome),
         events_(outcome, listener),
         extras_(extras),
-        kept_backends_(kept),
+        backends_(job, outcome, events_, kept),
         collector_(collector) {}
 
   Result<void> run() {
@@ -62,7 +62,7 @@ class Conversion {
     if (job_.writes<FieldFileOptions>() != nullptr) {
       TRY(check_field_tools(job_, job_.outputs.empty() ? source_.label : job_.outputs.front().path));
     }
-    if (job_.makes_surfaces()) TRY(open_backends());
+    if (job_.extracts()) TRY(backends_.open());
     if (collector_ == nullptr || collector_->checks_files) {
       if (extras_.read == nullptr) add_read_files(own_read_, job_, context_);
       for (const OutputFileJob& output : job_.outputs) {
@@ -84,44 +84,12 @@ class Conversion {
   }
 
  private:
-  // Runs before the input is read, so that a missing GPU is reported at once.
-  Result<void> open_backends() {
-    outcome_.backend = word_of(job_.backend.backend);
-    const Stopwatch watch;
-    gpu::GpuOptions gpu{job_.backend.gpu};
-    gpu.keep_samples = job_.isos().size() > 1;
-    const auto open = [&](Backend backend) {
-      return kept_backends_ != nullptr ? kept_backends_->open(backend, gpu) : open_backend(backend, gpu);
-    };
-    auto opened = open(job_.backend.backend);
-    if (!opened) return tl::unexpected(std::move(opened.error()));
-    extract_with(std::move(*opened), watch.elapsed());
-    if (!job_.verify) return {};
-    opened = open(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu);
-    if (!opened) return tl::unexpected(std::move(opened.error()));
-    other_extractor_ = std::move(opened->extractor);
-    return {};
-  }
-
   Result<void> write_samples(const OutputFileJob& output) {
     TRY(context_.check());
     if (source_.empty && job_.empty != EmptyPolicy::write)
       return leave_out_empty(source_, job_, output, context_, events_);
     outcome_.files.push_back(TRY(write_field(source_, job_, output, context_, events_)));
     return {};
-  }
-
-  // Uses `backend` for all extractions from now on.
-  void extract_with(OpenedBackend backend, const StageTime& time) {
-    extractor_ = std::move(backend.extractor);
-    outcome_.backend = extractor_->name();
-    outcome_.device = extractor_->device();
-    if (outcome_.backend == word_of(Backend::gpu)) {
-      StageReport report(StageName::open, outcome_.device);
-      report.time = time;
-      events_.end(report);
-    }
-    if (!backend.reason.empty()) events_.note({NoteId::backend, "backend: " + backend.reason});
   }
 
   // Reads a grid of the input, or one of its volumes, unless it is already loaded. A grid that several files need is
@@ -145,7 +113,8 @@ class Conversion {
     opened_.emplace(grid, volume);
     const field::ScalarField& field = source_.field;
     if (!job_.source.more_grids.empty()) events_.name_grid(field.grid.empty() ? field.name : field.grid);
-    for (const Note& note : extras_.field_notes ? extras_.field_notes(field) : Notes()) events_.note(note);
+    const bool has_notes = extras_.field_notes && !job_.source.mesh;
+    for (const Note& note : has_notes ? extras_.field_notes(field) : Notes()) events_.note(note);
     events_.end_reading();
     TRY(find_labels());
     std::vector<SurfaceId> ids;
@@ -172,8 +141,8 @@ class Conversion {
         if (job_.writes<FieldFileOptions>() != nullptr) return write_samples(output);
         if (!file) file.emplace(open(output));
         const std::size_t before = file->written.surfaces.size();
-        const auto asked =
-            std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
+        const std::span<const ResolvedIso> all(source_.isos);
+        const auto asked = job_.source.mesh ? all : all.subspan(first_iso_of(job_, output_, grid), output.isos.size());
         const auto isos =
             chosen_.large_enough(surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
         const Notes repeated = repeated_notes(source_.label, asked, files::output_label(output.path));
@@ -195,7 +164,9 @@ class Conversion {
       const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
       auto group = TRY(maker(sink.get()).make_next(isos.subspan(begin)));
       const Result<std::optional<Surface>>& first = group.front().surface;
-      if (!labels_ && !first && fall_back_to_cpu(first.error())) group.front() = maker(sink.get()).make(isos[begin]);
+      if (!labels_ && !first && backends_.fall_back_to_cpu(first.error())) {
+        group.front() = maker(sink.get()).make(isos[begin]);
+      }
       for (std::size_t i = 0; i < group.size(); ++i) {
         TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
       }
@@ -295,11 +266,11 @@ class Conversion {
     if (!choice) return {};
     return_large_blocks();
     looks_ = TRY(LabelAppearance::open(job_, source_.field, opened_->second, context_));
-    if (!extractor_->has(job_.surface.method)) {
+    if (!backends_.extractor()->has(job_.surface.method)) {
       const Error error{ErrorCode::unavailable,
-                        fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
+                        fmt::format("the {} backend does not have {}", backends_.extractor()->name(), method().title),
                         {Remedy::use, Setting::cpu_backend}};
-      if (!fall_back_to_cpu(error)) return tl::unexpected(error);
+      if (!backends_.fall_back_to_cpu(error)) return tl::unexpected(error);
     }
     auto found =
         TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
@@ -319,19 +290,10 @@ class Conversion {
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
-  [[nodiscard]] SurfaceMaker maker(mesh::MeshSink* sink = nullptr) const {
+  [[nodiscard]] SurfaceMaker maker(mesh::MeshSink* sink = nullptr) {
     const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
-    return {job_,     source_, *extractor_, other_extractor_.get(), labels, looks_, all_, extras_.mesh_facts,
-            context_, sink};
-  }
-
-  // Falls back to the CPU, with a note, if automatic chose a GPU that cannot do the work; never when verifying.
-  bool fall_back_to_cpu(const Error& error) {
-    const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
-                     other_extractor_ == nullptr;
-    if (!may || error.code != ErrorCode::unavailable) return false;
-    extract_with({extract::make_cpu_extractor(), fmt::format("cpu, because {}", error.message)}, {});
-    return true;
+    return {job_, source_,        backends_.extractor(), backends_.other(), labels, looks_,
+            all_, source_.meshes, extras_.mesh_facts,    context_,          sink};
   }
 
   Result<void> add(Surface surface, OutputMeshes& file) {
@@ -389,7 +351,7 @@ class Conversion {
     std::vector<mesh_io::WrittenFile> files;
     if (file.written.files == 0) files = TRY(close(file));
     tell_skipped(file.job, skipped, true, "");
-    file.written.placement = world_text(source_.placement);
+    file.written.placement = job_.source.mesh ? file_text(source_.placement) : world_text(source_.placement);
     tell_written(std::move(file.written), file.job, file.time, std::move(files));
     return {};
   }
@@ -429,7 +391,7 @@ class Conversion {
   [[nodiscard]] const files::InputFileSet& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
   [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const SurfaceId> made) const {
-    return skipped_surfaces(source_.label, asked, made, lost_, labels_.has_value());
+    return skipped_surfaces(source_.label, asked, made, lost_, labels_.has_value() || job_.source.mesh);
   }
 
   void tell_skipped(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped, bool is_written,
@@ -449,7 +411,7 @@ class Conversion {
   Outcome& outcome_;
   Recorder events_;
   ConversionOptions extras_;
-  BackendCache* kept_backends_;   // null if none are kept
+  ConversionBackends backends_;
   MeshCollector* collector_;      // null if files are written
   files::InputFileSet own_read_;  // used if files are written and the caller gave no list of read files
   Source source_;
@@ -467,8 +429,6 @@ class Conversion {
   StageTime looking_;                           // time spent measuring meshes of the current file, for reports
   bool open_ = false;                           // the current surface may have boundary edges
   std::vector<LostSurface> lost_;               // of the current grid
-  std::unique_ptr<extract::Extractor> extractor_;
-  std::unique_ptr<extract::Extractor> other_extractor_;  // only with verification
 };
 
 }  // namespace

@@ -50,6 +50,9 @@ auto members_of(const T& value) {
   } else if constexpr (kCount == 4) {
     const auto& [a, b, c, d] = value;
     return std::tie(a, b, c, d);
+  } else if constexpr (kCount == 5) {
+    const auto& [a, b, c, d, e] = value;
+    return std::tie(a, b, c, d, e);
   } else if constexpr (kCount == 6) {
     const auto& [a, b, c, d, e, f] = value;
     return std::tie(a, b, c, d, e, f);
@@ -149,6 +152,7 @@ Json JobJson::of_job(const ConversionJob& job) {
   Json json = Json::object();
   const auto add = [&](const char* name, const auto& member) { json[name] = of(member); };
   add("input", job.source.input);
+  add("mesh_input", job.source.mesh);
   add("input_format", job.source.read.format);
   add("grid", job.source.read.grid);
   add("more_grids", job.source.more_grids);

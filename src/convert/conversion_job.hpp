@@ -124,6 +124,7 @@ struct FilterStep {
 // The input, the part of it that is wanted, and its placement.
 struct SourceOptions {
   std::string input;            // a path, "-" for standard input, or demo:NAME
+  bool mesh = false;            // the input is a mesh file; only `clip` and `placement` then have an effect
   volume_io::ReadOptions read;  // for particles: the format, the point grid, and `volume` as the number of a frame
   // Further grids of the input. Their surfaces follow those of read.grid, with the same iso values, placement and
   // filters, in outputs without OutputFileJob::grid. Volumes only.
@@ -266,6 +267,8 @@ struct ConversionJob {
   [[nodiscard]] bool makes_surfaces() const {
     return writes<FieldFileOptions>() == nullptr && writes<ParticleFileOptions>() == nullptr;
   }
+  // Returns whether the surfaces are extracted from a field, and not read from a mesh file.
+  [[nodiscard]] bool extracts() const { return makes_surfaces() && !source.mesh; }
   // Returns the mesh options, or the default (GLB) options if the job writes something else.
   [[nodiscard]] MeshFileOptions meshes() const;
 

@@ -66,6 +66,11 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   }
   Events unheard;
   const auto source = TRY(open_source(with_grid(job.source, grid), use_of(job), context, unheard));
+  if (source.of_meshes) {
+    std::uint64_t vertices = 0;
+    for (const mesh::Mesh& mesh : source.meshes) vertices += mesh.positions.size();
+    return kProgramBytes + kConversionBytes + context.memory().peak() + edit_bytes(job, vertices);
+  }
   // Making a field from particles takes more memory than keeping it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
   if (const auto* file = job.writes<FieldFileOptions>()) {

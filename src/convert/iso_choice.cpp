@@ -1,5 +1,8 @@
 #include "convert/iso_choice.hpp"
 
+#include <charconv>
+#include <cstdint>
+
 #include <fmt/format.h>
 
 #include "convert/json_values.hpp"
@@ -11,11 +14,29 @@ constexpr std::string_view kSuggested = "auto";
 constexpr std::string_view kZero = "zero";
 constexpr char kPercentile = 'p';
 constexpr std::string_view kAllLabels = "all labels";
+constexpr std::string_view kFileMesh = "mesh";
 
 }  // namespace
 
-std::string SurfaceId::text() const { return is_label() ? fmt::format("{}", label()) : fmt::format("{}", iso()); }
-std::string SurfaceId::name() const { return (is_label() ? "label " : "iso ") + text(); }
+std::string SurfaceId::text() const {
+  if (is_label()) return fmt::format("{}", label());
+  if (is_iso()) return fmt::format("{}", iso());
+  return *this == kWholeFile ? std::string(kFileMesh) : fmt::format("{} {}", kFileMesh, file_mesh());
+}
+
+std::string SurfaceId::name() const { return (is_label() ? "label " : is_iso() ? "iso " : "") + text(); }
+
+std::string SurfaceId::place() const {
+  if (*this == kWholeFile) return {};
+  return (is_file_mesh() ? " of " : " at ") + name();
+}
+
+SurfaceId surface_id_of_mesh(std::string_view text) {
+  const std::size_t digits = text.find_last_of(' ') + 1;
+  std::uint64_t number = 0;
+  if (digits > 0) std::from_chars(text.data() + digits, text.data() + text.size(), number);
+  return FileMesh{number};
+}
 
 std::string text_of(const IsoChoice& choice) {
   switch (choice.kind) {
@@ -25,6 +46,7 @@ std::string text_of(const IsoChoice& choice) {
     case IsoChoice::Kind::percentile: return kPercentile + choice.percent.text();
     case IsoChoice::Kind::all_labels: return std::string(kAllLabels);
     case IsoChoice::Kind::selected_labels: return "labels " + choice.selection;
+    case IsoChoice::Kind::file_meshes: return std::string(kFileMesh);
   }
   return choice.id.is_label() ? choice.id.name() : choice.id.text();
 }
@@ -33,9 +55,13 @@ std::string file_name_part(const IsoChoice& choice) {
   return choice.kind == IsoChoice::Kind::known ? choice.id.text() : text_of(choice);
 }
 
-Json json_of(const SurfaceId& id) { return id.is_label() ? Json(id.label()) : Json(id.iso()); }
+Json json_of(const SurfaceId& id) {
+  if (id.is_label()) return id.label();
+  return id.is_iso() ? Json(id.iso()) : Json(id.text());
+}
 
 SurfaceId surface_id_of(const Json& json) {
+  if (json.is_string()) return surface_id_of_mesh(json.get_ref<const std::string&>());
   return json.is_number_integer() ? SurfaceId(Label{json.get<std::int64_t>()}) : SurfaceId(json.get<double>());
 }
 

@@ -1,5 +1,5 @@
-// Identifies a surface by its iso value or its label (SurfaceId), and a requested surface whose iso value the field may
-// still determine (IsoChoice).
+// Identifies a surface by its iso value, its label or its number in a mesh file (SurfaceId), and a requested surface
+// whose iso value the field may still determine (IsoChoice).
 #pragma once
 
 #include <compare>
@@ -17,29 +17,38 @@ namespace isoextract::convert {
 
 enum class Label : std::int64_t {};  // the number of a label in a label map
 
+// The number of a mesh in a mesh file, counted from 1; kWholeFile stands for all meshes of the file as one.
+enum class FileMesh : std::uint64_t {};
+inline constexpr FileMesh kWholeFile{0};
+
 class SurfaceId {
  public:
   SurfaceId() = default;
-  SurfaceId(double iso) : of_(iso) {}     // NOLINT(google-explicit-constructor): iso values are the rule
-  SurfaceId(Label label) : of_(label) {}  // NOLINT(google-explicit-constructor)
+  SurfaceId(double iso) : of_(iso) {}      // NOLINT(google-explicit-constructor): iso values are the rule
+  SurfaceId(Label label) : of_(label) {}   // NOLINT(google-explicit-constructor)
+  SurfaceId(FileMesh mesh) : of_(mesh) {}  // NOLINT(google-explicit-constructor)
 
+  [[nodiscard]] bool is_iso() const { return std::holds_alternative<double>(of_); }
   [[nodiscard]] bool is_label() const { return std::holds_alternative<Label>(of_); }
+  [[nodiscard]] bool is_file_mesh() const { return std::holds_alternative<FileMesh>(of_); }
   // iso() and label() throw std::bad_variant_access if this is the other kind.
   [[nodiscard]] double iso() const { return std::get<double>(of_); }
   [[nodiscard]] std::int64_t label() const { return static_cast<std::int64_t>(std::get<Label>(of_)); }
-  // Returns the iso value, or 0 for a label, where extraction options need a number that has no effect on labels.
-  [[nodiscard]] double iso_or_zero() const { return is_label() ? 0 : iso(); }
+  [[nodiscard]] std::uint64_t file_mesh() const { return static_cast<std::uint64_t>(std::get<FileMesh>(of_)); }
+  // Returns the iso value, or 0 for other surfaces, where extraction options need a number that has no effect.
+  [[nodiscard]] double iso_or_zero() const { return is_iso() ? iso() : 0; }
   // Returns the iso value or the label, rounded if a double cannot hold it: for colors, not to identify a surface.
-  [[nodiscard]] double rounded() const { return is_label() ? static_cast<double>(label()) : iso(); }
-  [[nodiscard]] std::string text() const;  // "0.3", "5"
-  [[nodiscard]] std::string name() const;  // "iso 0.3", "label 5"
+  [[nodiscard]] double rounded() const { return is_label() ? static_cast<double>(label()) : iso_or_zero(); }
+  [[nodiscard]] std::string text() const;   // "0.3", "5", "mesh 2", "mesh" for kWholeFile
+  [[nodiscard]] std::string name() const;   // "iso 0.3", "label 5", "mesh 2", "mesh"
+  [[nodiscard]] std::string place() const;  // continues a sentence: " at iso 0.3", " at label 5", " of mesh 2", ""
 
   friend bool operator==(const SurfaceId&, const SurfaceId&) = default;
   // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer here to replace
   friend auto operator<=>(const SurfaceId&, const SurfaceId&) = default;
 
  private:
-  std::variant<double, Label> of_ = 0.0;
+  std::variant<double, Label, FileMesh> of_ = 0.0;
 };
 
 struct IsoChoice {
@@ -50,6 +59,7 @@ struct IsoChoice {
     percentile,       // of all samples that were read, whatever region or resampled grid is extracted from
     all_labels,       // each label of a label map
     selected_labels,  // the labels that a LabelSelection contains
+    file_meshes,      // the meshes of a mesh file, each one if the output can hold several, else as one
   };
   Kind kind = Kind::known;
   SurfaceId id;            // of Kind::known; an iso value is finite
@@ -62,6 +72,7 @@ struct IsoChoice {
   [[nodiscard]] static IsoChoice zero() { return IsoChoice(Kind::zero); }
   [[nodiscard]] static IsoChoice percentile(field::Percent percent) { return IsoChoice(Kind::percentile, {}, percent); }
   [[nodiscard]] static IsoChoice label(std::int64_t number) { return IsoChoice(Kind::known, Label{number}); }
+  [[nodiscard]] static IsoChoice file_meshes() { return IsoChoice(Kind::file_meshes); }
   [[nodiscard]] static IsoChoice all_labels() { return IsoChoice(Kind::all_labels); }
 
   [[nodiscard]] static IsoChoice selected_labels(std::string selection) {
@@ -88,15 +99,17 @@ struct IsoChoice {
       : kind(chosen), id(known), percent(share) {}
 };
 
-// Returns the shortest text: "0.3", "auto", "zero", "p99.9", "label 5", "all labels", "labels 1-9,!3".
+// Returns the shortest text: "0.3", "auto", "zero", "p99.9", "label 5", "all labels", "labels 1-9,!3", "mesh".
 [[nodiscard]] std::string text_of(const IsoChoice& choice);
 
 // Returns text_of() as part of a file name; for a label its number alone.
 [[nodiscard]] std::string file_name_part(const IsoChoice& choice);
 
-// Returns a floating-point number for an iso value, an integer for a label.
+// Returns a floating-point number for an iso value, an integer for a label, SurfaceId::text() for a mesh of a file.
 [[nodiscard]] Json json_of(const SurfaceId& id);
-// Inverts it: a number without fraction is a label only if it is an integer in the JSON text.
+// Returns the mesh of a file that SurfaceId::text() describes.
+[[nodiscard]] SurfaceId surface_id_of_mesh(std::string_view text);
+// Inverts json_of(): a number without fraction is a label only if it is an integer in the JSON text.
 [[nodiscard]] SurfaceId surface_id_of(const Json& json);
 
 // Returns a number for an iso value, else the text.

@@ -55,10 +55,17 @@ Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& f
 }  // namespace
 
 std::string text_of(const ResolvedIso& iso) {
+  if (iso.id.is_file_mesh()) return iso.id.text();
   return !iso.asked.is_found() ? text_of(iso.asked) : fmt::format("{} ({})", text_of(iso.asked), iso.id.text());
 }
 
-std::string surface_text(const IsoChoice& asked) { return asked.is_label() ? text_of(asked) : "iso " + text_of(asked); }
+std::string surface_text(const IsoChoice& asked) {
+  return asked.is_label() || asked.kind == IsoChoice::Kind::file_meshes ? text_of(asked) : "iso " + text_of(asked);
+}
+
+std::string place_text(const ResolvedIso& asked) {
+  return asked.id.is_file_mesh() ? asked.id.place() : " at " + surface_text(asked.asked);
+}
 
 bool all_known(std::span<const IsoChoice> choices) { return std::ranges::none_of(choices, &IsoChoice::is_found); }
 

@@ -22,8 +22,10 @@ struct ResolvedIso {
 
 // Returns "0.3", or for a value found in the field "p99 (0.3)".
 [[nodiscard]] std::string text_of(const ResolvedIso& iso);
-// Returns "iso 0.3", "label 5".
+// Returns "iso 0.3", "label 5", "mesh".
 [[nodiscard]] std::string surface_text(const IsoChoice& asked);
+// Continues a sentence about the surface: " at iso p99", " of mesh 2"; empty for a whole mesh file.
+[[nodiscard]] std::string place_text(const ResolvedIso& asked);
 
 // Returns whether no choice has to be found in the field (IsoChoice::is_found()). Labels count as known.
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);

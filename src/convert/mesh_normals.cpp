@@ -140,13 +140,18 @@ bool copies_vertices(const ConversionJob& job) {
 
 Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
   surface.welded = TRY(topology_as_read(surface, stage.job, stage.context));
+  if (stage.source.of_meshes && !surface.welded) {
+    surface.welded = TRY(mesh::measure_topology(surface.mesh, stage.context));
+  }
   if (stage.facts.recorded) {
     // For reports only: finding components and open edges takes longer than extracting the mesh.
     const Stopwatch watch;
     surface.facts = TRY(mesh_facts(surface, stage.context));
     surface.looking += watch.elapsed();
   }
-  if (surface.counts_open_edges) {
+  if (stage.source.of_meshes) {
+    surface.open_edges = surface.welded->open_edges;
+  } else if (surface.counts_open_edges) {
     const auto known = surface.facts ? value_at<std::uint64_t>(*surface.facts, {Key::open_edges}) : std::nullopt;
     if (!known) {
       const mesh::Topology topology = TRY(mesh::measure_topology(surface.mesh, stage.context));

@@ -20,13 +20,15 @@ std::string means(const mesh_io::PackingOptions& packing) {
 std::string line_of(const PackedMesh& mesh) {
   const mesh_io::PackedFacts& facts = mesh.facts;
   std::string text =
-      fmt::format("packed {} at iso {}: {} of {} left ({:.1f} %)", means(mesh.packing), mesh.id.text(),
+      fmt::format("packed {}{}: {} of {} left ({:.1f} %)", means(mesh.packing), mesh.id.place(),
                   format_byte_size(facts.bytes_after), format_byte_size(facts.bytes_before),
                   100.0 * static_cast<double>(facts.bytes_after) / static_cast<double>(facts.bytes_before));
   if (facts.positions) {
     const auto& positions = *facts.positions;
-    text += fmt::format("; vertices moved by at most {:.4g} voxels (measured), in the mesh's units {:.4g}",
-                        positions.largest / mesh.packing.voxel, positions.largest);
+    text += mesh.id.is_file_mesh()
+                ? fmt::format("; vertices moved by at most {:.4g} of the mesh's units (measured)", positions.largest)
+                : fmt::format("; vertices moved by at most {:.4g} voxels (measured), in the mesh's units {:.4g}",
+                              positions.largest / mesh.packing.voxel, positions.largest);
     if (facts.flattened_triangles > 0) {
       text += fmt::format("; {} triangles now have zero area", facts.flattened_triangles);
     }

@@ -22,7 +22,7 @@ std::string line_of(const edit::BodyFigures& facts, const std::string& surface) 
   const edit::BodyCounts& before = facts.before;
   const edit::BodyCounts& after = facts.after;
   const auto cavities = [](const edit::BodyCounts& counts) { return counts.components - counts.bodies; };
-  return fmt::format("components at {}: kept {} of {} bodies, {} of {} cavities, {} of {} triangles; {:.2f} s", surface,
+  return fmt::format("components{}: kept {} of {} bodies, {} of {} cavities, {} of {} triangles; {:.2f} s", surface,
                      after.bodies, before.bodies, cavities(after), cavities(before), after.triangles, before.triangles,
                      facts.time.wall_seconds);
 }
@@ -71,7 +71,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
                     {Key::without_volume, facts.without_volume}},
                    facts.time);
   report.did = "components found";
-  report.lines.push_back({line_of(facts, surface.id.name())});
+  report.lines.push_back({line_of(facts, surface.id.place())});
   if (facts.without_volume > 0) {
     report.notes.push_back(
         {NoteId::open_components_kept,
@@ -80,8 +80,8 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   }
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
-                         fmt::format("{}: none of the {} components at {} has the requested size", stage.source.label,
-                                     facts.before.components, surface.id.name()),
+                         fmt::format("{}: none of the {} components{} has the requested size", stage.source.label,
+                                     facts.before.components, surface.id.place()),
                          {Remedy::use, Setting::empty_policy}};
   }
   return report;

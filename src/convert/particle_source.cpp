@@ -10,6 +10,7 @@
 
 #include "base/printable.hpp"
 #include "convert/attribute_source.hpp"
+#include "convert/detail/mesh_source.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/simulation_box.hpp"
 #include "field/demo_field.hpp"
@@ -49,7 +50,7 @@ Format particle_format(const std::string& id) {
 }  // namespace
 
 Result<bool> is_particles(const SourceOptions& options, const Context& context) {
-  if (options.read.flat) return false;
+  if (options.read.flat || options.mesh) return false;
   const bool expected = options.particles.expected;
   const auto volume = TRY(volume_io::is_certainly_volume(options.input, options.read, context));
   if (volume && !expected && options.read.format) return false;
@@ -76,6 +77,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
 }
 
 Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options, const Context& context) {
+  if (options.mesh) return list_mesh_files(options.input, context);
   const auto particles = TRY(is_particles(options, context));
   if (particles) return std::vector<std::filesystem::path>{options.input};
   auto files = volume_io::list_input_files(options.input, options.read, context);
@@ -87,6 +89,11 @@ Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions
 }
 
 Result<std::vector<files::FilePart>> list_source_parts(const SourceOptions& options, const Context& context) {
+  if (options.mesh) {
+    std::vector<files::FilePart> parts;
+    for (const std::filesystem::path& file : list_mesh_files(options.input, context)) parts.push_back({file, {}});
+    return parts;
+  }
   const auto particles = TRY(is_particles(options, context));
   if (particles) {
     auto part = TRY(particle_io::find_frame_part(options.input, particle_read_options(options), context));

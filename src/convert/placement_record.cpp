@@ -172,6 +172,19 @@ ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up) {
   return placed;
 }
 
+ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again) {
+  const field::Affine map = again.output_from_world();
+  if (before.placement.space == Space::index) return map == field::Affine() ? before : again;
+  ResolvedPlacement placed = placed_like(before, output_up(again.placement));
+  placed.moved_by = map(before.moved_by);
+  placed.placement.center = placed.moved_by != glm::dvec3(0);
+  placed.placement.scale *= again.placement.scale;
+  if (again.placement.to_unit.empty()) return placed;
+  if (placed.placement.unit.empty()) placed.placement.unit = again.placement.unit;
+  placed.placement.to_unit = again.placement.to_unit;
+  return placed;
+}
+
 std::string placement_text(const ResolvedPlacement& resolved) {
   const Placement& placement = resolved.placement;
   if (placement.space == Space::index) return "voxel coordinates";
@@ -208,6 +221,11 @@ std::string world_text(const ResolvedPlacement& resolved) {
   const std::string done = placement_text(resolved);
   if (resolved.placement.space == Space::index) return done;
   return fmt::format("world coordinates{}{}", done.empty() ? "" : ", ", done);
+}
+
+std::string file_text(const ResolvedPlacement& resolved) {
+  const std::string done = placement_text(resolved);
+  return fmt::format("the file's coordinates{}{}", done.empty() ? "" : ", ", done);
 }
 
 }  // namespace isoextract::convert

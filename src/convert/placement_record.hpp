@@ -27,6 +27,11 @@ namespace isoextract::convert {
 // with another axis upward; this is then its placement.
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
+// Returns the placement of a mesh file that was read, where it had the placement `before`, and placed again by `again`.
+// Voxel coordinates stay voxel coordinates only if `again` changes nothing; else the result is that of a mesh in the
+// world of the file that was read.
+[[nodiscard]] ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again);
+
 // Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no
 // kinds to store. For STL, whose header has 80 bytes, the record omits values that follow from the others.
 [[nodiscard]] std::string write_placement_record(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
@@ -40,6 +45,8 @@ namespace isoextract::convert {
 [[nodiscard]] std::string placement_text(const ResolvedPlacement& resolved);
 // Returns "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)", or "voxel coordinates".
 [[nodiscard]] std::string world_text(const ResolvedPlacement& resolved);
+// Returns "the file's coordinates, turned from z up to y up": the same for a mesh file as input.
+[[nodiscard]] std::string file_text(const ResolvedPlacement& resolved);
 
 // Applies `map` to the vertices of a mesh, which must have no normals, and to the attributes according to their kinds
 // (vectors turn, scalars stay). Reverses the winding if `map` mirrors. Turns by right angles are exact.

@@ -9,10 +9,13 @@
 
 #include "base/printable.hpp"
 #include "convert/detail/lost_labels.hpp"
+#include "convert/detail/mesh_source.hpp"
+#include "convert/detail/place_report.hpp"
 #include "convert/field_label.hpp"
 #include "convert/json_values.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/particle_field.hpp"
+#include "convert/placement_record.hpp"
 #include "convert/simulation_box.hpp"
 #include "convert/stages/field_blur.hpp"
 #include "convert/stages/level_set_filter.hpp"
@@ -67,38 +70,6 @@ StageReport report_of_reading(const std::string& input, const field::ScalarField
        {Key::length_unit, field.length_unit},
        {Key::creator, field.creator}});
   return report;
-}
-
-// Returns the requested unit, else the input's unit if the mesh keeps the input's lengths.
-std::string unit_of_lengths(const Placement& placement, const field::ScalarField& field) {
-  if (!placement.to_unit.empty()) return placement.to_unit;
-  const bool as_in_file = placement.space == Space::world && placement.unit.empty() && placement.scale == 1;
-  const auto unit = as_in_file ? find_length_unit(field.length_unit) : std::nullopt;
-  return unit ? std::string(unit->name) : placement.unit;
-}
-
-StageReport report_of_placing(const PlacedField& placed, const field::ScalarField& field) {
-  const Placement& placement = placed.placement.placement;
-  StageReport report = report_on(StageName::place, field_label(field));
-  report.entries.push_back(
-      {{Key::output_from_index, Value(placed.output_from_index)},
-       {Key::region, placed.region ? Value(*placed.region) : Value()},
-       {Key::placement, Figures{{Key::unit, placement.unit.empty() ? Value() : Value(placement.unit)},
-                                {Key::to_unit, placement.to_unit.empty() ? Value() : Value(placement.to_unit)},
-                                {Key::scale, placement.scale},
-                                {Key::moved_by, Value(placed.placement.moved_by)}}},
-       Figure::of_tables(Key::unit_of_lengths, unit_of_lengths(placement, field))});
-  return report;
-}
-
-// Notes that a glTF file has the lengths of a file with another unit than meters. Requested units are not noted.
-void tell_other_unit(const Placement& placement, const Source& source, Events& events) {
-  const std::string unit = placement.unit.empty() ? unit_of_lengths(placement, source.field) : std::string();
-  if (unit.empty() || unit == meter().name) return;
-  events.note({NoteId::length_unit,
-               fmt::format("{}: the coordinates are in {}, the unit of the file; glTF prescribes meters, so other "
-                           "programs read them as meters",
-                           source.label, unit)});
 }
 
 // Notes the actual voxel size if it differs from the requested one by more than rounding.
@@ -380,7 +351,17 @@ void Source::set_inside_side(double iso) {
 }
 
 std::vector<NamedKind> Source::written_kinds() const {
+  if (of_meshes) return mesh_kinds;
   return attributes ? convert::written_kinds(*attributes) : std::vector<NamedKind>();
+}
+
+std::string Source::length_text(const std::string& voxels, const std::string& units) const {
+  return of_meshes ? fmt::format("{} of the mesh's units", units)
+                   : fmt::format("{} voxels, in the mesh's units {}", voxels, units);
+}
+
+std::string Source::placement_record(mesh_io::MeshFormat format) const {
+  return write_placement_record(from_world.value_or(placement), format, written_kinds());
 }
 
 extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, double iso) const {
@@ -406,6 +387,13 @@ SourceUse use_of(const ConversionJob& job) {
   if (file != nullptr) use.field_format = file->format;
   const auto* meshes = job.writes<MeshFileOptions>();
   use.is_in_meters = meshes != nullptr && mesh_io::is_gltf(meshes->format);
+  use.mesh_format = job.meshes().format;
+  // Each body has a file: the bodies of several surfaces would have the same names.
+  const auto has_piece = [](const OutputFileJob& output) {
+    return output.path.find(kPiecePlaceholder) != std::string::npos;
+  };
+  const bool into_files = job.edits.pieces.split && std::ranges::any_of(job.outputs, has_piece);
+  use.meshes_apart = mesh_io::mesh_format_info(use.mesh_format).can_hold_several_meshes && !into_files;
   use.counts_neighbors = job.edits.smooth && job.edits.smooth->method == edit::SmoothMethod::weighted;
   // With NanPolicy::error the extractor finds spread NaN samples, and only those in its region.
   if (job.surface.nan == extract::NanPolicy::error && file == nullptr) use.nan = field::NanHandling::spread;
@@ -420,6 +408,7 @@ SourceUse use_of(const ConversionJob& job) {
 }
 
 Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context, Events& events) {
+  if (options.mesh) return open_mesh_source(options, use, context, events);
   const auto of_particles = TRY(is_particles(options, context));
   Source source;
   source.of_particles = of_particles;
@@ -447,7 +436,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   auto placed = TRY(place_field(source.field, options.placement, options.roi, use.region_ends));
   events.end(report_of_placing(placed, source.field));
   for (const Note& text : placed.notes) events.note(text);
-  if (use.is_in_meters) tell_other_unit(options.placement, source, events);
+  if (use.is_in_meters) tell_other_unit(options.placement, source.field, source.label, events);
   source.placement = placed.placement;
   source.output_from_index = placed.output_from_index;
   source.region = placed.region;

@@ -15,6 +15,8 @@
 #include "convert/particle_choice.hpp"
 #include "convert/particle_source.hpp"
 #include "mesh/half_space.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::convert {
 
@@ -43,6 +45,12 @@ struct Source {
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
   std::optional<NeighborCounts> neighbors;    // set if SourceUse::counts_neighbors is and there are particles
+  // Meshes of a mesh file in output coordinates, in the order of `isos`. The conversion takes one after the other.
+  // `field` then has no samples. Its voxels are cubes of the file's typical edge length, for stages that need a length.
+  std::vector<mesh::Mesh> meshes;
+  bool of_meshes = false;
+  std::optional<ResolvedPlacement> from_world;  // of a mesh file: from the world of its field to the output
+  std::vector<NamedKind> mesh_kinds;            // of a mesh file: the kinds of its attributes
 
   // Says that no particle lies in the region or, with `or_near`, near it; `count` has the particles left of all.
   void set_empty_region(const ParticleCount& count, const field::Box& region, bool or_near = false);
@@ -50,6 +58,7 @@ struct Source {
   // Says why `empty` is set.
   [[nodiscard]] std::string why_empty() const {
     if (!why_no_particles.empty()) return why_no_particles;
+    if (of_meshes) return "the file has no triangles";
     return of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
   }
 
@@ -59,6 +68,12 @@ struct Source {
 
   // Returns the kinds of the attributes that the mesh keeps.
   [[nodiscard]] std::vector<NamedKind> written_kinds() const;
+
+  // Returns "0.5 voxels, in the mesh's units 0.1", for a mesh file "0.1 of the mesh's units".
+  [[nodiscard]] std::string length_text(const std::string& voxels, const std::string& units) const;
+
+  // Returns the record of the placement that a mesh file of this format stores (write_placement_record()).
+  [[nodiscard]] std::string placement_record(mesh_io::MeshFormat format) const;
 
   // Returns the options of `surface` together with the iso value, region and output transform.
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
@@ -87,14 +102,17 @@ struct SourceUse {
   std::optional<volume_io::VolumeFileFormat> field_format;
   field::NanHandling nan = field::NanHandling::left_out;  // how resampling treats NaN
   bool is_in_meters = false;                              // whether the output's format is glTF, which prescribes them
+  // For mesh files: the format of the output, a glTF for pictures.
+  mesh_io::MeshFormat mesh_format = mesh_io::MeshFormat::glb;
+  bool meshes_apart = true;  // each mesh of the file is a surface, else all together are one
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
 // Opens the input and returns a source that is ready for extraction. Fails as the functions it calls do: read_volume(),
 // filter_field(), blur_field(), resample(), rebuild_level_set(), place_field(), resolve_isos() and
 // read_volume_attributes(). For particles it fails as is_particles(), read_particles(), make_particle_field() and
-// find_attributes() do. With SourceUse::counts_neighbors it fails with ErrorCode::usage for volumes and for particles
-// without kernels.
+// find_attributes() do, for mesh files as open_mesh_source() does. With SourceUse::counts_neighbors it fails with
+// ErrorCode::usage for volumes and for particles without kernels.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

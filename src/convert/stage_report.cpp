@@ -50,7 +50,10 @@ Value::Value(const field::Affine& map) {
 Value::Value(const StageTime& time)
     : Value(Figures{{Key::wall_seconds, time.wall_seconds}, {Key::cpu_seconds, time.cpu_seconds}}) {}
 
-Value::Value(const SurfaceId& id) : Value(id.is_label() ? Value(id.label()) : Value(id.iso())) {}
+Value::Value(const SurfaceId& id)
+    : Value(id.is_label() ? Value(id.label())
+            : id.is_iso() ? Value(id.iso())
+                          : Value(id.text())) {}
 
 Json Value::json() const {
   switch (kind_) {
@@ -92,6 +95,7 @@ const Value* find(const Figures& figures, std::initializer_list<Key> path) {
 
 SurfaceId surface_id_at(const Figures& figures) {
   const Value* const id = find(figures, {Key::iso});
+  if (id->is_text()) return surface_id_of_mesh(id->as<std::string>());
   return id->is_integer() ? SurfaceId(Label{id->as<std::int64_t>()}) : SurfaceId(id->as<double>());
 }
 

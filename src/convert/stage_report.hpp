@@ -36,6 +36,7 @@ namespace isoextract::convert {
 // Keys of figures; the JSON report uses the same names.
 // clang-format off
 #define ISOEXTRACT_FIGURES(NAME) \
+  NAME(welded) NAME(without_area) NAME(duplicates) NAME(turned) NAME(contradictions) NAME(holes_filled) NAME(fill_triangles) NAME(holes_left) NAME(components_turned) NAME(verdict) \
   NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) NAME(backends) \
   NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) NAME(bricks_inside) \
   NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) NAME(cap_vertices) NAME(cavity) \
@@ -94,7 +95,7 @@ class Value {
   Value(const field::IndexBox& box);  // null if the box is empty
   Value(const field::Affine& map);    // three rows of four numbers: linear part, then offset
   Value(const StageTime& time);
-  Value(const SurfaceId& id);  // a number for an iso value, an integer for a label
+  Value(const SurfaceId& id);  // a number for an iso value, an integer for a label, a text for a mesh of a file
   template <class T>
   Value(const std::optional<T>& value) {
     if (value) *this = Value(*value);
@@ -105,6 +106,7 @@ class Value {
 
   [[nodiscard]] bool is_none() const { return kind_ == Kind::none; }
   [[nodiscard]] bool is_integer() const { return kind_ == Kind::integer; }
+  [[nodiscard]] bool is_text() const { return kind_ == Kind::text; }
   [[nodiscard]] const Figures* parts() const { return parts_.get(); }
   template <class T>
   [[nodiscard]] T as() const {
@@ -167,11 +169,12 @@ struct OpenBoundary {
   std::uint64_t hole_cells = 0;  // cells left out because of NaN samples
 };
 
-// Defects that a reader finds who welds the vertices of a file by position.
+// Defects that readers of the file find: those that weld vertices by position, and all readers if the input was a mesh.
 struct WeldedDefects {
   std::uint64_t open_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
   std::uint64_t nonmanifold_vertices = 0;
+  std::uint64_t misoriented_edges = 0;  // of a mesh as input only
 };
 
 // An output that was written, or that was skipped because none of its surfaces has triangles (then `surfaces` and

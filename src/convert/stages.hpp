@@ -20,6 +20,7 @@ struct Surface;
 enum class StageName {
   open,
   read,
+  read_mesh,
   particles_to_field,
   choose_particles,
   read_attributes,
@@ -34,6 +35,7 @@ enum class StageName {
   emit,
   extract,
   verify,
+  repair,
   clip,
   attributes,
   pieces,
@@ -53,6 +55,7 @@ enum class StageName {
 // Edits or examines a surface, and returns a report. Does nothing and returns an empty report if the job does not ask
 // for it. Fails as the algorithm that it calls does.
 using EditSurface = Result<StageReport>(Surface& surface, const StageContext& context);
+EditSurface repair_surface;  // of a mesh file, before it is clipped
 EditSurface
     clip_surface;  // keeps what lies inside every half-space of Source::clip; with SurfaceOptions::cap, caps the cuts
 EditSurface sample_vertex_attributes;  // runs before components, smoothing and simplification move or drop vertices
@@ -91,6 +94,10 @@ struct StageInfo {
 inline constexpr std::array kStages{
     StageInfo{StageName::open, "open"},
     StageInfo{StageName::read, "read"},
+    StageInfo{.name = StageName::read_mesh,
+              .word = "read mesh",
+              .section = "mesh_files",
+              .asked = [](const ConversionJob& job) { return job.source.mesh; }},
     StageInfo{StageName::particles_to_field, "particles to field"},
     StageInfo{.name = StageName::choose_particles,
               .word = "choose particles",
@@ -117,6 +124,11 @@ inline constexpr std::array kStages{
               .section = "verification",
               .asked = [](const ConversionJob& job) { return job.verify; },
               .line_rank = 4},
+    StageInfo{.name = StageName::repair,
+              .word = "repair",
+              .section = "repairs",
+              .asked = [](const ConversionJob& job) { return job.edits.repair.has_value(); },
+              .line_rank = -1},
     StageInfo{.name = StageName::clip,
               .word = "clip",
               .asked = [](const ConversionJob& job) { return !job.source.clip.empty(); },

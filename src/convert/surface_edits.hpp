@@ -9,6 +9,7 @@
 
 #include "base/enum_words.hpp"
 #include "edit/bodies.hpp"
+#include "edit/repair.hpp"
 #include "edit/smooth.hpp"
 
 namespace isoextract::convert {
@@ -93,6 +94,15 @@ struct SmoothChoice {
   friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
 };
 
+// The repair of a mesh file (edit/repair.hpp).
+struct RepairChoice {
+  static constexpr std::array kMembers{"most_hole_edges"};
+
+  std::uint64_t most_hole_edges = edit::kUsualHoleEdges;  // longest boundary loop to fill; 0 fills none
+
+  friend bool operator==(const RepairChoice&, const RepairChoice&) = default;
+};
+
 // Vertices at equal positions, where sheets of a surface touch (edit/separate_touching.hpp).
 enum class Touching {
   apart,  // moves them apart
@@ -105,8 +115,9 @@ constexpr auto words_of(Touching /*type*/) {
 // Edits of a surface, in the order in which they run. PieceChoice::split is an exception: it takes effect after all
 // others.
 struct SurfaceEdits {
-  static constexpr std::array kMembers{"pieces", "smooth", "simplify", "touching"};
+  static constexpr std::array kMembers{"repair", "pieces", "smooth", "simplify", "touching"};
 
+  std::optional<RepairChoice> repair;  // of a mesh file; before it is clipped
   PieceChoice pieces;
   std::optional<SmoothChoice> smooth;
   std::optional<SimplifyChoice> simplify;

@@ -1,6 +1,7 @@
 #include "edit/vertex_colors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -119,12 +120,53 @@ Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribu
 }
 
 Result<void> color_uniformly(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context) {
+  return color_ranges(mesh, std::array{RangeColor{0, mesh.positions.size(), color}}, context);
+}
+
+Result<void> color_ranges(mesh::Mesh& mesh, std::span<const RangeColor> ranges, const Context& context) {
   mesh::Attribute made = color_attribute(ColorStorage::srgb_u8);
+  auto memory = TRY(reserve_colors(mesh.positions.size(), made, context));
+  made.values = Buffer<std::byte>(mesh.positions.size() * made.stride());
+  std::ranges::fill(made.values, std::byte{0xFF});
+  for (const RangeColor& range : ranges) {
+    std::byte* const first = made.values.data() + range.first_vertex * made.stride();
+    for (std::size_t v = 0; v < range.vertices; ++v) put_color(range.color, false, first + v * made.stride());
+  }
+  mesh.attributes.push_back(std::move(made));
+  mesh.memory.take(std::move(memory));
+  return {};
+}
+
+Result<void> store_colors(mesh::Mesh& mesh, bool are_linear, ColorStorage storage, const Context& context) {
+  const auto found = std::ranges::find(mesh.attributes, mesh::AttributeRole::color, &mesh::Attribute::role);
+  if (found == mesh.attributes.end()) return {};
+  const mesh::Attribute& given = *found;
+  const bool linear = storage == ColorStorage::linear_u16;
+  mesh::Attribute made = color_attribute(storage);
+  made.name = given.name;
+  made.components = linear ? 4 : given.components;
   const std::size_t vertices = mesh.positions.size();
   auto memory = TRY(reserve_colors(vertices, made, context));
   made.values = Buffer<std::byte>(vertices * made.stride());
-  for (std::size_t v = 0; v < vertices; ++v) put_color(color, false, made.values.data() + v * made.stride());
-  mesh.attributes.push_back(std::move(made));
+  const std::size_t size = mesh::component_size(given.type);
+  for_each_range(vertices, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v != end; ++v) {
+      const std::byte* const from = given.values.data() + v * given.stride();
+      std::byte* const to = made.values.data() + v * made.stride();
+      for (std::size_t c = 0; c < made.components; ++c) {
+        const double value = c < given.components ? mesh::component_value(from + c * size, given.type, true) : 1;
+        double channel = std::isnan(value) ? 0 : std::clamp(value, 0.0, 1.0);
+        if (c < 3 && are_linear != linear) channel = linear ? srgb_to_linear(channel) : linear_to_srgb(channel);
+        if (linear) {
+          const auto word = as_fraction<std::uint16_t>(channel);
+          std::memcpy(to + c * sizeof word, &word, sizeof word);
+        } else {
+          to[c] = static_cast<std::byte>(as_fraction<std::uint8_t>(channel));
+        }
+      }
+    }
+  });
+  *found = std::move(made);
   mesh.memory.take(std::move(memory));
   return {};
 }

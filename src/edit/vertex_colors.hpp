@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <glm/glm.hpp>
@@ -39,5 +41,22 @@ struct ValueColors {
 // Gives all vertices one color, in sRGB with channels from 0 to 1, stored as srgb_u8. Fails with
 // ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<void> color_uniformly(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context);
+
+// The color of a range of vertices, in sRGB with channels from 0 to 1.
+struct RangeColor {
+  std::size_t first_vertex = 0;
+  std::size_t vertices = 0;
+  glm::dvec3 color{1.0};
+};
+
+// Colors ranges of vertices as color_uniformly() does; vertices outside them become white.
+[[nodiscard]] Result<void> color_ranges(mesh::Mesh& mesh, std::span<const RangeColor> ranges, const Context& context);
+
+// Stores the colors that the vertices have (AttributeRole::color) in another way; `are_linear` says that they are
+// linear light now, else sRGB. Alpha stays; linear_u16 adds an alpha of 1 if there is none. Does nothing without
+// colors. Colors of srgb_u8 survive a way to linear_u16 and back. Fails with ErrorCode::out_of_memory if memory is
+// short.
+[[nodiscard]] Result<void> store_colors(mesh::Mesh& mesh, bool are_linear, ColorStorage storage,
+                                        const Context& context);
 
 }  // namespace isoextract::edit

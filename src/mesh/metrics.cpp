@@ -1,6 +1,7 @@
 #include "mesh/metrics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/parallel.hpp"
@@ -70,6 +71,12 @@ MeshSize measure_size(const Mesh& mesh) {
       [](const MeshSize& a, const MeshSize& b) {
         return MeshSize{a.area + b.area, a.volume + b.volume, a.zero_area_triangles + b.zero_area_triangles};
       });
+}
+
+double typical_edge(const Mesh& mesh) {
+  if (mesh.triangles.empty()) return 1;
+  const double edge = std::sqrt(2 * measure_size(mesh).area / static_cast<double>(mesh.triangles.size()));
+  return std::isfinite(edge) && edge > 0 ? edge : 1;
 }
 
 }  // namespace isoextract::mesh

@@ -59,4 +59,7 @@ struct MeshSize {
 };
 [[nodiscard]] MeshSize measure_size(const Mesh& mesh);
 
+// Returns the side of a square that consists of two triangles of mean area; 1 for a mesh without area.
+[[nodiscard]] double typical_edge(const Mesh& mesh);
+
 }  // namespace isoextract::mesh

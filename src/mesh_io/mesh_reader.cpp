@@ -12,6 +12,7 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/allocation_error.hpp"
 #include "base/checked.hpp"
@@ -163,7 +164,7 @@ Buffer<std::byte> content_of(const files::InputFile& file, MemoryUse& memory) {
 FileSurface read_surface(const files::InputFile& file, const MeshReadOptions& options) {
   MemoryUse memory(file.context());
   const Buffer<std::byte> content = content_of(file, memory);
-  const MeshSource source{file, content.span(), memory, options.normals};
+  const MeshSource source{file, content.span(), memory, options.normals, options.scene};
   return reader_of(source)(source);
 }
 
@@ -191,16 +192,18 @@ FileNormals normals_of(const FileSurface& surface) {
   return normals;
 }
 
-std::vector<MeshPart> parts_of(const FileSurface& surface) {
+std::vector<MeshPart> parts_of(const FileSurface& surface, bool as_scene) {
   std::vector<MeshPart> parts;
-  if (surface.parts.size() < 2) return parts;
+  if (surface.parts.size() < 2 && !as_scene) return parts;
   for (std::size_t i = 0; i < surface.parts.size(); ++i) {
     const FilePart& part = surface.parts[i];
     const bool last = i + 1 == surface.parts.size();
     const std::uint64_t end_vertex = last ? surface.positions.size() : surface.parts[i + 1].first_vertex;
     const std::uint64_t end_triangle = last ? surface.triangles.size() : surface.parts[i + 1].first_triangle;
-    parts.push_back({part.name, part.first_vertex, end_vertex - part.first_vertex, part.first_triangle,
-                     end_triangle - part.first_triangle, part.material});
+    parts.push_back(
+        {{part.first_vertex, end_vertex - part.first_vertex, part.first_triangle, end_triangle - part.first_triangle},
+         part.name,
+         part.material});
   }
   return parts;
 }
@@ -213,8 +216,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   }
   MeshFile result;
   result.mesh = mesh_of(surface, context);
-  result.parts = parts_of(surface);
-  if (surface.parts.size() == 1) result.mesh.material = surface.parts.front().material;
+  result.parts = parts_of(surface, options.scene);
   if (surface.has_normals) merge_normal_copies(result.mesh, result.parts, context);
   const std::uint64_t normal_bytes =
       surface.normals.values.empty()
@@ -237,6 +239,12 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   result.is_by_isoextract = surface.is_by_isoextract;
   if (surface.is_by_isoextract)
     result.placement = surface.placement.substr(0, kMaxPlacement);  // isoextract never writes a longer one
+  if (options.scene && !surface.left_out.empty()) {
+    result.notes.push_back({NoteId::data_left_out, fmt::format("{}: the conversion leaves out {}, which it does not "
+                                                               "read; it keeps positions, triangles, names, colors "
+                                                               "and attributes",
+                                                               file.name(), fmt::join(surface.left_out, ", "))});
+  }
   for (const Note& note : surface.notes) result.notes.push_back(prefixed(file.name() + ": ", note));
   return result;
 }
@@ -268,6 +276,30 @@ bool holds_mesh(const std::filesystem::path& path, const Context& context) {
   std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), kBeginning)), '\0');
   if (!file->read_at(0, std::as_writable_bytes(std::span(text)))) return false;
   return reader_by_mark(text) != nullptr || reader_by_beginning(text, file->size()) != nullptr;
+}
+
+std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path, const Context& context) {
+  constexpr std::size_t kBeginning = 1 << 16;  // more than the header of any PLY needs
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none)) return std::nullopt;
+  const auto by_extension = mesh_format_by_path(path);
+  const auto file = files::InputFile::open(path, context);
+  const auto bytes = file ? files::first_bytes(*file, kBeginning) : Result<std::vector<std::byte>>();
+  if (!file || !bytes) return by_extension == MeshFormat::ply ? std::nullopt : by_extension;
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const Reader marked = reader_by_mark(text);
+  if (marked == read_glb) return by_extension == MeshFormat::gltf ? by_extension : MeshFormat::glb;
+  if (marked == read_drc) return MeshFormat::drc;
+  if (marked == nullptr) return by_extension == MeshFormat::ply ? std::nullopt : by_extension;
+  TextScanner lines(text);
+  while (lines.next_line()) {
+    const std::string_view word = lines.word();
+    if (word == "end_header") break;
+    if (word != "element") continue;
+    const std::string_view element = lines.word();
+    if ((element == "face" || element == "tristrips") && lines.word() != "0") return MeshFormat::ply;
+  }
+  return std::nullopt;
 }
 
 bool is_written_by_isoextract(const std::filesystem::path& path, const Context& context) {

@@ -5,8 +5,8 @@
 // origin that the extractor would choose. If all meshes of a glTF file share one translation, it becomes the origin and
 // the positions stay bit for bit.
 // Polygons are triangulated as if they were convex, along diagonals that depend on the order of the corners only.
-// All surfaces of a file are joined into one mesh. Surfaces that glTF scales to zero are left out, with a note: so the
-// reader takes the first frame with triangles of an animated sequence (animation_writer.hpp), which hides the others.
+// All surfaces of a file are joined into one mesh, except those that glTF scales to zero: of an animated sequence
+// (animation_writer.hpp) only the first frame with triangles is read, and a note tells so.
 //
 // A surface that looks closed is read as closed: vertices that were duplicated along creases for their normals are
 // merged (merge_normal_copies() in read/mesh_format_readers.hpp). This needs normals in the file and positions that
@@ -29,6 +29,7 @@
 #include "base/error.hpp"
 #include "base/note.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/mesh_part.hpp"
 #include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::mesh_io {
@@ -45,23 +46,23 @@ struct FileNormals {
 };
 
 // One mesh of a file with several: a range of vertices and a range of triangles.
-struct MeshPart {
-  std::string name;  // from the file, up to 200 bytes; may be empty
-  std::uint64_t first_vertex = 0;
-  std::uint64_t vertices = 0;
-  std::uint64_t first_triangle = 0;
-  std::uint64_t triangles = 0;
-  std::optional<mesh::Material> material = {};  // glTF: if all triangles have the same
+struct MeshPart : mesh::PartRange {
+  std::string name;                             // from the file, up to 200 bytes; may be empty
+  std::optional<mesh::Material> material = {};  // with MeshReadOptions::scene, if the file states one
 };
 
 struct MeshReadOptions {
   bool normals = false;
+  // For conversions: reads materials. Makes a part of each node and material of glTF and of each object of OBJ, also of
+  // a single one, called like its node. Adds a note about all data that a mesh cannot hold, such as textures.
+  bool scene = false;
 };
 
 struct MeshFile {
-  mesh::Mesh mesh;                // has the file's name; has no normals; the material of the only part
-  FileNormals normals;            // if requested and in the file; mesh.memory includes their bytes
-  std::vector<MeshPart> parts;    // glTF: one per node that shows a mesh; empty if there is only one
+  mesh::Mesh mesh;      // has the file's name; has no normals
+  FileNormals normals;  // if requested and in the file; mesh.memory includes their bytes
+  // glTF: one per node that shows a mesh; empty if there is only one. MeshReadOptions::scene changes both.
+  std::vector<MeshPart> parts;
   std::string_view format;        // "PLY, text"
   bool y_up = false;              // the format prescribes that y points up; other formats prescribe no up axis
   bool is_quantized = false;      // positions were rounded by packing: Draco, KHR_mesh_quantization
@@ -86,6 +87,10 @@ struct MeshFile {
 
 // Returns whether the file begins like one of the mesh formats, whatever its name. A PLY may hold particles instead.
 [[nodiscard]] bool holds_mesh(const std::filesystem::path& path, const Context& context);
+
+// Returns the format of a mesh file: by its magic bytes, else by the extension. Returns nullopt for other files, for a
+// PLY without faces, which holds particles, and for folders.
+[[nodiscard]] std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path, const Context& context);
 
 // Returns whether the first bytes of the file say that isoextract wrote it, without reading the mesh. Returns false for
 // text STL and for files that cannot be read.

@@ -13,7 +13,7 @@ from vdb_files import grid, vdb
 
 PAGES = ("README.md", "docs/formats.md", "docs/particles.md", "docs/reports.md", "docs/accuracy.md", "docs/gpu.md",
          "docs/sequences.md", "docs/simulate.md", "docs/render.md", "docs/previews.md",
-         "docs/pieces.md", "docs/attributes.md", "docs/blender-and-meshlab.md", "docs/check.md", "docs/clusters.md",
+         "docs/pieces.md", "docs/meshes.md", "docs/attributes.md", "docs/blender-and-meshlab.md", "docs/check.md", "docs/clusters.md",
          "docs/labels.md", "docs/voxels.md")
 # Whole benchmarks take minutes; bench_test.py runs them in small.
 PASSED_OVER = ("isoextract bench",)

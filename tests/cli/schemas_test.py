@@ -283,7 +283,7 @@ class SchemasTest(ProgramTest):
 
     def test_the_report_has_every_figure(self):
         members = {key for _, node in nodes(SCHEMAS["report"]) for key in node.get("properties", {})}
-        of_tables = CODE.matches("convert/source.cpp", r"Figure::of_tables\(Key::(\w+)")
+        of_tables = CODE.matches("convert/detail/place_report.cpp", r"Figure::of_tables\(Key::(\w+)")
         self.assertEqual(CODE.tables["convert::Key"] - members, of_tables - members)
 
     def test_reports_of_surfaces(self):

@@ -140,7 +140,7 @@ class VerifyEditsTest(ProgramTest):
             self.assert_fails(2, run, "expected a mesh", "hint: the file name is that of a volume", "isoextract info a.nii.gz")
             self.assertNotIn("hint", self.run_program(*command, "missing.nii.gz").err)
         for command in (("info", "a.glb"), ("verify", "a.glb", *ISO, "a.glb")):
-            self.assert_fails(2, self.run_program(*command), "hint: the file name is that of a mesh", "isoextract check a.glb")
+            self.assert_fails(2, self.run_program(*command), "hint: the file is a mesh", "isoextract check a.glb")
         self.assertNotIn("hint", self.run_program("info", "missing.glb").err)
         self.assert_fails(1, self.run_program("verify", "a.glb", *ISO, "a.raw"), "give the volume first")
         self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--normals", "flat", "a.glb"),

@@ -71,7 +71,7 @@ struct ConvertFlags : OptionSet {
 
  public:
   InputFlags input{*this, of_ == Of::convert
-                              ? InputUse{"INPUT", "Volumes or particles to convert", true}
+                              ? InputUse{"INPUT", "Volumes, particles or mesh files to convert", true}
                               : InputUse{"INPUT", "Volume or particles the mesh was made from", false, 1}};
   ParticleFlags particles{*this};
 
@@ -140,10 +140,9 @@ struct ConvertFlags : OptionSet {
       "--triangles",
       "N|P%",
       parse_triangle_count,
-      "Reduce each surface to N triangles, or to P percent. The topology may allow fewer removals. The distance is "
-      "measured and reported. With --simplify it ends at whichever comes first. With --labels, N and P count all "
-      "labels "
-      "together, triangles of common faces once.",
+      "Reduce each surface to N triangles, or to P percent. 50k means 50,000, 2M two million. The topology may allow "
+      "fewer removals. The distance is measured and reported. With --simplify it ends at whichever comes first. With "
+      "--labels, N and P count all labels together, triangles of common faces once.",
       About::surface | About::edit};
   Value<convert::EmptyPolicy> empty{only_convert(OptionGroup::surface), "--empty",
                                     "What to do if there is no surface (default: error). error fails; skip writes no "

@@ -162,6 +162,18 @@ struct LabelFlags : OptionSet {
 struct EditFlags : OptionSet {
   explicit EditFlags(OptionSet& command);
 
+  Value<convert::RepairChoice> repair{
+      *this,
+      "--repair",
+      "EDGES",
+      parse_repair,
+      "Repair a mesh file, before all other edits. Welds vertices of equal positions on boundary edges. Drops "
+      "duplicate "
+      "triangles and those without area. Gives neighbors one winding. Fills holes of up to EDGES edges (default: 100; "
+      "0: "
+      "none). Turns closed shells by their nesting. Reports the count of each step, then what 'check' finds.",
+      About::surface | About::edit,
+      IfLeftOut{"100"}};
   Value<convert::MinComponentSize> least{
       *this,
       "--drop-components",
@@ -200,6 +212,7 @@ struct EditFlags : OptionSet {
   // Returns the edits without a simplification, which plan_edits() adds.
   [[nodiscard]] convert::SurfaceEdits chosen() const {
     convert::SurfaceEdits edits;
+    edits.repair = repair;
     edits.pieces = {least, fill_cavities, largest, split};
     edits.smooth = smooth;
     return edits;

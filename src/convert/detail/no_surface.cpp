@@ -49,13 +49,13 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
   if (cut_away) {
     const field::Affine given_from_output =
         request_from_index(source.field, job.source.placement.space).after(source.output_from_index.inverse());
-    return {ErrorCode::no_surface,
-            fmt::format("{}: clipping removes the whole surface at {}; the surface lies in {}", source.label,
-                        surface_text(asked.asked),
-                        box_text(field::image_of(given_from_output, {cut_away->min, cut_away->max}))),
-            or_allow_empty(job.source.clip.empty() ? Step(Remedy::raise, Setting::region)
-                                                   : Step(Remedy::check, Setting::clip,
-                                                          "a plane keeps the points with NX x + NY y + NZ z >= D"))};
+    return {
+        ErrorCode::no_surface,
+        fmt::format("{}: clipping removes the whole surface{}; the surface lies in {}", source.label, place_text(asked),
+                    box_text(field::image_of(given_from_output, {cut_away->min, cut_away->max}))),
+        or_allow_empty(job.source.clip.empty() ? Step(Remedy::raise, Setting::region)
+                                               : Step(Remedy::check, Setting::clip,
+                                                      "a plane keeps the points with NX x + NY y + NZ z >= D"))};
   }
   if (are_labels) {
     return {ErrorCode::no_surface,

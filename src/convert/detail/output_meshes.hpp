@@ -13,7 +13,6 @@
 #include "convert/mesh_collector.hpp"
 #include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
-#include "convert/placement_record.hpp"
 #include "convert/stages/mesh_facts.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "mesh_io/mesh_writer.hpp"
@@ -24,13 +23,9 @@ namespace isoextract::convert {
 [[nodiscard]] inline mesh_io::MeshWriteOptions write_options(const ConversionJob& job, const Source& source,
                                                              bool hash_files) {
   const MeshFileOptions meshes = job.meshes();
-  return {meshes.format,
-          job.normals == Normals::flat,
-          meshes.ascii,
-          mesh_packing(meshes.packing, source),
-          copies_vertices(job),
-          write_placement_record(source.placement, meshes.format, source.written_kinds()),
-          hash_files};
+  return {
+      meshes.format,        job.normals == Normals::flat,           meshes.ascii, mesh_packing(meshes.packing, source),
+      copies_vertices(job), source.placement_record(meshes.format), hash_files};
 }
 
 struct OutputMeshes {
@@ -60,6 +55,7 @@ struct OutputMeshes {
       written.welded.open_edges += surface.welded->open_edges;
       written.welded.nonmanifold_edges += surface.welded->nonmanifold_edges;
       written.welded.nonmanifold_vertices += surface.welded->nonmanifold_vertices;
+      written.welded.misoriented_edges += surface.welded->misoriented_edges;
     }
     if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
   }
@@ -91,7 +87,8 @@ struct OutputMeshes {
       if (done[m].bytes_before == 0) continue;
       const WrittenOutput::Part& part = written.surfaces[m];
       reports.push_back(
-          report_of({fmt::format("{} {}", part.label, part.id.name()), part.id, job.path, packing, done[m]}));
+          report_of({part.id == kWholeFile ? part.label : fmt::format("{} {}", part.label, part.id.name()), part.id,
+                     job.path, packing, done[m]}));
     }
     return reports;
   }

@@ -22,13 +22,28 @@ Result<extract::Extraction> extract_field(const SurfaceMaker& maker, const Resol
   if (const auto& heights = maker.job.surface.heights) {
     return extract_heights(field, *heights, options, maker.context);
   }
-  if (maker.labels == nullptr) return maker.extractor.extract(field, options, maker.context);
+  if (maker.labels == nullptr) return maker.extractor->extract(field, options, maker.context);
   auto extraction = maker.labels->extract(field, asked.id.label(), options, maker.context);
   if (extraction) extraction->mesh.name = field.name;
   return extraction;
 }
 
-// Extracts the surface, compares it with the other backend if the job verifies, and clips it.
+bool is_cut_open(const SurfaceMaker& maker) { return !maker.source.clip.empty() && !maker.job.surface.cap; }
+
+// Takes a mesh of the file.
+Result<Surface> take_mesh(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
+  const std::uint64_t number = asked.id.file_mesh();
+  Surface surface{.asked = asked.asked,
+                  .id = asked.id,
+                  .mesh = std::move(maker.meshes.at(number == 0 ? 0 : number - 1)),
+                  .counts_open_edges = true};
+  TRY(tell(TRY(repair_surface(surface, {maker.job, maker.source, maker.facts(false), maker.context})), made.events));
+  const mesh::Topology topology = TRY(mesh::measure_topology(surface.mesh, maker.context));
+  made.open = topology.open_edges > 0 || is_cut_open(maker);
+  return surface;
+}
+
+// Extracts the surface, and compares it with the other backend if the job verifies.
 Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
   const Source& source = maker.source;
   const Stopwatch watch;
@@ -37,14 +52,13 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   auto extraction = TRY(extract_field(maker, asked, options));
   TRY(volume_io::check_mapping_intact(source.field));
   const extract::ExtractStats& stats = extraction.stats;
-  const bool is_cut_open = !source.clip.empty() && !options.cap;
-  made.open = may_be_open(stats, options) || is_cut_open;
+  made.open = may_be_open(stats, options) || is_cut_open(maker);
   Surface surface{.asked = asked.asked,
                   .id = asked.id,
                   .mesh = std::move(extraction.mesh),
                   .taken = extraction.taken,
                   .end = open_boundary_of(stats, options, source),
-                  .counts_open_edges = stats.hole_cells > 0 || is_cut_open};
+                  .counts_open_edges = stats.hole_cells > 0 || is_cut_open(maker)};
   if (const auto* found = maker.labels != nullptr ? maker.labels->find(asked.id.label()) : nullptr) {
     const double voxel = std::abs(glm::determinant(source.output_from_index.linear));
     surface.label_voxels = found->voxels;
@@ -55,11 +69,19 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   made.events.end(extraction_report(stats, options, surface, stage, watch.elapsed()));
   if (maker.other != nullptr) {
     const auto record = TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method),
-                                             surface.mesh, maker.extractor, *maker.other, maker.context));
+                                             surface.mesh, *maker.extractor, *maker.other, maker.context));
     TRY(volume_io::check_mapping_intact(source.field));
     surface.mesh.edges = {};  // only the comparison needs them
     TRY(tell(convert::report_of(record, source.label), made.events));
   }
+  return surface;
+}
+
+// Extracts the surface or takes it from a mesh file, and clips it.
+Result<Surface> open_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
+  const Source& source = maker.source;
+  Surface surface = TRY(maker.job.source.mesh ? take_mesh(maker, asked, made) : extract_surface(maker, asked, made));
+  const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
   std::optional<mesh::Bounds> whole;  // bounds before clipping
   if (!source.clip.empty() && !surface.mesh.triangles.empty()) whole = mesh::measure_bounds(surface.mesh);
   const StageReport clipped = TRY(clip_surface(surface, stage));
@@ -79,7 +101,7 @@ Error error_of_none(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSur
 
 Result<std::optional<Surface>> make_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
   const EmptyPolicy empty = maker.job.empty;
-  Surface surface = TRY(extract_surface(maker, asked, made));
+  Surface surface = TRY(open_surface(maker, asked, made));
   if (surface.triangles() == 0 && empty != EmptyPolicy::write) {
     if (empty == EmptyPolicy::error) return tl::unexpected(error_of_none(maker, asked, made));
     if (made.cut_away) made.lost.push_back({asked.id, "clipping removed every triangle"});

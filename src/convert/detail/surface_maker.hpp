@@ -36,11 +36,12 @@ struct MadeSurface {
 struct SurfaceMaker {
   const ConversionJob& job;
   const Source& source;
-  extract::Extractor& extractor;
+  extract::Extractor* extractor;       // null for a mesh file
   extract::Extractor* other;           // compares its surface with the extractor's; null: no comparison
   const extract::LabelVoxels* labels;  // null if the surfaces are no labels
   const LabelAppearance& looks;        // of the labels
   const SurfaceList& all;              // all surfaces of the grid
+  std::vector<mesh::Mesh>& meshes;     // of a mesh file; make() takes the mesh of its surface out of them
   bool mesh_facts;                     // measure Surface::facts
   const Context& context;
   mesh::MeshSink* sink = nullptr;  // takes the mesh while it is made, if nothing edits it as a whole; null: none

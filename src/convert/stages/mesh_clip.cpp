@@ -26,7 +26,8 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
   const bool capped = stage.job.surface.cap;
   const auto ends = capped ? edit::CutClosing::capped : edit::CutClosing::open;
   StageReport report = stage.report_on(StageName::clip, surface);
-  report.subject = fmt::format("{} {}", stage.source.label, surface_text(surface.asked));
+  if (!surface.id.is_file_mesh())
+    report.subject = fmt::format("{} {}", stage.source.label, surface_text(surface.asked));
   auto clipped = edit::clip_to_half_spaces(surface.mesh, stage.source.clip, ends, stage.context);
   if (!clipped) {
     clipped.error().message = fmt::format("{}: {}", report.subject, clipped.error().message);

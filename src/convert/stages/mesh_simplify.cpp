@@ -15,12 +15,14 @@
 #include "edit/label_net.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
+#include "mesh/metrics.hpp"
 #include "mesh/shells.hpp"
 
 namespace isoextract::convert {
 namespace {
 
 constexpr double kPatchVoxels = 32;
+constexpr double kPatchEdges = 40;  // typical edges of the mesh; those of marching cubes have 0.8 voxels
 
 struct Stretch {
   double least = 1;
@@ -148,18 +150,20 @@ std::string why_unchanged(const SimplifyChoice& asked, const Simplified& done) {
                      bound_text(*asked.within));
 }
 
-std::string line_of(const SimplifyChoice& asked, const Simplified& done, const std::string& surface) {
+std::string range_text(const DistanceRange& range) { return fmt::format("{:.4g} to {:.4g}", range.lower, range.upper); }
+
+std::string line_of(const SimplifyChoice& asked, const Simplified& done, const std::string& surface,
+                    const Source& source) {
   const edit::SimplifyFigures& facts = done.facts;
   const double seconds = facts.time.wall_seconds;
   if (facts.triangles_after == facts.triangles_before) {
-    return fmt::format("not simplified {}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
+    return fmt::format("not simplified{}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
   }
-  std::string text = fmt::format(
-      "simplified {}: {} of {} triangles left ({:.1f} %); requested {}, measured {:.4g} to {:.4g} voxels, "
-      "in the mesh's units {:.4g} to {:.4g}; {:.2f} s",
-      surface, facts.triangles_after, facts.triangles_before,
-      100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
-      asked_text(asked), done.voxels.lower, done.voxels.upper, done.world.lower, done.world.upper, seconds);
+  std::string text =
+      fmt::format("simplified{}: {} of {} triangles left ({:.1f} %); requested {}, measured {}; {:.2f} s", surface,
+                  facts.triangles_after, facts.triangles_before,
+                  100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
+                  asked_text(asked), source.length_text(range_text(done.voxels), range_text(done.world)), seconds);
   if (done.asked > 0 && facts.triangles_after > done.asked) {
     text += asked.within ? "; fewer triangles would exceed the distance or change the topology"
                          : "; fewer triangles would change the topology or flip triangles";
@@ -217,11 +221,13 @@ struct SimplifyPlan {
   edit::SimplifyOptions options;
   Stretch voxel;
 
-  // Distances are in voxels, whose size output_from_index gives, or in the mesh's units.
-  SimplifyPlan(const SimplifyChoice& choice, const field::Affine& output_from_index)
+  // Distances are in voxels, whose size output_from_index gives, or in the mesh's units. `edge` is a typical edge of
+  // the mesh: patches depend on the mesh alone, so that a mesh file gives the same triangles as the volume it came
+  // from.
+  SimplifyPlan(const SimplifyChoice& choice, const field::Affine& output_from_index, double edge)
       : voxel(stretch_of(output_from_index.linear)) {
     options.max_distance = choice.within ? choice.within->distance : std::numeric_limits<double>::infinity();
-    options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
+    options.patch_size = kPatchEdges * edge;
     const bool in_world_units = choice.within && choice.within->in_world_units;
     if (!in_world_units && voxel.is_even()) {
       options.max_distance *= voxel.least;
@@ -276,13 +282,13 @@ StageReport report_of(const SimplifyChoice& choice, const Simplified& result, co
 }
 
 void add_sentences(StageReport& report, const SimplifyChoice& choice, const Simplified& result,
-                   const std::string& surface, const std::string& subject) {
+                   const std::string& surface, const std::string& subject, const Source& source) {
   const edit::SimplifyFigures& facts = result.facts;
   report.did = "simplified";
   report.details.push_back(fmt::format(
       "{} rounds over {} patches; {} of {} collapses undone in {} passes; {:.2f} s of processor time", facts.rounds,
       facts.patches, facts.undone_collapses, facts.collapses, facts.passes, facts.time.cpu_seconds));
-  report.lines.push_back({line_of(choice, result, surface)});
+  report.lines.push_back({line_of(choice, result, surface, source)});
   report.notes = notes_of(result, subject);
 }
 
@@ -300,7 +306,7 @@ StageTime share_of(const StageTime& time, std::uint64_t part, std::uint64_t whol
 Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage) {
   if (!stage.job.edits.simplify) return StageReport();
   const SimplifyChoice& choice = *stage.job.edits.simplify;
-  SimplifyPlan plan(choice, stage.source.output_from_index);
+  SimplifyPlan plan(choice, stage.source.output_from_index, mesh::typical_edge(surface.mesh));
   if (choice.triangles) plan.options.triangles = wanted(*choice.triangles, surface.mesh.triangles.size());
   const auto before = TRY(count_components(surface.mesh, stage.context));
   auto simplified = TRY(edit::simplify_mesh(std::move(surface.mesh), plan.options, stage.context));
@@ -314,14 +320,15 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   plan.set_distance(result);
   surface.simplified_by = result.voxels.upper;
   StageReport report = report_of(choice, result, surface, stage);
-  add_sentences(report, choice, result, "at " + surface.id.name(), report.subject);
+  add_sentences(report, choice, result, surface.id.place(), report.subject, stage.source);
   return report;
 }
 
 Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageContext& stage) {
   if (labels.empty()) return {};
   const SimplifyChoice& choice = *stage.job.edits.simplify;
-  SimplifyPlan plan(choice, stage.source.output_from_index);
+  const double voxel = std::cbrt(std::abs(stage.source.output_from_index.determinant()));
+  SimplifyPlan plan(choice, stage.source.output_from_index, kPatchVoxels / kPatchEdges * voxel);
   std::vector<mesh::Mesh*> meshes;
   std::vector<ComponentCount> before;
   std::vector<std::uint64_t> triangles_before;
@@ -361,8 +368,8 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
   const std::string name =
       labels.size() == 1 ? labels.front().surface->id.name() : fmt::format("{} labels together", labels.size());
   const bool is_one = labels.size() == 1;
-  add_sentences(reports.front(), choice, whole, is_one ? "at " + name : name,
-                fmt::format("{} {}", stage.source.label, name));
+  add_sentences(reports.front(), choice, whole, is_one ? labels.front().surface->id.place() : " " + name,
+                fmt::format("{} {}", stage.source.label, name), stage.source);
   if (!is_one) {
     reports.front().lines.push_back(
         {fmt::format("simplified {} as one net of {} sheets, each between two labels or a label and none; all meshes "

@@ -23,13 +23,14 @@ std::optional<field::IndexBox> capped_box(const Source& source) {
   return source.field.extents();
 }
 
-std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts, const std::string& surface) {
-  std::string text = fmt::format(
-      "smoothed at {}: {} passes of {}, {}; vertices moved by at most {:.4g} voxels, in the mesh's units {:.4g}",
-      surface, asked.passes, word_of(asked.method),
-      facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
-                        : fmt::format("pass band {}", asked.pass_band),
-      facts.greatest_move, facts.max_displacement_world);
+std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts, const Surface& surface,
+                    const Source& source) {
+  std::string text = fmt::format("smoothed{}: {} passes of {}, {}; vertices moved by at most {}", surface.id.place(),
+                                 asked.passes, word_of(asked.method),
+                                 facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
+                                                   : fmt::format("pass band {}", asked.pass_band),
+                                 source.length_text(fmt::format("{:.4g}", facts.greatest_move),
+                                                    fmt::format("{:.4g}", facts.max_displacement_world)));
   if (facts.border_vertices == 0) {
     const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
     text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");
@@ -94,7 +95,7 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
       facts.time);
   report.did = "smoothed";
-  report.lines.push_back({line_of(asked, facts, surface.id.name())});
+  report.lines.push_back({line_of(asked, facts, surface, stage.source)});
   return report;
 }
 

@@ -7,7 +7,7 @@
 namespace isoextract::convert {
 
 std::string StageContext::subject(const Surface& surface) const {
-  return fmt::format("{} {}", source.label, surface.id.name());
+  return surface.id == kWholeFile ? source.label : fmt::format("{} {}", source.label, surface.id.name());
 }
 
 StageReport StageContext::report_on(StageName stage, const Surface& surface) const {
@@ -40,8 +40,7 @@ Result<void> tell(const StageReport& report, Events& events) {
 Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events, Surface& surface) {
   StageReport report = TRY(stage.edit(surface, context));
   if (report.lines.empty() && !report.entries.empty() && !stage.done.empty()) {
-    report.lines.push_back(
-        {fmt::format("{} at {}: {}", stage.done, surface.id.name(), text_of(report.entries.front()))});
+    report.lines.push_back({fmt::format("{}{}: {}", stage.done, surface.id.place(), text_of(report.entries.front()))});
   }
   return tell(report, events);
 }

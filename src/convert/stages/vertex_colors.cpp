@@ -57,6 +57,14 @@ void drop_unwritten(const ConversionJob& job, mesh::Mesh& mesh) {
   }
 }
 
+// Keeps the material of a mesh file, with the job's opacity, and double-sided if the mesh is open.
+void adjust_material(const ConversionJob& job, bool open, std::optional<mesh::Material>& material) {
+  if (job.opacity.empty() && !open) return;
+  if (!material) material.emplace();
+  if (!job.opacity.empty()) material->opacity = job.opacity.front();
+  material->double_sided |= open;
+}
+
 Result<StageReport> color_by_attribute(Surface& surface, const StageContext& stage) {
   const ConversionJob& job = stage.job;
   if (!job.color || !job.color->attribute) return StageReport();
@@ -113,7 +121,11 @@ std::optional<mesh::Material> material_of(const ConversionJob& job, const Surfac
 
 Result<StageReport> color_surface(Surface& surface, const StageContext& stage) {
   const SurfaceFacts& facts = stage.facts;
-  surface.mesh.material = material_of(stage.job, facts.all, surface.id, stage.source.field.kind, facts.may_be_open);
+  if (stage.source.of_meshes) {
+    adjust_material(stage.job, facts.may_be_open, surface.mesh.material);
+  } else {
+    surface.mesh.material = material_of(stage.job, facts.all, surface.id, stage.source.field.kind, facts.may_be_open);
+  }
   if (facts.labels != nullptr) {
     TRY(facts.labels->color(stage.job, surface.id.label(), surface.mesh, stage.context));
   }

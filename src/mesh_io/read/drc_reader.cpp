@@ -129,6 +129,7 @@ FileSurface read_drc(const MeshSource& source) {
   bool has_colors = false;
   for (std::size_t a = 0; a < unpacked.attributes.size(); ++a) {
     const DracoAttribute& attribute = unpacked.attributes[a];
+    if (attribute.is_normal) surface.left_out.insert("normals");
     if (&attribute == &*positions || attribute.is_normal) continue;
     if (attribute.components > mesh::kMaxComponents) {
       surface.notes.push_back(

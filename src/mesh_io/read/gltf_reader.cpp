@@ -1,6 +1,8 @@
 // Reads glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, transformed by its nodes in
 // double. Does not use TinyGLTF, which trusts the offsets of images and animations that are not needed here.
+//
 // Skips nodes that are scaled to zero. Reads the first frame of an animated sequence (write/animated_glb.hpp).
+//
 // Reads COLOR_0 and attributes that begin with an underscore, if all primitives have them with the same type.
 #include <algorithm>
 #include <array>
@@ -15,8 +17,8 @@
 #include "mesh_io/mesh_reader.hpp"
 #include "mesh_io/read/gltf_data.hpp"
 #include "mesh_io/read/gltf_json.hpp"
-#include "mesh_io/read/gltf_material.hpp"
 #include "mesh_io/read/gltf_normals.hpp"
+#include "mesh_io/read/gltf_scene.hpp"
 #include "mesh_io/read/mesh_format_readers.hpp"
 
 namespace isoextract::mesh_io {
@@ -28,6 +30,8 @@ using nlohmann::json;
 constexpr std::uint64_t kTriangles = 4;
 constexpr std::uint64_t kStrip = 5;
 constexpr std::uint64_t kFan = 6;
+
+constexpr std::uint64_t kNoMaterial = ~std::uint64_t{0};
 
 // Prefixes of extensions that do not change triangles: shading, lights, textures, sound, animation and metadata.
 constexpr std::array<std::string_view, 16> kOtherExtensions{"KHR_materials_",
@@ -56,11 +60,6 @@ bool changes_triangles(std::string_view extension) {
                       [&](std::string_view start) { return extension.starts_with(start); });
 }
 
-struct Instance {
-  std::uint64_t mesh;
-  Transform transform;
-};
-
 std::string placement_of(const json& asset) {
   const auto extras = asset.find("extras");
   if (extras == asset.end() || !extras->is_object()) return {};
@@ -86,25 +85,25 @@ class ModelReader {
     surface_.placement = placement_of(*asset);
     check_extensions();
     data_.emplace(source_, model_, binary_);
-    const std::vector<Instance> instances = find_instances();
+    const auto [instances, hidden] = find_gltf_scene(model_, source_.memory);
     bool moved_alike = true;
-    for (const Instance& instance : instances) {
+    for (const GltfInstance& instance : instances) {
       moved_alike = moved_alike && instance.transform.linear == glm::dmat3(1.0) &&
                     instance.transform.offset == instances.front().transform.offset;
     }
     if (moved_alike && !instances.empty()) surface_.origin = instances.front().transform.offset;
-    for (const Instance& instance : instances) {
+    for (const GltfInstance& instance : instances) {
       Transform transform = instance.transform;
       if (surface_.origin) transform.offset = glm::dvec3(0);
       const json& mesh = entry(model_, "meshes", instance.mesh);
-      constexpr std::size_t kNameBytes = 200;  // bounds memory: many nodes may show the same mesh
-      const std::string_view name = text_of(mesh, "name").substr(0, kNameBytes);
-      source_.memory.make_room(surface_.parts, 1);
-      source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
-      surface_.parts.push_back(
-          {std::string(name), surface_.positions.size(), surface_.triangles.size(), gltf_mesh_material(model_, mesh)});
-      add_mesh(mesh, transform);
+      std::string_view name = text_of(mesh, "name");
+      if (const std::string_view of_node = text_of(entry(model_, "nodes", instance.node), "name");
+          source_.as_scene && !of_node.empty()) {
+        name = of_node;
+      }
+      add_mesh(mesh, name, transform);
     }
+    if (source_.as_scene) add_left_out(model_, surface_.left_out);
     for (const std::string& name : left_out_) {
       note(NoteId::attribute_left_out,
            "skips the attribute '{}': its type differs between the surfaces, or some lack it", name);
@@ -113,8 +112,8 @@ class ModelReader {
       note(NoteId::corners_joined, "merges {} corners with corners at the same position that have other attributes",
            corners_apart_);
     }
-    if (hidden_meshes_ > 0) {
-      note(NoteId::data_left_out, "skips {} surfaces with a scale of 0{}", hidden_meshes_,
+    if (hidden > 0) {
+      note(NoteId::data_left_out, "skips {} surfaces with a scale of 0{}", hidden,
            model_.contains("animations") ? ", which the animation shows later: the reader uses the pose at rest" : "");
     }
     if (other_primitives_ > 0) note(NoteId::data_left_out, "skips {} primitives of points or lines", other_primitives_);
@@ -144,58 +143,6 @@ class ModelReader {
                       shown(extension)),
           "export the file without this extension");
     }
-  }
-
-  // Visits nodes depth first. A node visited twice is in a cycle or has two parents, which glTF forbids.
-  std::vector<Instance> find_instances() {
-    std::vector<Instance> instances;
-    std::vector<std::pair<std::uint64_t, Transform>> waiting;
-    const auto wait_for = [&](const json& object, const char* key, const Transform& parent) {
-      const auto list = object.find(key);
-      if (list == object.end()) return;
-      if (!list->is_array()) throw DamagedMesh(fmt::format("expected a list as '{}', found {}", key, shown(*list)));
-      source_.memory.make_room(waiting, list->size());
-      for (auto node = list->rbegin(); node != list->rend(); ++node) {
-        if (!node->is_number_unsigned()) {
-          throw DamagedMesh(fmt::format("expected indices of nodes as '{}', found {}", key, shown(*list)));
-        }
-        waiting.emplace_back(node->get<std::uint64_t>(), parent);
-      }
-    };
-    const auto nodes = model_.find("nodes");
-    std::vector<bool> met(nodes == model_.end() ? 0 : nodes->size());
-    if (model_.contains("scenes")) {
-      wait_for(entry(model_, "scenes", whole(model_, "scene", 0)), "nodes", {});
-    } else {  // no scene, as in a library of meshes: all root nodes
-      for (std::uint64_t n = 0; n < met.size(); ++n) wait_for(entry(model_, "nodes", n), "children", {});
-      std::vector<bool> inner(met.size());
-      for (const auto& [child, parent] : waiting) {
-        if (child < inner.size()) inner[child] = true;
-      }
-      waiting.clear();
-      for (std::uint64_t n = met.size(); n-- > 0;) {
-        if (!inner[n]) waiting.emplace_back(n, Transform());
-      }
-    }
-    while (!waiting.empty()) {
-      const auto [index, parent] = waiting.back();
-      waiting.pop_back();
-      const json& node = entry(model_, "nodes", index);
-      if (met[index]) throw DamagedMesh(fmt::format("expected a tree of nodes, found node {} twice", index));
-      met[index] = true;
-      const Transform transform = parent.after(transform_of(node));
-      if (!transform.is_finite()) {
-        throw DamagedMesh(fmt::format("expected a finite position of node {} in the scene, found ({}, {}, {})", index,
-                                      transform.offset.x, transform.offset.y, transform.offset.z));
-      }
-      if (node.contains("mesh") && transform.linear == glm::dmat3(0)) {
-        ++hidden_meshes_;
-      } else if (node.contains("mesh")) {
-        instances.push_back({whole(node, "mesh"), transform});
-      }
-      wait_for(node, "children", transform);
-    }
-    return instances;
   }
 
   struct AttributeView {
@@ -288,7 +235,7 @@ class ModelReader {
     return views;
   }
 
-  // Appends values of `count` new vertices; new vertex i copies the primitive's vertex vertex_at(i).
+  // Appends attribute values for `count` new vertices; new vertex i copies the primitive's vertex vertex_at(i).
   template <class VertexAt>
   void add_values(const std::vector<GltfView>& views, std::uint64_t count, const VertexAt& vertex_at) {
     for (std::size_t a = 0; a < views.size(); ++a) {
@@ -330,21 +277,49 @@ class ModelReader {
     }
   }
 
-  void add_mesh(const json& mesh, const Transform& transform) {
+  // Begins a part of the file at the next vertex.
+  void add_part(std::string_view name, std::optional<mesh::Material> material) {
+    constexpr std::size_t kNameBytes = 200;  // bounds memory: many nodes may show the same mesh
+    name = name.substr(0, kNameBytes);
+    source_.memory.make_room(surface_.parts, 1);
+    source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
+    surface_.parts.push_back(
+        {std::string(name), surface_.positions.size(), surface_.triangles.size(), std::move(material)});
+  }
+
+  // Adds the primitives of a mesh as one part; of a scene, those of each material.
+  void add_mesh(const json& mesh, std::string_view name, const Transform& transform) {
     const auto primitives = mesh.find("primitives");
     if (primitives == mesh.end() || !primitives->is_array()) {
       throw DamagedMesh(fmt::format("expected a list 'primitives' in a mesh, found {}", shown(mesh)));
     }
+    if (!source_.as_scene || primitives->empty()) add_part(name, {});
+    const json* before = nullptr;  // the last primitive that was added
+    const auto material_of = [](const json& primitive) { return whole(primitive, "material", kNoMaterial); };
+    bool several = false;
     for (const json& primitive : *primitives) {
       if (!primitive.is_object())
         throw DamagedMesh(fmt::format("expected JSON objects as primitives, found {}", shown(primitive)));
+      several = several || material_of(primitive) != material_of(primitives->front());
+    }
+    for (const json& primitive : *primitives) {
       const std::uint64_t mode = whole(primitive, "mode", kTriangles);
       if (mode > kFan) throw DamagedMesh(fmt::format("expected a 'mode' from 0 to {}, found {}", kFan, mode));
       if (mode < kTriangles) {
         ++other_primitives_;
-      } else {
-        add_primitive(primitive, mode, transform);
+        continue;
       }
+      if (source_.as_scene) {
+        const std::string_view of_material = gltf_material_name(model_, primitive);
+        const bool is_named = several && !of_material.empty();
+        if (before == nullptr || material_of(*before) != material_of(primitive)) {
+          add_part(is_named ? fmt::format("{} {}", name, of_material) : std::string(name),
+                   gltf_material(model_, primitive, surface_.is_by_isoextract));
+        }
+        add_left_out(model_, primitive, surface_.left_out);
+        before = &primitive;
+      }
+      add_primitive(primitive, mode, transform);
     }
   }
 
@@ -445,7 +420,6 @@ class ModelReader {
   const json& model_ = tree_.root();
   std::optional<GltfData> data_;  // set once the file's extensions are known to be supported
   bool has_quantized_ = false;    // KHR_mesh_quantization: positions may be integers
-  std::uint64_t hidden_meshes_ = 0;
   std::uint64_t other_primitives_ = 0;
   bool is_first_primitive_ = true;
   std::set<std::string> left_out_;   // names of dropped attributes

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -73,7 +74,8 @@ struct FileSurface {
   std::string placement;  // MeshWriteOptions::placement, from any program; read_mesh() keeps up to kMaxPlacement bytes
   // Vertices have normals and positions that were not rounded, so equal positions may be copies for different normals.
   bool has_normals = false;
-  bool is_quantized = false;  // positions were rounded by packing
+  bool is_quantized = false;       // positions were rounded by packing
+  std::set<std::string> left_out;  // of a scene: the kinds of data that a mesh cannot hold, "textures"
   Notes notes;
 };
 
@@ -116,6 +118,7 @@ struct MeshSource {
   std::span<const std::byte> content;
   MemoryUse& memory;
   bool with_normals = false;
+  bool as_scene = false;  // MeshReadOptions::scene
   [[nodiscard]] std::string_view text() const {
     return {reinterpret_cast<const char*>(content.data()), content.size()};
   }

@@ -1,9 +1,11 @@
-// Reads the vertices and faces of Wavefront OBJ, and normals if requested. Ignores texture coordinates and materials.
+// Reads the vertices and faces of Wavefront OBJ, and normals if requested. Of a scene, makes a part of each
+// object. Ignores texture coordinates and materials.
 #include <limits>
 
 #include <fmt/format.h>
 
 #include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "mesh_io/read/mesh_format_readers.hpp"
 
 namespace isoextract::mesh_io {
@@ -38,6 +40,46 @@ std::uint32_t normal_index(const TextScanner& scanner, std::string_view corner, 
   return index_of(scanner, corner.substr(second + 1), corner, normals, "normal");
 }
 
+// Makes parts of the objects of a file, if the faces of each use only vertices that stand between its name and the
+// next.
+class ObjectParts {
+ public:
+  ObjectParts(FileSurface& surface, MemoryUse& memory) : surface_(surface), memory_(memory) {}
+
+  void begin(std::string_view name) {
+    constexpr std::size_t kNameBytes = 200;
+    // Vertices before the first object belong to it.
+    const bool first = surface_.parts.empty();
+    if (first && !surface_.triangles.empty()) are_apart_ = false;
+    name = name.substr(0, kNameBytes);
+    memory_.make_room(surface_.parts, 1);
+    memory_.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
+    surface_.parts.push_back({std::string(name), first ? 0 : surface_.positions.size(), surface_.triangles.size()});
+  }
+
+  void add_face(std::span<const std::uint32_t> corners) {
+    if (surface_.parts.empty()) return;
+    const std::uint64_t first = surface_.parts.back().first_vertex;
+    for (const std::uint32_t corner : corners) {
+      are_apart_ = are_apart_ && corner >= first && corner < surface_.positions.size();
+    }
+  }
+
+  void end() {
+    if (are_apart_ || surface_.parts.empty()) return;
+    surface_.left_out.insert(
+        surface_.parts.size() == 1
+            ? "the name of its object"
+            : fmt::format("the names of its {} objects, which share vertices", surface_.parts.size()));
+    surface_.parts.clear();
+  }
+
+ private:
+  FileSurface& surface_;
+  MemoryUse& memory_;
+  bool are_apart_ = true;
+};
+
 glm::dvec3 point_of(TextScanner& scanner) {
   glm::dvec3 p;
   for (int axis = 0; axis < 3; ++axis) p[axis] = scanner.number(scanner.next_continued_word());
@@ -56,6 +98,7 @@ FileSurface read_obj(const MeshSource& source) {
   std::vector<std::uint32_t> corner_normals;
   FileSurfaceNormals& normals = surface.normals;
   std::size_t lines_and_points = 0;
+  ObjectParts objects(surface, source.memory);
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.next_continued_word();
     if (keyword == "#" && surface.is_by_isoextract && surface.positions.empty() && scanner.word() == kPlacementEntry) {
@@ -65,6 +108,10 @@ FileSurface read_obj(const MeshSource& source) {
     if (keyword == "v") {
       source.memory.make_room(surface.positions, 1);
       surface.positions.push_back(point_of(scanner));
+      if (source.as_scene && !scanner.word().empty() && !scanner.word().empty())
+        surface.left_out.insert("vertex colors");
+    } else if (keyword == "o" && source.as_scene) {
+      objects.begin(scanner.rest_of_line());
     } else if (keyword == "vn" && source.with_normals) {
       source.memory.make_room(normals.values, 1);
       normals.values.emplace_back(point_of(scanner));
@@ -81,8 +128,11 @@ FileSurface read_obj(const MeshSource& source) {
         corner_normals.push_back(normal_index(scanner, corner, normals.values.size()));
       }
       if (corners.size() < 3) scanner.expected("at least 3 corners of a face", std::to_string(corners.size()));
+      objects.add_face(corners);
       add_polygon(surface.triangles, corners, source.memory);
       if (source.with_normals) add_polygon(normals.numbers, corner_normals, source.memory);
+    } else if (keyword == "vn" || keyword == "vt" || keyword == "usemtl") {
+      surface.left_out.insert(keyword == "vn" ? "normals" : keyword == "vt" ? "texture coordinates" : "materials");
     } else if (keyword == "l" || keyword == "p") {
       ++lines_and_points;
     } else if (keyword == "curv" || keyword == "surf") {
@@ -92,6 +142,7 @@ FileSurface read_obj(const MeshSource& source) {
     }
   }
   require_vertex_count(surface.positions.size());
+  objects.end();
   if (lines_and_points > 0) {
     surface.notes.push_back(
         {NoteId::data_left_out,

@@ -361,6 +361,7 @@ void read_vertices(Body& body, const Element& element, const MeshSource& source,
   memory.make_room(surface.positions, element.count);
   std::vector<AttributeColumns> attributes = find_attributes(element, surface.notes);
   surface.has_normals = element.find("nx").has_value();
+  if (surface.has_normals) surface.left_out.insert("normals");
   const std::size_t first = surface.attributes.size();
   for (AttributeColumns& attribute : attributes) {
     surface.attributes.push_back({std::move(attribute.kind), {}});

@@ -19,21 +19,6 @@
 namespace isoextract::mesh_io {
 namespace {
 
-// Returns the mean length of an edge in some of the triangles.
-double typical_edge(const mesh::Mesh& mesh) {
-  constexpr std::size_t kMostTriangles = 4096;
-  const std::size_t step = mesh.triangles.size() / kMostTriangles + 1;
-  double sum = 0;
-  std::size_t edges = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
-    for (int corner = 0; corner < 3; ++corner, ++edges) {
-      const glm::uvec3& triangle = mesh.triangles[t];
-      sum += glm::distance(mesh.positions[triangle[corner]], mesh.positions[triangle[(corner + 1) % 3]]);
-    }
-  }
-  return edges == 0 ? 0 : sum / static_cast<double>(edges);
-}
-
 // Returns a note if rounding world coordinates to float32 may move them by a thousandth of an edge or more.
 std::optional<Note> precision_note(const mesh::Mesh& mesh) {
   if (mesh.origin == glm::dvec3(0)) return std::nullopt;
@@ -45,7 +30,7 @@ std::optional<Note> precision_note(const mesh::Mesh& mesh) {
   const float nearest_float = static_cast<float>(farthest);
   const float step = std::nextafter(nearest_float, std::numeric_limits<float>::infinity()) - nearest_float;
   constexpr double kSmallPart = 1e-3;
-  if (step / 2 < kSmallPart * typical_edge(mesh)) return std::nullopt;
+  if (step / 2 < kSmallPart * mesh::typical_edge(mesh)) return std::nullopt;
   return Note{NoteId::rounded_positions,
               fmt::format("STL stores only float32 coordinates: at {:.9g}, the largest, neighboring values are {:.3g} "
                           "apart; glb, gltf, ply and obj store the full precision",

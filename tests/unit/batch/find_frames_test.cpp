@@ -272,7 +272,13 @@ TEST_F(FindFrames, FindsParticlesInFolderWithoutVolumes) {
 
 TEST_F(FindFrames, FailsForFolderOfOtherFiles) {
   make({"d/readme.txt"});
-  EXPECT_EQ(found({"d"}), "2: d: no file in the folder has the extension of a volume or particle format");
+  EXPECT_EQ(found({"d"}), "2: d: no file in the folder has the extension of a volume, particle or mesh format");
+}
+
+TEST_F(FindFrames, FindsMeshesOfFolderWithoutVolumes) {
+  make({"d/scan_1.stl", "d/scan_2.stl", "d/readme.txt"});
+  EXPECT_EQ(found({"d"}), "1=d/scan_1.stl 2=d/scan_2.stl");
+  EXPECT_EQ(find({"d"})->notes, (Notes{{NoteId::other_files, "d: 1 other file lacks the extension of a mesh format"}}));
 }
 
 TEST_F(FindFrames, TreatsSingleInputAsFrame) {

@@ -18,6 +18,7 @@ ConversionJob full_job() {
   job.source.read.format = "raw";
   job.source.read.grid = "density[1]";
   job.source.more_grids = {"flame", "heat"};
+  job.source.mesh = true;
   job.source.read.volume = 7;
   job.source.read.raw = volume_io::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512, 3, true};
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
@@ -76,6 +77,7 @@ ConversionJob full_job() {
   job.color = ColorChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
   job.label_names = LabelTableFile{"lut.txt", "0123"};
   job.opacity = {0.25, 1};
+  job.edits.repair = RepairChoice{12};
   job.edits.pieces = {MinComponentSize{edit::ComponentMeasure::area, 2.5, true}, true, 3, true};
   job.edits.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
   job.edits.simplify = SimplifyChoice{SimplifyBound{0.1, true}, TriangleCount{2.5, true}};
@@ -96,7 +98,7 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 64U);
+  EXPECT_EQ(full.size(), 66U);
   for (const auto& [name, value] : full.items()) {
     // ListsMembersOfEveryFileKind
     const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";

@@ -65,6 +65,12 @@ TEST(SurfaceId, HoldsIsoValueOrLabel) {
   EXPECT_EQ(surface_id_of(json_of(iso)), iso);
   EXPECT_THROW(static_cast<void>(iso.label()), std::bad_variant_access);
   EXPECT_THROW(static_cast<void>(label.iso()), std::bad_variant_access);
+  // The meshes of a mesh file are texts in JSON.
+  const SurfaceId third = FileMesh{3};
+  EXPECT_EQ(third.name(), "mesh 3");
+  EXPECT_EQ(third.place(), " of mesh 3");
+  EXPECT_EQ(SurfaceId(kWholeFile).place(), "");
+  for (const SurfaceId& mesh : {third, SurfaceId(kWholeFile)}) EXPECT_EQ(surface_id_of(json_of(mesh)), mesh);
   // A double cannot represent this number.
   EXPECT_EQ(text_of(IsoChoice::label(9007199254740993)), "label 9007199254740993");
 }

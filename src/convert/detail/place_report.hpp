@@ -1,0 +1,19 @@
+// Reports the placement of an input.
+#pragma once
+
+#include <string>
+
+#include "convert/events.hpp"
+#include "convert/placement.hpp"
+#include "convert/stage_report.hpp"
+#include "field/scalar_field.hpp"
+
+namespace isoextract::convert {
+
+[[nodiscard]] StageReport report_of_placing(const PlacedField& placed, const field::ScalarField& field);
+
+// Notes that a glTF file has the lengths of a file with another unit than meters. Requested units are not noted.
+void tell_other_unit(const Placement& placement, const field::ScalarField& field, const std::string& label,
+                     Events& events);
+
+}  // namespace isoextract::convert
