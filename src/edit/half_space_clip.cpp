@@ -30,11 +30,12 @@ class PlaneCut {
         kept_side_(kept),
         ends_(ends),
         on_plane_(mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh.positions.span()))),
+        snap_(kSnap * on_plane_),
         depth_(mesh.positions.size()) {
     for_each_range(depth_.size(), 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         const double depth = kept.depth(mesh.position(v));
-        depth_[v] = std::abs(depth) <= on_plane_ ? 0 : depth;
+        depth_[v] = std::abs(depth) <= snap_ ? 0 : depth;
       }
     });
   }
@@ -90,7 +91,7 @@ class PlaneCut {
     if (!mesh_.normals.empty()) result.normals = Buffer<glm::vec3>(vertices);
     for (std::size_t v = 0; v < new_of_old_.size(); ++v) {
       if (new_of_old_[v] == kUnused) continue;
-      result.positions[new_of_old_[v]] = mesh_.positions[v];
+      result.positions[new_of_old_[v]] = depth_[v] == 0 ? snapped(v) : mesh_.positions[v];
       if (!mesh_.normals.empty()) result.normals[new_of_old_[v]] = mesh_.normals[v];
     }
     for (std::size_t e = 0; e < edges_.size(); ++e) put_crossing(edges_[e], kept_ + e, result);
@@ -101,6 +102,17 @@ class PlaneCut {
   }
 
  private:
+  // The multiple of on_plane_tolerance() within which vertices move onto the plane. New vertices nearer to a vertex
+  // would make triangles so small that rounding turns them over and lets them meet the cap.
+  static constexpr double kSnap = 16;
+
+  // Returns the position of a vertex near the plane, moved onto it up to rounding.
+  [[nodiscard]] glm::vec3 snapped(std::size_t v) const {
+    const double depth = kept_side_.depth(mesh_.position(v));
+    if (std::abs(depth) <= on_plane_) return mesh_.positions[v];
+    return glm::dvec3(mesh_.positions[v]) - depth * kept_side_.normal;
+  }
+
   // A vertex (a == b), or the crossing on the edge from a to b.
   struct Corner {
     std::uint32_t a, b;
@@ -178,6 +190,7 @@ class PlaneCut {
   const mesh::HalfSpace& kept_side_;
   CutClosing ends_;
   double on_plane_;
+  double snap_;
   std::vector<double> depth_;
   std::vector<std::uint32_t> new_of_old_;
   std::vector<std::uint64_t> edges_;  // edges that the plane cuts, sorted

@@ -31,8 +31,9 @@ struct ClipFigures {
 // have no attributes; its edge keys are dropped if a plane cuts it. A plane with no vertex outside its half-space
 // changes nothing.
 //
-// Vertices within mesh::on_plane_tolerance() of a plane count as on it and do not move, so the result lies inside
-// `kept` up to that distance. Old vertices keep their order, new ones follow with interpolated normals; triangles keep
+// Vertices within 16 times mesh::on_plane_tolerance() of a plane, 64 float32 roundings, count as on it. They move onto
+// it; those within the tolerance itself stay. So the result lies inside `kept` up to that tolerance, and no new vertex
+// is so near an old one that rounding turns triangles over. Old vertices keep their order, new ones follow with interpolated normals; triangles keep
 // order and winding. Two meshes of one origin and one on_plane_tolerance() get bitwise the same new vertex on a shared
 // edge; so do the two sides of one plane. The result does not depend on the number of threads.
 //

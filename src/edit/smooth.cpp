@@ -12,6 +12,7 @@
 
 #include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
+#include "edit/detail/untangled_moves.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
 #include "mesh/metrics.hpp"
@@ -352,14 +353,14 @@ Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options
     const Signal signal(mesh, options);
     context.progress().begin("smoothing", options.passes);
     const Buffer<glm::vec3> moves = TRY(moves_of(mesh, signal, options, context));
+    const UntangledMoves moved = TRY(move_untangled(mesh, moves, context));
+    facts.held_vertices = moved.held_vertices;
     const glm::dvec2 most = reduce_ranges(
         vertices, kVerticesAtATime, glm::dvec2(0),
         [&](std::size_t begin, std::size_t end, glm::dvec2 so_far) {
           for (std::size_t v = begin; v != end; ++v) {
-            const glm::vec3 place = glm::dvec3(mesh.positions[v]) + glm::dvec3(moves[v]);
-            const glm::dvec3 move = glm::dvec3(place) - glm::dvec3(mesh.positions[v]);
+            const glm::dvec3 move = glm::dvec3(mesh.positions[v]) - glm::dvec3(moved.before[v]);
             so_far = glm::max(so_far, {glm::length(options.to_metric * move), glm::length(move)});
-            mesh.positions[v] = place;
           }
           return so_far;
         },
@@ -396,7 +397,7 @@ Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, con
   const std::uint64_t triangles = mesh.triangles.size();
   const std::string what = mesh.name + ": smoothing the surface";
   const std::uint64_t filtering =
-      2 * Neighbors::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
+      2 * Neighbors::bytes(3 * triangles, vertices) + vertices * (4 * sizeof(glm::vec3) + 1);
   const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
   std::uint64_t together = std::max(filtering, shading);
   if (options.method == SmoothMethod::weighted) {

@@ -262,14 +262,17 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
        {Key::triangles_before, facts.triangles_before},
        {Key::triangles_after, facts.triangles_after},
        {Key::passes, facts.passes},
+       {Key::refused_collapses, facts.refused_collapses},
        {Key::components, result.components},
        {Key::turned_inside_out, result.turned},
        {Key::left_bodies, result.left_bodies}},
       facts.time);
   report.did = "simplified";
   report.details.push_back(fmt::format(
-      "{} rounds over {} patches; {} of {} collapses undone in {} passes; {:.2f} s of processor time", facts.rounds,
-      facts.patches, facts.undone_collapses, facts.collapses, facts.passes, facts.time.cpu_seconds));
+      "{} rounds over {} patches; {} of {} collapses undone in {} passes, {} because triangles of different patches "
+      "intersected; {} collapses refused because triangles would have intersected; {:.2f} s of processor time",
+      facts.rounds, facts.patches, facts.undone_collapses + facts.untangled_collapses, facts.collapses, facts.passes,
+      facts.untangled_collapses, facts.refused_collapses, facts.time.cpu_seconds));
   report.lines.push_back({line_of(choice, result, surface.id.name())});
   report.notes = notes_of(result, report.subject);
   return report;

@@ -37,6 +37,9 @@ std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts,
     text += fmt::format("; {} vertices of open boundaries stayed in place", facts.border_vertices);
   }
   if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
+  if (facts.held_vertices > 0) {
+    text += fmt::format("; {} vertices moved less, so that no triangles intersect", facts.held_vertices);
+  }
   return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
 }
 
@@ -90,6 +93,7 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::vertices, facts.vertices},
        {Key::border_vertices, facts.border_vertices},
        {Key::cap_vertices, facts.wall_vertices},
+       {Key::held_vertices, facts.held_vertices},
        {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.max_displacement_world}}},
        {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
       facts.time);
