@@ -39,7 +39,7 @@ mesh::Mesh noisy_ball(int size) {
   return std::move(test::extract(field, options).mesh);
 }
 
-SimplifiedMesh must_simplify(const mesh::Mesh& mesh, const SimplifyOptions& options) {
+SimplifiedMesh simplified_copy(const mesh::Mesh& mesh, const SimplifyOptions& options) {
   auto simplified = simplify_mesh(copy(mesh), options, Context());
   if (!simplified) throw std::runtime_error(simplified.error().message);
   return std::move(*simplified);
@@ -62,7 +62,7 @@ TEST(NewIntersections, NoneBySimplifying) {
   const mesh::Mesh noisy = noisy_ball(40);
   ASSERT_EQ(count_pairs(noisy), 0U);
   for (const SimplifyOptions& options : {to_count(noisy.triangles.size() / 8), to_distance(0.7)}) {
-    const SimplifiedMesh done = must_simplify(noisy, options);
+    const SimplifiedMesh done = simplified_copy(noisy, options);
     EXPECT_LT(done.mesh.triangles.size(), noisy.triangles.size() / 2);
     EXPECT_EQ(count_pairs(done.mesh), 0U);
     EXPECT_GT(done.facts.refused_collapses, 0U);
@@ -82,7 +82,7 @@ TEST(NewIntersections, NoneBySimplifyingInPatchesOfThinSheets) {
   const mesh::Mesh both = std::move(*mesh::join_meshes(shells, Context()));
   ASSERT_EQ(count_pairs(both), 0U);
   for (const double distance : {0.05, 0.3}) {
-    const SimplifiedMesh done = must_simplify(both, to_distance(distance));
+    const SimplifiedMesh done = simplified_copy(both, to_distance(distance));
     EXPECT_LT(done.mesh.triangles.size(), both.triangles.size());
     EXPECT_EQ(count_pairs(done.mesh), 0U) << distance;
     EXPECT_LE(done.facts.distance_upper, distance);
@@ -97,7 +97,7 @@ TEST(NewIntersections, PlantedPairsDoNotBecomeMore) {
   const mesh::Mesh both = std::move(*mesh::join_meshes(balls, Context()));
   const std::uint64_t before = count_pairs(both);
   ASSERT_GT(before, 50U);
-  const SimplifiedMesh done = must_simplify(both, to_count(both.triangles.size() / 10));
+  const SimplifiedMesh done = simplified_copy(both, to_count(both.triangles.size() / 10));
   EXPECT_LE(done.mesh.triangles.size(), both.triangles.size() / 10);
   EXPECT_LE(count_pairs(done.mesh), before);
 }
@@ -106,7 +106,7 @@ TEST(NewIntersections, SimplifyingDoesNotDependOnThreads) {
   const mesh::Mesh noisy = noisy_ball(32);
   const auto simplified_by = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return must_simplify(noisy, to_count(noisy.triangles.size() / 6)).mesh;
+    return simplified_copy(noisy, to_count(noisy.triangles.size() / 6)).mesh;
   };
   const mesh::Mesh one = simplified_by(1);
   const mesh::Mesh several = simplified_by(4);
@@ -115,7 +115,7 @@ TEST(NewIntersections, SimplifyingDoesNotDependOnThreads) {
 }
 
 TEST(NewIntersections, NothingIsRefusedOnACleanSurface) {
-  const SimplifiedMesh done = must_simplify(test::sphere(40, false), to_distance(0.1));
+  const SimplifiedMesh done = simplified_copy(test::sphere(40, false), to_distance(0.1));
   EXPECT_EQ(done.facts.refused_collapses, 0U);
   EXPECT_EQ(done.facts.untangled_collapses, 0U);
 }
