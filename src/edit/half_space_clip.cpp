@@ -25,12 +25,12 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{st
 
 class PlaneCut {
  public:
-  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, CutClosing ends)
+  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, const ClipOptions& options)
       : mesh_(mesh),
         kept_side_(kept),
-        ends_(ends),
+        ends_(options.ends),
         on_plane_(mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh.positions.span()))),
-        snap_(kSnap * on_plane_),
+        snap_(std::max(options.snap, on_plane_)),
         depth_(mesh.positions.size()) {
     for_each_range(depth_.size(), 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
@@ -102,10 +102,6 @@ class PlaneCut {
   }
 
  private:
-  // The multiple of on_plane_tolerance() within which vertices move onto the plane. New vertices nearer to a vertex
-  // would make triangles so small that rounding turns them over and lets them meet the cap.
-  static constexpr double kSnap = 16;
-
   // Returns the position of a vertex near the plane, moved onto it up to rounding.
   [[nodiscard]] glm::vec3 snapped(std::size_t v) const {
     const double depth = kept_side_.depth(mesh_.position(v));
@@ -201,15 +197,15 @@ class PlaneCut {
 
 }  // namespace
 
-Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, CutClosing ends,
-                                        const Context& context) {
+Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
+                                        const ClipOptions& options, const Context& context) {
   ClipFigures facts{mesh.triangles.size(), 0, 0, 0, 0};
   context.progress().begin("cutting the mesh", kept.size());
   for (const mesh::HalfSpace& half_space : kept) {
     TRY(context.check());
     const std::string what = "cutting the mesh at a clip plane";
     const auto working = TRY(context.reserve(PlaneCut::bytes(mesh), what));
-    PlaneCut cut(mesh, half_space, ends);
+    PlaneCut cut(mesh, half_space, options);
     if (cut.cuts()) {
       cut.plan();
       auto memory = TRY(context.reserve(cut.result_bytes(), what));
@@ -218,7 +214,7 @@ Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::
       result.memory = std::move(memory);
       const double on_plane = cut.on_plane();
       mesh = std::move(result);
-      if (ends == CutClosing::capped) {
+      if (options.ends == CutClosing::capped) {
         const auto cap = TRY(cap_cut(mesh, half_space, on_plane, context));
         facts.cap_triangles += cap.triangles;
         facts.overlapping_cap_triangles += cap.turned;
