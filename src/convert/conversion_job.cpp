@@ -49,6 +49,9 @@ auto members_of(const T& value) {
   } else if constexpr (kCount == 4) {
     const auto& [a, b, c, d] = value;
     return std::tie(a, b, c, d);
+  } else if constexpr (kCount == 5) {
+    const auto& [a, b, c, d, e] = value;
+    return std::tie(a, b, c, d, e);
   } else if constexpr (kCount == 6) {
     const auto& [a, b, c, d, e, f] = value;
     return std::tie(a, b, c, d, e, f);

@@ -49,7 +49,7 @@ namespace isoextract::convert {
   NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
   NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
-  NAME(outside) NAME(outside_region) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) NAME(periodic) \
+  NAME(outside) NAME(outside_region) NAME(own_range) NAME(pairs) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) NAME(periodic) \
   NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
   NAME(radius_suggested) NAME(range) NAME(region) NAME(refused_collapses) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
   NAME(samples) NAME(scale) NAME(simulation_box) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \

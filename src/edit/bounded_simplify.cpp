@@ -400,8 +400,8 @@ void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
 std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
   constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
   constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
-  constexpr std::uint64_t kPatch = 4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1 +
-                                   IntersectionGuard::kTriangleBytes;
+  constexpr std::uint64_t kPatch =
+      4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1 + IntersectionGuard::kTriangleBytes;
   constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 24;
   const bool counted = options.triangles > 0;
   const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) +

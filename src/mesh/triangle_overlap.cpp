@@ -29,7 +29,7 @@ int axis_of(const PlacedTriangle& t) {
   for (int i = 0; i < 3; ++i) {
     const int axis = (likely + i) % 3;
     if (orientation_2d(along_axis(t.corners[0], axis), along_axis(t.corners[1], axis),
-                             along_axis(t.corners[2], axis)) != 0) {
+                       along_axis(t.corners[2], axis)) != 0) {
       return axis;
     }
   }
@@ -39,8 +39,7 @@ int axis_of(const PlacedTriangle& t) {
 using Flat = std::array<glm::dvec2, 3>;
 
 bool holds_point(const Flat& t, const glm::dvec2& p) {
-  return !has_both(orientation_2d(t[0], t[1], p), orientation_2d(t[1], t[2], p),
-                   orientation_2d(t[2], t[0], p));
+  return !has_both(orientation_2d(t[0], t[1], p), orientation_2d(t[1], t[2], p), orientation_2d(t[2], t[0], p));
 }
 
 bool intervals_meet(double a, double b, double c, double d) {
@@ -57,8 +56,7 @@ bool segments_meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c
 // Segment and triangle lie in one plane.
 bool flat_segment_meets(const glm::dvec3& a, const glm::dvec3& b, const PlacedTriangle& t) {
   const int axis = axis_of(t);
-  const Flat flat{along_axis(t.corners[0], axis), along_axis(t.corners[1], axis),
-                  along_axis(t.corners[2], axis)};
+  const Flat flat{along_axis(t.corners[0], axis), along_axis(t.corners[1], axis), along_axis(t.corners[2], axis)};
   const glm::dvec2 p = along_axis(a, axis);
   const glm::dvec2 q = along_axis(b, axis);
   return holds_point(flat, p) || segments_meet(p, q, flat[0], flat[1]) || segments_meet(p, q, flat[1], flat[2]) ||
@@ -70,8 +68,7 @@ bool segment_meets(const glm::dvec3& a, const glm::dvec3& b, int at_a, int at_b,
   if (at_a * at_b > 0) return false;
   if (at_a == 0 && at_b == 0) return flat_segment_meets(a, b, t);
   const auto& [x, y, z] = t.corners;
-  return !has_both(orientation_3d(a, b, x, y), orientation_3d(a, b, y, z),
-                   orientation_3d(a, b, z, x));
+  return !has_both(orientation_3d(a, b, x, y), orientation_3d(a, b, y, z), orientation_3d(a, b, z, x));
 }
 
 bool all_zero(const Signs& signs) { return signs == Signs{}; }

@@ -18,8 +18,8 @@ struct TriangleOverlap {
   bool neighbors = false;     // they share a corner or a side; only set if they meet
 };
 
-// Triangles include their border, so touching is meeting. Corners with equal coordinates are shared. Triangles that share
-// all three corners meet.
+// Triangles include their border, so touching is meeting. Corners with equal coordinates are shared. Triangles that
+// share all three corners meet.
 //
 // Without a shared corner, two triangles meet if a side of one meets the other. With one shared corner, their
 // intersection is convex and contains it; if it holds more, it reaches the opposite side of one triangle. With a shared

@@ -403,7 +403,7 @@ class PatchCollapse : private PatchMesh {
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<mesh::ClosestPointTriangle> targets_of_new_;
   std::vector<Attached> attached_;
-  std::vector<Near> near_;  // for each of new_
+  std::vector<Near> near_;                           // for each of new_
   std::vector<std::uint32_t> around_;                // the triangles of ring_
   std::vector<IntersectionGuard::Changed> changed_;  // new_ with positions
 };

@@ -81,13 +81,19 @@ bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<
   return true;
 }
 
+// Returns whether a triangle can be in a pair of the original mesh. Changed triangles of two patches can intersect,
+// too, until that is undone.
+bool IntersectionGuard::may_have_met(std::uint32_t t) const {
+  return counts_[t] != 0 && (state_.changed_by[patch_[t]] == kNone || state_.tangled[patch_[t]] != 0);
+}
+
 // Returns whether each partner in met_ is one of the triangles around the vertex before the collapse, and the pairs do
 // not become more.
 bool IntersectionGuard::met_before(std::span<const std::uint32_t> around) const {
   std::size_t before = 0;
   for (std::size_t i = 0; i < around.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      if (counts_[around[i]] == 0 || counts_[around[j]] == 0) continue;
+      if (!may_have_met(around[i]) || !may_have_met(around[j])) continue;
       before += meet(corners_[around[i]], corners_[around[j]]) ? 1 : 0;
     }
   }
@@ -101,7 +107,7 @@ bool IntersectionGuard::met_before(std::span<const std::uint32_t> around) const 
   partners.erase(repeated.begin(), repeated.end());
   for (const std::uint32_t partner : partners) {
     const auto pairs = static_cast<std::size_t>(std::ranges::count_if(around, [&](std::uint32_t t) {
-      return counts_[t] != 0 && meet(corners_[t], corners_[partner]);
+      return may_have_met(t) && may_have_met(partner) && meet(corners_[t], corners_[partner]);
     }));
     if (pairs == 0) return false;
     before += pairs;

@@ -51,6 +51,7 @@ class IntersectionGuard {
   [[nodiscard]] static mesh::PlacedTriangle placed(const Corners& c);
   [[nodiscard]] static bool meet(const Corners& a, const Corners& b);
   void find_near(std::span<const std::uint32_t> around, std::span<const Changed> changed);
+  [[nodiscard]] bool may_have_met(std::uint32_t t) const;
   [[nodiscard]] bool met_before(std::span<const std::uint32_t> around) const;
 
   CollapseState& state_;

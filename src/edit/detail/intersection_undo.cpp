@@ -23,9 +23,9 @@ Result<PresentMesh> present_mesh(const CollapseState& state, const std::string& 
     if (state.gone[t] == 0) present.numbers.push_back(t);
   }
   present.mesh.name = name;
-  present.mesh.memory = TRY(context.reserve(
-      state.stored.size_bytes() + present.numbers.size() * (sizeof(glm::uvec3) + sizeof(std::uint32_t)),
-      name + ": the simplified mesh"));
+  present.mesh.memory = TRY(
+      context.reserve(state.stored.size_bytes() + present.numbers.size() * (sizeof(glm::uvec3) + sizeof(std::uint32_t)),
+                      name + ": the simplified mesh"));
   present.mesh.positions = Buffer<glm::vec3>(state.stored.size());
   std::ranges::copy(state.stored, present.mesh.positions.begin());
   present.mesh.triangles = Buffer<glm::uvec3>(present.numbers.size());

@@ -1,7 +1,7 @@
 // Undoes collapses that made triangles intersect.
 //
-// Collapses see only the triangles of their patch (intersection_guard.hpp), and an undone collapse brings triangles back
-// among changed ones. So triangles of different patches, and triangles that came back, can still intersect.
+// Collapses see only the triangles of their patch (intersection_guard.hpp), and an undone collapse brings triangles
+// back among changed ones. So triangles of different patches, and triangles that came back, can still intersect.
 #pragma once
 
 #include <cstdint>

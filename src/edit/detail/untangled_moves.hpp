@@ -1,8 +1,8 @@
 // Moves the vertices of a mesh, and takes moves back where they make triangles intersect.
 //
-// The vertices of triangles that intersect, and did not before, move half as far, then a quarter, then not at all, until
-// no such pair is left. A vertex that stays can make its triangles meet others, whose vertices are then taken back, too.
-// Tests are exact and count as mesh/self_intersections.hpp does.
+// The vertices of triangles that intersect, and did not before, move half as far, then a quarter, then not at all,
+// until no such pair is left. A vertex that stays can make its triangles meet others, whose vertices are then taken
+// back, too. Tests are exact and count as mesh/self_intersections.hpp does.
 #pragma once
 
 #include <cstdint>

@@ -11,8 +11,8 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
-#include "mesh/detail/triangle_stars.hpp"
 #include "mesh/box_tree.hpp"
+#include "mesh/detail/triangle_stars.hpp"
 
 namespace isoextract::mesh {
 

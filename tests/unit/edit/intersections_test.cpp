@@ -92,7 +92,9 @@ TEST(NewIntersections, NoneBySimplifyingInPatchesOfThinSheets) {
 TEST(NewIntersections, PlantedPairsDoNotBecomeMore) {
   const mesh::Mesh ball = test::sphere(32, false);
   mesh::Mesh shifted = copy(ball);
-  for (glm::vec3& p : shifted.positions) p += glm::vec3(3.3F, 2.7F, 1.9F);
+  const mesh::Bounds bounds = mesh::measure_bounds(ball);
+  const auto size = static_cast<float>(bounds.max.x - bounds.min.x);
+  for (glm::vec3& p : shifted.positions) p += size * glm::vec3(0.23F, 0.17F, 0.11F);
   std::array<mesh::Mesh, 2> balls{copy(ball), std::move(shifted)};
   const mesh::Mesh both = std::move(*mesh::join_meshes(balls, Context()));
   const std::uint64_t before = count_pairs(both);

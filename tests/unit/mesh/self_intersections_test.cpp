@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "mesh/triangle_overlap.hpp"
 #include "mesh/join_meshes.hpp"
+#include "mesh/triangle_overlap.hpp"
 #include "support/exact_overlap.hpp"
 #include "support/sample_meshes.hpp"
 
