@@ -68,7 +68,7 @@ Result<MeshCheck> run_checks(const mesh::Mesh& mesh, const Context& context) {
     TRY(context.check());
     TRY(look(mesh, context, check));
   }
-  check.intersections = TRY(find_self_intersections(mesh, {}, context));
+  check.intersections = TRY(mesh::find_self_intersections(mesh, {}, context));
   return check;
 }
 

@@ -11,10 +11,10 @@
 #include "check/boundary_defects.hpp"
 #include "check/mesh_requirement.hpp"
 #include "check/normal_check.hpp"
-#include "check/self_intersections.hpp"
 #include "check/shells.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/metrics.hpp"
+#include "mesh/self_intersections.hpp"
 #include "mesh/topology.hpp"
 
 namespace isoextract::check {
@@ -30,7 +30,7 @@ struct MeshCheck {
   mesh::Bounds bounds;
   std::vector<BoundaryLoop> loops;
   std::vector<Component> components;
-  SelfIntersections intersections;
+  mesh::SelfIntersections intersections;
   // Set by the caller from check_normals(), if the file has normals; check_mesh() leaves it empty.
   std::optional<NormalFigures> normals;
   Reservation memory;  // for loops and components

@@ -195,7 +195,7 @@ Json component_json(const Component& component, std::size_t number) {
   return json;
 }
 
-Json intersections_json(const check::SelfIntersections& found) {
+Json intersections_json(const mesh::SelfIntersections& found) {
   const auto counted = [&](std::uint64_t count) { return found.at_least ? Json(nullptr) : Json(count); };
   Json examples = Json::array();
   for (const auto& [first, second] : found.examples) examples.push_back({first, second});

@@ -1,5 +1,8 @@
 #include "cli/edit_plan.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
@@ -25,6 +28,11 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
   const auto* const file = job.writes<convert::MeshFileOptions>();
   const bool readers_weld = file != nullptr && mesh_io::mesh_format_info(file->format).readers_weld;
   job.edits.touching = flags.touching.value_or(readers_weld ? convert::Touching::apart : convert::Touching::keep);
+  job.edits.require = flags.required.value_or(std::vector<check::Requirement>());
+  if (std::ranges::find(job.edits.require, check::Requirement::normals) != job.edits.require.end()) {
+    return refuse_usage("--require normals is for the normals of a file, which the conversion has not written yet",
+                        "run isoextract check --require normals on the file");
+  }
   return {};
 }
 

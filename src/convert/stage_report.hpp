@@ -44,15 +44,15 @@ namespace isoextract::convert {
   NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) NAME(degrees) \
   NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(edges) NAME(error) NAME(euler) \
   NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) NAME(found_by) NAME(frame) \
-  NAME(genus) NAME(greatest_move) NAME(grid) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
+  NAME(genus) NAME(greatest_move) NAME(grid) NAME(held_vertices) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
   NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) NAME(length_unit) \
   NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) NAME(mean_weight) NAME(measured) \
   NAME(method) NAME(min) NAME(misoriented_edges) NAME(moved) NAME(moved_by) NAME(name) NAME(nonmanifold_edges) \
   NAME(nonmanifold_vertices) NAME(normal_degrees) NAME(not_applicable) NAME(not_finite) NAME(not_numbers) \
   NAME(one_by_one) NAME(open_edges) NAME(origin) NAME(others) NAME(out_of_reach) NAME(output_from_index) \
-  NAME(outside) NAME(outside_region) NAME(own_range) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) NAME(periodic) \
+  NAME(outside) NAME(outside_region) NAME(own_range) NAME(pairs) NAME(particles) NAME(parts) NAME(pass_band) NAME(passed) NAME(passes) NAME(path) NAME(periodic) \
   NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
-  NAME(radius_suggested) NAME(range) NAME(region) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
+  NAME(radius_suggested) NAME(range) NAME(region) NAME(refused_collapses) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
   NAME(samples) NAME(scale) NAME(simulation_box) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \
   NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(to_unit) \
   NAME(too_small) NAME(touching) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \

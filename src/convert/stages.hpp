@@ -42,8 +42,10 @@ enum class StageName {
   relax,
   bodies,
   smooth,
+  untangle,
   simplify,
   touching,
+  require,
   color,
   normals,
   error,
@@ -63,11 +65,14 @@ EditSurface drop_pieces;
 EditSurface measure_relaxing;  // runs while all vertices are still where relaxing left them
 EditSurface mark_bodies;       // assigns shells to bodies; runs before later stages may move one shell through another
 EditSurface smooth_surface;
+EditSurface untangle_surface;  // runs when the other stages that move vertices are done; simplification moves none
 EditSurface simplify_surface;
 // Sets the mesh's material, colors the vertices by an attribute if the job asks for it, and then maps attributes to
 // output coordinates. Runs when the vertices are final.
 EditSurface color_surface;
 EditSurface separate_touching;  // runs when no later stage moves vertices
+EditSurface
+    require_properties;  // fails with ErrorCode::verification if the mesh lacks a property of SurfaceEdits::require
 // Runs after all edits that change the mesh: it duplicates vertices for their normals, which makes boundary edges
 EditSurface shade_surface;
 EditSurface measure_error;
@@ -158,6 +163,12 @@ inline constexpr std::array kStages{
               .asked = [](const ConversionJob& job) { return job.edits.smooth.has_value(); },
               .edit = smooth_surface,
               .done = "smoothed"},
+    StageInfo{.name = StageName::untangle,
+              .word = "untangle",
+              .section = "untanglings",
+              .asked = [](const ConversionJob& job) { return job.edits.untangles(); },
+              .edit = untangle_surface,
+              .done = "untangled"},
     StageInfo{.name = StageName::simplify,
               .word = "simplify",
               .section = "simplifications",
@@ -170,6 +181,7 @@ inline constexpr std::array kStages{
               .section = "touching",
               .asked = [](const ConversionJob& job) { return job.edits.touching == Touching::apart; },
               .edit = separate_touching},
+    StageInfo{.name = StageName::require, .word = "require", .edit = require_properties, .is_timed = false},
     StageInfo{.name = StageName::color,
               .word = "color",
               .section = "colours",

@@ -2,12 +2,15 @@
 // their order.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "base/enum_words.hpp"
+#include "check/mesh_requirement.hpp"
 #include "edit/bodies.hpp"
 #include "edit/repair.hpp"
 #include "edit/smooth.hpp"
@@ -115,14 +118,20 @@ constexpr auto words_of(Touching /*type*/) {
 // Edits of a surface, in the order in which they run. PieceChoice::split is an exception: it takes effect after all
 // others.
 struct SurfaceEdits {
-  static constexpr std::array kMembers{"repair", "pieces", "smooth", "simplify", "touching"};
+  static constexpr std::array kMembers{"repair", "pieces", "smooth", "simplify", "touching", "require"};
 
   std::optional<RepairChoice> repair;  // of a mesh file; before it is clipped
   PieceChoice pieces;
   std::optional<SmoothChoice> smooth;
   std::optional<SimplifyChoice> simplify;
   Touching touching = Touching::keep;
+  // Properties of each mesh, as its file stores it; else the conversion fails. With no_self_intersections, vertices of
+  // triangles that intersect move (edit/untangle.hpp).
+  std::vector<check::Requirement> require;
 
+  [[nodiscard]] bool untangles() const {
+    return std::ranges::find(require, check::Requirement::no_self_intersections) != require.end();
+  }
   friend bool operator==(const SurfaceEdits&, const SurfaceEdits&) = default;
 };
 

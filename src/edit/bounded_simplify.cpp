@@ -17,6 +17,8 @@
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/distance_proof.hpp"
 #include "edit/detail/edge_collapse.hpp"
+#include "edit/detail/intersection_guard.hpp"
+#include "edit/detail/intersection_undo.hpp"
 #include "edit/detail/sheet_collapse.hpp"
 #include "mesh/metrics.hpp"
 
@@ -42,10 +44,13 @@ class Simplifier {
     const double enough = options_.max_distance - slack_;
     if (!(enough > 0) || left_ <= options_.triangles) return CollapsedSheets();
     TRY(options_.triangles > 0 ? collapse_to_count(enough) : within(enough));
-    facts_.distance_upper = std::numeric_limits<double>::infinity();
-    if (std::isfinite(enough)) {
+    // Undoing for one reason can make the other one hold again. It ends, as every time fewer collapses are left.
+    do {
+      facts_.distance_lower = 0;
+      facts_.distance_upper = std::numeric_limits<double>::infinity();
+      if (!std::isfinite(enough)) continue;
       TRY(look(prove_distance(state_, logs_, proof_options(enough), context_)));
-    }
+    } while (TRY(undo_new_intersections()) > 0);
     if (options_.triangles > 0) {
       TRY(look(measure_distance(state_, context_)));
     }
@@ -73,6 +78,17 @@ class Simplifier {
   }
 
  private:
+  // Returns the number of undone collapses.
+  Result<std::uint64_t> undo_new_intersections() {
+    const std::uint64_t undone = TRY(undo_intersections(state_, logs_, mesh_.name, context_));
+    facts_.untangled_collapses += undone;
+    if (undone > 0) {
+      drop_restored_samples(state_);
+      left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
+    }
+    return undone;
+  }
+
   // Adds the figures of a proof or measurement.
   Result<void> look(const Result<Proof>& proof) {
     if (!proof) return tl::unexpected(proof.error());
@@ -148,6 +164,7 @@ class Simplifier {
       // Keeps the number of triangles in a patch.
       size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
     }
+    TRY(undo_new_intersections());
     TRY(cheapest(enough));
     return replace_worst(enough);
   }
@@ -185,6 +202,7 @@ class Simplifier {
       drop_restored_samples(state_);
       for (const std::uint32_t vertex : proof.refused) refused_[vertex] = 1;
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
+      TRY(undo_new_intersections());
       context_.progress().begin("simplifying", left_ - options_.triangles);
       TRY(cheapest(enough));
     }
@@ -253,6 +271,7 @@ class Simplifier {
     numbers_ += triangles.size();
     for (CollapseLog& log : logs) {
       facts_.collapses += log.collapses.size();
+      facts_.refused_collapses += log.refused;
       left_ -= log.removed;
       farthest_squared_ = std::max(farthest_squared_, log.farthest_squared);
       if (!log.collapses.empty()) logs_.push_back(std::move(log));
@@ -367,7 +386,8 @@ class Simplifier {
 std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
   constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
   constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
-  constexpr std::uint64_t kPatch = 4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1;
+  constexpr std::uint64_t kPatch =
+      4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1 + IntersectionGuard::kTriangleBytes;
   constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 25;
   const bool counted = options.triangles > 0;
   const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) + sizeof(MergedCorners) +

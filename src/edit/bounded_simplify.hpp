@@ -9,6 +9,11 @@
 // (detail/distance_proof.hpp). For a triangle target, the limit rises until the target is near or few patches are left.
 // Then one patch collapses the cheapest edges first, down to the target, and the final distance is measured.
 //
+// No triangles intersect that did not before (mesh/self_intersections.hpp). A collapse that would make triangles of its
+// patch intersect is refused (detail/intersection_guard.hpp). Collapses of different patches that together do so are
+// undone (detail/intersection_undo.hpp). Where triangles intersect already, the pairs do not become more. So a mesh
+// without intersections stays one, which printing needs.
+//
 // Distances are bounded triangle by triangle as in mesh/distance_bound.hpp. The result does not depend on the number of
 // threads.
 #pragma once
@@ -45,6 +50,9 @@ struct SimplifyFigures {
   std::uint64_t patches = 0;           // in all rounds
   std::uint64_t collapses = 0;         // collapsed edges, including those undone later
   std::uint64_t undone_collapses = 0;  // collapses undone because a triangle was too far away
+  // Collapses refused because they would have made triangles intersect; a collapse tried again counts again.
+  std::uint64_t refused_collapses = 0;
+  std::uint64_t untangled_collapses = 0;  // collapses undone because triangles of different patches intersected
   int rounds = 0;
   int passes = 0;  // distance measurements, which are repeated after each undo
   StageTime time;

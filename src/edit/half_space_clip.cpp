@@ -25,16 +25,17 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{st
 
 class PlaneCut {
  public:
-  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, CutClosing ends)
+  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, const ClipOptions& options)
       : mesh_(mesh),
         kept_side_(kept),
-        ends_(ends),
+        ends_(options.ends),
         on_plane_(mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh.positions.span()))),
+        snap_(std::max(options.snap, on_plane_)),
         depth_(mesh.positions.size()) {
     for_each_range(depth_.size(), 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) {
         const double depth = kept.depth(mesh.position(v));
-        depth_[v] = std::abs(depth) <= on_plane_ ? 0 : depth;
+        depth_[v] = std::abs(depth) <= snap_ ? 0 : depth;
       }
     });
   }
@@ -90,7 +91,7 @@ class PlaneCut {
     if (!mesh_.normals.empty()) result.normals = Buffer<glm::vec3>(vertices);
     for (std::size_t v = 0; v < new_of_old_.size(); ++v) {
       if (new_of_old_[v] == kUnused) continue;
-      result.positions[new_of_old_[v]] = mesh_.positions[v];
+      result.positions[new_of_old_[v]] = depth_[v] == 0 ? snapped(v) : mesh_.positions[v];
       if (!mesh_.normals.empty()) result.normals[new_of_old_[v]] = mesh_.normals[v];
     }
     for (std::size_t e = 0; e < edges_.size(); ++e) put_crossing(edges_[e], kept_ + e, result);
@@ -101,6 +102,13 @@ class PlaneCut {
   }
 
  private:
+  // Returns the position of a vertex near the plane, moved onto it up to rounding.
+  [[nodiscard]] glm::vec3 snapped(std::size_t v) const {
+    const double depth = kept_side_.depth(mesh_.position(v));
+    if (std::abs(depth) <= on_plane_) return mesh_.positions[v];
+    return glm::dvec3(mesh_.positions[v]) - depth * kept_side_.normal;
+  }
+
   // A vertex (a == b), or the crossing on the edge from a to b.
   struct Corner {
     std::uint32_t a, b;
@@ -178,6 +186,7 @@ class PlaneCut {
   const mesh::HalfSpace& kept_side_;
   CutClosing ends_;
   double on_plane_;
+  double snap_;
   std::vector<double> depth_;
   std::vector<std::uint32_t> new_of_old_;
   std::vector<std::uint64_t> edges_;  // edges that the plane cuts, sorted
@@ -188,15 +197,15 @@ class PlaneCut {
 
 }  // namespace
 
-Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, CutClosing ends,
-                                        const Context& context) {
+Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
+                                        const ClipOptions& options, const Context& context) {
   ClipFigures facts{mesh.triangles.size(), 0, 0, 0, 0};
   context.progress().begin("cutting the mesh", kept.size());
   for (const mesh::HalfSpace& half_space : kept) {
     TRY(context.check());
     const std::string what = "cutting the mesh at a clip plane";
     const auto working = TRY(context.reserve(PlaneCut::bytes(mesh), what));
-    PlaneCut cut(mesh, half_space, ends);
+    PlaneCut cut(mesh, half_space, options);
     if (cut.cuts()) {
       cut.plan();
       auto memory = TRY(context.reserve(cut.result_bytes(), what));
@@ -205,7 +214,7 @@ Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::
       result.memory = std::move(memory);
       const double on_plane = cut.on_plane();
       mesh = std::move(result);
-      if (ends == CutClosing::capped) {
+      if (options.ends == CutClosing::capped) {
         const auto cap = TRY(cap_cut(mesh, half_space, on_plane, context));
         facts.cap_triangles += cap.triangles;
         facts.overlapping_cap_triangles += cap.turned;

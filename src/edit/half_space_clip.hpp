@@ -18,6 +18,13 @@ enum class CutClosing {
   capped  // closed by triangles in the plane
 };
 
+struct ClipOptions {
+  CutClosing ends = CutClosing::open;
+  // Distance from a plane within which vertices move onto it. New vertices very near an old one would make triangles so
+  // small that rounding turns them over, and they would intersect the cap.
+  double snap = 0;
+};
+
 struct ClipFigures {
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles_cut = 0;  // triangles that a plane crosses
@@ -31,20 +38,21 @@ struct ClipFigures {
 // have no attributes; its edge keys are dropped if a plane cuts it. A plane with no vertex outside its half-space
 // changes nothing.
 //
-// Vertices within mesh::on_plane_tolerance() of a plane count as on it and do not move, so the result lies inside
-// `kept` up to that distance. Old vertices keep their order, new ones follow with interpolated normals; triangles keep
-// order and winding. Two meshes of one origin and one on_plane_tolerance() get bitwise the same new vertex on a shared
-// edge; so do the two sides of one plane. The result does not depend on the number of threads.
+// Vertices within ClipOptions::snap of a plane, but at least mesh::on_plane_tolerance(), count as on it. They move onto
+// it; those within the tolerance stay. So the result lies inside `kept` up to the tolerance. Old vertices keep their
+// order, new ones follow with interpolated normals; triangles keep order and winding. Two meshes of one origin, one
+// on_plane_tolerance() and one snap get bitwise the same new vertex on a shared edge; so do the two sides of one plane.
+// The result does not depend on the number of threads.
 //
 // With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the
 // half-space and come after all other triangles. Triangles in the plane that bound only the removed side are dropped.
 // Caps use the vertices and edges of the cut. Edges that would occur twice get a new vertex at their midpoint, and
-// vertices where loops meet are split. So a closed oriented manifold stays one.
+// vertices where loops meet are split, unless the cap joins the loops there. So a closed oriented manifold stays one.
 //
 // Fails with ErrorCode::out_of_memory or ErrorCode::cancelled, or with ErrorCode::input if a capped cut ends at a
 // boundary edge of the surface, encloses no area, or needs more vertices than 32-bit indices allow. `mesh` may then be
 // cut by some of the planes. Throws std::bad_alloc.
 [[nodiscard]] Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept,
-                                                      CutClosing ends, const Context& context);
+                                                      const ClipOptions& options, const Context& context);
 
 }  // namespace isoextract::edit

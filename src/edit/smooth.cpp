@@ -12,6 +12,8 @@
 
 #include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
+#include "edit/detail/smooth_signal.hpp"
+#include "edit/detail/untangled_moves.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
 #include "mesh/metrics.hpp"
@@ -19,106 +21,7 @@
 namespace isoextract::edit {
 namespace {
 
-using Neighbors = mesh::Buckets<std::uint32_t>;
-
 constexpr double kLambda = 0.5;
-constexpr std::size_t kVerticesAtATime = 1 << 12;
-
-template <class Body>
-void for_each_vertex(std::size_t count, const Body& body) {
-  for_each_index(count, body, kVerticesAtATime);
-}
-
-// Lists for each vertex the next (outgoing) or previous vertex of its triangles. The lists differ at boundary edges.
-Neighbors ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
-  return {mesh.triangles.size(), mesh.positions.size(), [&mesh, outgoing](std::size_t i, const auto& put) {
-            const glm::uvec3& t = mesh.triangles[i];
-            if (mesh::has_repeated_index(t)) return;
-            for (int c = 0; c < 3; ++c) {
-              const std::uint32_t from = t[c];
-              const std::uint32_t to = t[(c + 1) % 3];
-              if (outgoing)
-                put(from, to);
-              else
-                put(to, from);
-            }
-          }};
-}
-
-// Bits that say how a vertex may move.
-constexpr std::uint8_t kFixed = 8;   // does not move; bits 1, 2, 4: not across a side of the box in x, y, z
-constexpr std::uint8_t kInCut = 16;  // does not move either: it lies in a cut
-
-class Signal {
- public:
-  Signal(const mesh::Mesh& mesh, const SmoothOptions& options)
-      : mesh_(mesh), neighbors_(ends_of_edges(mesh, true)), bound_(mesh.positions.size()), walls_(options.walls) {
-    if (walls_) from_box_ = glm::inverse(walls_->to_box);
-    const Neighbors incoming = ends_of_edges(mesh, false);
-    for_each_vertex(mesh.positions.size(), [&](std::size_t v) {
-      const auto out = neighbors_.at(v);
-      bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kFixed : sides_of(v);
-    });
-    keep_cuts(options.cuts);
-  }
-
-  // Returns the mean of the neighbors minus the vertex, for positions moved by `moves`; only components the vertex may
-  // move in.
-  [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
-    if (bound_[v] >= kFixed) return glm::dvec3(0);
-    const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);
-    glm::dvec3 sum(0);
-    const auto near = neighbors_.at(v);
-    for (const std::uint32_t n : near) sum += glm::dvec3(mesh_.positions[n]) + glm::dvec3(moves[n]) - here;
-    sum /= static_cast<double>(near.size());
-    if (bound_[v] == 0) return sum;
-    glm::dvec3 in_box = walls_->to_box * sum;
-    for (int axis = 0; axis < 3; ++axis) {
-      if ((bound_[v] >> axis & 1) != 0) in_box[axis] = 0;
-    }
-    return from_box_ * in_box;
-  }
-
-  [[nodiscard]] std::uint8_t bound(std::size_t v) const { return bound_[v]; }
-  [[nodiscard]] std::span<const std::uint32_t> neighbors(std::size_t v) const { return neighbors_.at(v); }
-
- private:
-  void keep_cuts(std::span<const mesh::HalfSpace> cuts) {
-    if (cuts.empty()) return;
-    const double on_plane = 2 * mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh_.positions.span()));
-    for_each_vertex(mesh_.positions.size(), [&](std::size_t v) {
-      const glm::dvec3 p = mesh_.position(v);
-      if (std::ranges::any_of(cuts, [&](const mesh::HalfSpace& cut) { return std::abs(cut.depth(p)) <= on_plane; })) {
-        if (bound_[v] != kFixed) bound_[v] = kInCut;
-      }
-    });
-  }
-
-  [[nodiscard]] std::uint8_t sides_of(std::size_t v) const {
-    if (!walls_) return 0;
-    constexpr double kNear = 1e-4;
-    const glm::dvec3 p = walls_->to_box * mesh_.position(v) + walls_->offset;
-    std::uint8_t sides = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (std::abs(p[axis] - walls_->min[axis]) <= kNear || std::abs(p[axis] - walls_->max[axis]) <= kNear) {
-        sides = static_cast<std::uint8_t>(sides | 1 << axis);
-      }
-    }
-    return sides;
-  }
-
-  const mesh::Mesh& mesh_;
-  Neighbors neighbors_;
-  Buffer<std::uint8_t> bound_;
-  std::optional<DataBox> walls_;
-  glm::dmat3 from_box_{1.0};
-};
-
-Buffer<glm::vec3> no_moves(std::size_t count) {
-  Buffer<glm::vec3> moves(count);
-  std::ranges::fill(moves, glm::vec3(0));
-  return moves;
-}
 
 double taubin_mu(double pass_band) { return 1 / (pass_band - 1 / kLambda); }
 
@@ -352,14 +255,14 @@ Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options
     const Signal signal(mesh, options);
     context.progress().begin("smoothing", options.passes);
     const Buffer<glm::vec3> moves = TRY(moves_of(mesh, signal, options, context));
+    const UntangledMoves moved = TRY(move_untangled(mesh, moves, context));
+    facts.held_vertices = moved.held_vertices;
     const glm::dvec2 most = reduce_ranges(
         vertices, kVerticesAtATime, glm::dvec2(0),
         [&](std::size_t begin, std::size_t end, glm::dvec2 so_far) {
           for (std::size_t v = begin; v != end; ++v) {
-            const glm::vec3 place = glm::dvec3(mesh.positions[v]) + glm::dvec3(moves[v]);
-            const glm::dvec3 move = glm::dvec3(place) - glm::dvec3(mesh.positions[v]);
+            const glm::dvec3 move = glm::dvec3(mesh.positions[v]) - glm::dvec3(moved.before[v]);
             so_far = glm::max(so_far, {glm::length(options.to_metric * move), glm::length(move)});
-            mesh.positions[v] = place;
           }
           return so_far;
         },
@@ -396,7 +299,7 @@ Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, con
   const std::uint64_t triangles = mesh.triangles.size();
   const std::string what = mesh.name + ": smoothing the surface";
   const std::uint64_t filtering =
-      2 * Neighbors::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
+      2 * Neighbors::bytes(3 * triangles, vertices) + vertices * (4 * sizeof(glm::vec3) + 1);
   const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
   std::uint64_t together = std::max(filtering, shading);
   if (options.method == SmoothMethod::weighted) {

@@ -73,6 +73,7 @@ struct SmoothFigures {
   std::uint64_t vertices = 0;
   std::uint64_t border_vertices = 0;  // on boundary edges, or in no triangle; they do not move
   std::uint64_t wall_vertices = 0;    // on sides of the box and in the planes of cuts
+  std::uint64_t held_vertices = 0;    // moved less than the filter asks, so that no triangles intersect
   double greatest_move = 0;           // largest displacement in the space of to_metric
   double max_displacement_world = 0;  // largest displacement in the mesh's coordinates (perhaps of another vertex)
   double volume_before = 0;           // in the mesh's coordinates; meaningful only for closed meshes
@@ -86,8 +87,9 @@ struct SmoothFigures {
 // with those of its neighbors in kNormalPasses passes, by the weight of the vertex: the triangles of a smoothed surface
 // are flat, while their normals still show the cells. Drops edge keys, as vertices leave their grid
 // edges; keeps triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the
-// number of threads. Fails if memory is short (about 53 bytes a vertex and 24 a triangle; weighted, with
-// normals: 85 and 36) or the context is cancelled.
+// number of threads. Vertices whose move would make triangles intersect that did not before move less, or not at all
+// (detail/untangled_moves.hpp). Fails if memory is short (about 65 bytes a vertex and 24 a triangle; weighted, with
+// normals: 97 and 36; and those of the search) or the context is cancelled.
 [[nodiscard]] Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
 // Returns the filter's gain at a frequency from 0 to 2; of SmoothMethod::weighted, that of weight 1.

@@ -14,6 +14,15 @@ BoxTree::BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups) :
   std::ranges::transform(items, slots_.begin(), &Item::number);
 }
 
+void BoxTree::enlarge(std::size_t slot, const FloatBox& box) {
+  for (Node node = leaf(leaf_of(slot));; node = {node.level - 1, node.number / 2}) {
+    FloatBox& own = boxes_[node.index()];
+    if (own.contains(box)) return;  // so do the boxes above
+    own = own.with(box);
+    if (node.level == 0) return;
+  }
+}
+
 // Sorts the items of a node into tree order.
 void BoxTree::order(std::span<Item> items, const Node& node, std::span<const std::uint32_t> groups) const {
   constexpr std::size_t kParallelItems = 1 << 12;

@@ -25,6 +25,10 @@ struct FloatBox {
     return min.x <= other.max.x && other.min.x <= max.x && min.y <= other.max.y && other.min.y <= max.y &&
            min.z <= other.max.z && other.min.z <= max.z;
   }
+  [[nodiscard]] bool contains(const FloatBox& other) const {
+    return min.x <= other.min.x && other.max.x <= max.x && min.y <= other.min.y && other.max.y <= max.y &&
+           min.z <= other.min.z && other.max.z <= max.z;
+  }
   [[nodiscard]] FloatBox with(const FloatBox& other) const {
     return {glm::min(min, other.min), glm::max(max, other.max)};
   }
@@ -86,6 +90,9 @@ class BoxTree {
   // Fills `all`, indexed by node, from the leaves up: the union, by with(), of box_of() of the node's items.
   template <class Box, class BoxOf>
   void fit(std::span<Box> all, const BoxOf& box_of) const;
+
+  // Enlarges the boxes of the nodes that hold this slot, so that they contain `box`.
+  void enlarge(std::size_t slot, const FloatBox& box);
 
   // Calls visit(number) for each item in a leaf whose box meets `near`. The item's own box may not meet it.
   template <class Visit>

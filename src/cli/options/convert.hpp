@@ -15,6 +15,7 @@
 #include "cli/option.hpp"
 #include "cli/options/frames.hpp"
 #include "cli/options/input.hpp"
+#include "cli/options/meshes.hpp"
 #include "cli/options/placement.hpp"
 #include "cli/options/run.hpp"
 #include "cli/options/surface.hpp"
@@ -120,6 +121,16 @@ struct ConvertFlags : OptionSet {
       "move 0.001 voxels to their own side, so that programs that weld vertices by position find a closed 2-manifold; "
       "keep: no vertex moves. Default: apart for stl, whose readers weld, else keep.",
       About::surface};
+  Value<std::vector<check::Requirement>> required{only_convert(OptionGroup::surface),
+                                                  "--require",
+                                                  "WORD,WORD,...",
+                                                  parse_requirements,
+                                                  "Properties each mesh must have; else exit code 6. Nothing is "
+                                                  "written then. Words are those of 'isoextract check', "
+                                                  "such as printable. For printable and no-self-intersections, "
+                                                  "vertices of triangles that intersect first move toward "
+                                                  "their neighbors. Reports how many moved, and how far.",
+                                                  About::surface};
   Value<convert::Normals> normals{
       only_convert(OptionGroup::surface), "--normals",
       "Normals to store. none; flat, one per triangle; smooth, the gradient of the field at each vertex; area, the "

@@ -1,5 +1,6 @@
 #include "convert/stages/mesh_clip.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,7 +29,11 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
   StageReport report = stage.report_on(StageName::clip, surface);
   if (!surface.id.is_file_mesh())
     report.subject = fmt::format("{} {}", stage.source.label, surface_text(surface.asked));
-  auto clipped = edit::clip_to_half_spaces(surface.mesh, stage.source.clip, ends, stage.context);
+  // Of the voxel's shortest edge; the same for all surfaces, so that neighbors keep common vertices.
+  constexpr double kSnap = 0.001;
+  const glm::dmat3& voxel = stage.source.output_from_index.linear;
+  const double edge = std::min({glm::length(voxel[0]), glm::length(voxel[1]), glm::length(voxel[2])});
+  auto clipped = edit::clip_to_half_spaces(surface.mesh, stage.source.clip, {ends, kSnap * edge}, stage.context);
   if (!clipped) {
     clipped.error().message = fmt::format("{}: {}", report.subject, clipped.error().message);
     return tl::unexpected(std::move(clipped.error()));

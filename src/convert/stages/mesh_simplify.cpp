@@ -274,6 +274,7 @@ StageReport report_of(const SimplifyChoice& choice, const Simplified& result, co
        {Key::triangles_before, facts.triangles_before},
        {Key::triangles_after, facts.triangles_after},
        {Key::passes, facts.passes},
+       {Key::refused_collapses, facts.refused_collapses},
        {Key::components, result.components},
        {Key::turned_inside_out, result.turned},
        {Key::left_bodies, result.left_bodies}},
@@ -286,8 +287,10 @@ void add_sentences(StageReport& report, const SimplifyChoice& choice, const Simp
   const edit::SimplifyFigures& facts = result.facts;
   report.did = "simplified";
   report.details.push_back(fmt::format(
-      "{} rounds over {} patches; {} of {} collapses undone in {} passes; {:.2f} s of processor time", facts.rounds,
-      facts.patches, facts.undone_collapses, facts.collapses, facts.passes, facts.time.cpu_seconds));
+      "{} rounds over {} patches; {} of {} collapses undone in {} passes, {} because triangles of different patches "
+      "intersected; {} collapses refused because triangles would have intersected; {:.2f} s of processor time",
+      facts.rounds, facts.patches, facts.undone_collapses + facts.untangled_collapses, facts.collapses, facts.passes,
+      facts.untangled_collapses, facts.refused_collapses, facts.time.cpu_seconds));
   report.lines.push_back({line_of(choice, result, surface, source)});
   report.notes = notes_of(result, subject);
 }

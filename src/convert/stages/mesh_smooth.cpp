@@ -1,4 +1,5 @@
-// The stage that smooths a mesh.
+#include "convert/stages/mesh_smooth.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,14 +10,13 @@
 
 #include "base/reserved_buffer.hpp"
 #include "convert/attribute_source.hpp"
-#include "convert/stages/surface_stages.hpp"
 #include "points/attribute_sampling.hpp"
 #include "points/neighbor_counts.hpp"
 
 namespace isoextract::convert {
 namespace {
 
-// Returns the box of samples whose outer faces the caps lie on, or nullopt without such caps.
+// Returns the box of samples of a field with bounds.
 std::optional<field::IndexBox> capped_box(const Source& source) {
   if (source.region) return source.region;
   if (std::holds_alternative<field::SparseSamples>(source.field.samples)) return std::nullopt;
@@ -38,6 +38,9 @@ std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts,
     text += fmt::format("; {} vertices of open boundaries stayed in place", facts.border_vertices);
   }
   if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
+  if (facts.held_vertices > 0) {
+    text += fmt::format("; {} vertices moved less, so that no triangles intersect", facts.held_vertices);
+  }
   return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
 }
 
@@ -59,6 +62,15 @@ Result<std::shared_ptr<ReservedBuffer<float>>> vertex_weights(const NeighborCoun
 
 }  // namespace
 
+std::optional<edit::DataBox> box_of_caps(const StageContext& stage) {
+  if (!stage.job.surface.cap) return std::nullopt;
+  const auto data = capped_box(stage.source);
+  if (!data) return std::nullopt;
+  const field::Affine index_from_output = stage.source.output_from_index.inverse();
+  return edit::DataBox{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
+                       glm::dvec3(data->max)};
+}
+
 // Smooths the surface. Vertices of caps stay on the faces of the box of samples and in the planes of cuts.
 Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) {
   if (!stage.job.edits.smooth || surface.mesh.triangles.empty()) return StageReport();
@@ -67,15 +79,9 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
   options.method = asked.method;
   options.passes = asked.passes;
   options.pass_band = asked.pass_band;
-  const field::Affine index_from_output = stage.source.output_from_index.inverse();
-  options.to_metric = index_from_output.linear;
-  if (stage.job.surface.cap) {
-    options.cuts = stage.source.clip;
-    if (const auto data = capped_box(stage.source)) {
-      options.walls = edit::DataBox{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
-                                    glm::dvec3(data->max)};
-    }
-  }
+  options.to_metric = stage.source.output_from_index.inverse().linear;
+  options.walls = box_of_caps(stage);
+  if (stage.job.surface.cap) options.cuts = stage.source.clip;
   std::shared_ptr<ReservedBuffer<float>> weights;
   if (stage.source.neighbors) {
     weights = TRY(vertex_weights(*stage.source.neighbors, stage.source, surface.mesh, stage.context));
@@ -91,6 +97,7 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::vertices, facts.vertices},
        {Key::border_vertices, facts.border_vertices},
        {Key::cap_vertices, facts.wall_vertices},
+       {Key::held_vertices, facts.held_vertices},
        {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.max_displacement_world}}},
        {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
       facts.time);

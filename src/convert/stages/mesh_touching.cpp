@@ -17,15 +17,6 @@ namespace {
 
 constexpr double kMoveInVoxels = 0.001;
 
-// Returns the positions as a format of float32 world coordinates stores them.
-Buffer<glm::vec3> written_positions(const mesh::Mesh& mesh) {
-  constexpr std::size_t kVerticesAtATime = 1 << 12;
-  Buffer<glm::vec3> written(mesh.positions.size());
-  for_each_index(
-      written.size(), [&](std::size_t v) { written[v] = glm::vec3(mesh.position(v)); }, kVerticesAtATime);
-  return written;
-}
-
 // Welds the vertices of a copy of the triangles; nullopt if there is nothing to weld.
 Result<std::optional<mesh::Topology>> welded_topology(const mesh::Mesh& mesh, const std::string& what,
                                                       const Context& context) {
@@ -47,6 +38,14 @@ Result<std::optional<mesh::Topology>> welded_topology(const mesh::Mesh& mesh, co
 }
 
 }  // namespace
+
+Buffer<glm::vec3> written_positions(const mesh::Mesh& mesh) {
+  constexpr std::size_t kVerticesAtATime = 1 << 12;
+  Buffer<glm::vec3> written(mesh.positions.size());
+  for_each_index(
+      written.size(), [&](std::size_t v) { written[v] = glm::vec3(mesh.position(v)); }, kVerticesAtATime);
+  return written;
+}
 
 Result<StageReport> separate_touching(Surface& surface, const StageContext& stage) {
   if (stage.job.edits.touching != Touching::apart) return StageReport();

@@ -46,6 +46,7 @@ struct CollapseState {
   // The removed vertices (samples) nearest to each triangle, as linked lists that end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
+  std::vector<char> tangled;          // 1: the triangle intersected another one when it was changed
   std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
   Sheets sheets;
   SheetTrees original_trees;
@@ -59,7 +60,7 @@ struct CollapseState {
   [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && changed_by[t] == kNone; }
   // Bytes for each triangle and each vertex, without the tree.
   static constexpr std::uint64_t kTriangleBytes =
-      sizeof(glm::uvec3) + 1 + 3 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
+      sizeof(glm::uvec3) + 2 + 3 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
   static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t);
 };
 
@@ -78,6 +79,7 @@ struct CollapseLog {
   };
   std::uint32_t first = 0;
   std::uint32_t removed = 0;  // triangles
+  std::uint64_t refused = 0;  // collapses that would have made triangles intersect
   // Largest squared distance of points of new triangles, and of removed vertices, between the two surfaces.
   double farthest_squared = 0;
   std::vector<Collapse> collapses;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -151,6 +152,69 @@ Result<void> append(const std::vector<VertexPair>& boundary, const LoopTriangles
   return {};
 }
 
+// Returns the first edge between two vertices at one position in the triangles from `first` on, whose ends have only
+// the other corners of its two triangles in common.
+std::optional<VertexPair> edge_without_length(const mesh::Mesh& mesh, std::size_t first,
+                                              const std::vector<VertexPair>& refused) {
+  for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
+    const glm::uvec3& t = mesh.triangles[i];
+    for (int c = 0; c < 3; ++c) {
+      const VertexPair edge = std::minmax(std::uint32_t{t[c]}, std::uint32_t{t[(c + 1) % 3]});
+      const bool is_one_place = edge.first != edge.second && mesh.positions[edge.first] == mesh.positions[edge.second];
+      if (is_one_place && std::ranges::find(refused, edge) == refused.end()) return edge;
+    }
+  }
+  return std::nullopt;
+}
+
+bool may_collapse(const mesh::Mesh& mesh, const VertexPair& edge) {
+  std::vector<std::uint32_t> near_first;
+  std::vector<std::uint32_t> near_second;
+  std::size_t between = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const bool has_first = t.x == edge.first || t.y == edge.first || t.z == edge.first;
+    const bool has_second = t.x == edge.second || t.y == edge.second || t.z == edge.second;
+    between += has_first && has_second ? 1 : 0;
+    for (int c = 0; c < 3; ++c) {
+      if (t[c] == edge.first || t[c] == edge.second) continue;
+      if (has_first) near_first.push_back(t[c]);
+      if (has_second) near_second.push_back(t[c]);
+    }
+  }
+  std::vector<std::uint32_t> common;
+  for (auto* const near : {&near_first, &near_second}) {
+    std::ranges::sort(*near);
+    near->erase(std::unique(near->begin(), near->end()), near->end());
+  }
+  std::ranges::set_intersection(near_first, near_second, std::back_inserter(common));
+  return between == 2 && common.size() == 2;
+}
+
+// A vertex where loops meet was split, but if the cap lies between its copies, all triangles around them are one fan.
+// The cap then has two triangles without area between the copies: removes these and joins the copies.
+Result<void> join_copies(mesh::Mesh& mesh, std::size_t first_of_cap, const std::string& what, const Context& context) {
+  std::vector<VertexPair> refused;
+  bool joined = false;
+  while (const auto edge = edge_without_length(mesh, first_of_cap, refused)) {
+    if (!may_collapse(mesh, *edge)) {
+      refused.push_back(*edge);
+      continue;
+    }
+    joined = true;
+    std::vector<glm::uvec3> kept;
+    kept.reserve(mesh.triangles.size());
+    for (glm::uvec3 t : mesh.triangles) {
+      for (int c = 0; c < 3; ++c) {
+        if (t[c] == edge->second) t[c] = edge->first;
+      }
+      if (t.x != t.y && t.y != t.z && t.z != t.x) kept.push_back(t);
+    }
+    mesh.triangles = Buffer<glm::uvec3>(kept.size());
+    std::ranges::copy(kept, mesh.triangles.begin());
+  }
+  return joined ? mesh::split_nonmanifold_vertices(mesh, what, context) : Result<void>();
+}
+
 }  // namespace
 
 Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane, const Context& context) {
@@ -193,7 +257,9 @@ Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, dou
     cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);
   }
   if (!cap) return tl::unexpected(std::move(cap.error()));
+  const std::size_t first_of_cap = mesh.triangles.size();
   TRY(append(edges.boundary, *cap, mesh, context));
+  TRY(join_copies(mesh, first_of_cap, what, context));
   return CutCapFigures{cap->triangles.size(), cap->turned};
 }
 

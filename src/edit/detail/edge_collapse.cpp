@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "edit/detail/intersection_guard.hpp"
 #include "edit/detail/patch_mesh.hpp"
 #include "edit/detail/quadric.hpp"
 #include "mesh/closest_point.hpp"
@@ -23,7 +24,8 @@ class PatchCollapse : private PatchMesh {
         limit_squared_(limits.distance * limits.distance),
         proven_(limits.proven),
         least_triangles_(limits.triangles),
-        left_(patch.size()) {
+        left_(patch.size()),
+        guard_(state, patch) {
     log_.first = first;
     version_.assign(vertices_.size(), 0);
     sum_quadrics();
@@ -132,7 +134,14 @@ class PatchCollapse : private PatchMesh {
       look_from_new(to, 0);
       prepared_ = to;
     }
-    if (new_are_near()) collapse(v, to);
+    if (!new_are_near()) return;
+    list_changes();
+    if (guard_.allows(around_, changed_)) {
+      guard_.replace(around_, changed_);
+      collapse(v, to);
+    } else {
+      ++log_.refused;
+    }
   }
 
   // Expects ring_ to be that of the candidate's vertex.
@@ -356,6 +365,15 @@ class PatchCollapse : private PatchMesh {
     return true;
   }
 
+  // Lists the triangles around v for the guard. Call make_new(v, to) first.
+  void list_changes() {
+    around_.clear();
+    changed_.clear();
+    for (const Around& a : ring_.around) around_.push_back(a.triangle);
+    const auto stored = [&](std::uint32_t vertex) { return state_.stored[vertices_[vertex]]; };
+    for (const auto& [f, t] : new_) changed_.push_back({f, {stored(t.x), stored(t.y), stored(t.z)}});
+  }
+
   // Call make_new(v, to) and attach(v) first.
   void collapse(std::uint32_t v, std::uint32_t to) {
     const std::uint32_t number = log_.first + static_cast<std::uint32_t>(log_.collapses.size());
@@ -416,6 +434,7 @@ class PatchCollapse : private PatchMesh {
   double proven_;
   std::size_t least_triangles_;
   std::size_t left_;
+  IntersectionGuard guard_;
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // counts changes around a vertex; candidates with an older version are void
@@ -429,14 +448,16 @@ class PatchCollapse : private PatchMesh {
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<mesh::ClosestPointTriangle> targets_of_new_;
   std::vector<Attached> attached_;
-  std::vector<Near> near_;  // for each of new_
+  std::vector<Near> near_;                           // for each of new_
+  std::vector<std::uint32_t> around_;                // the triangles of ring_
+  std::vector<IntersectionGuard::Changed> changed_;  // new_ with positions
 };
 
 }  // namespace
 
 CollapseLog collapse_edges(CollapseState& state, std::span<const std::uint32_t> patch, const CollapseVertices& vertices,
                            const CollapseLimits& limits, std::uint32_t first) {
-  if (patch.empty()) return {first, 0, 0, {}, {}};
+  if (patch.empty()) return {first, 0, 0, 0, {}, {}};
   return PatchCollapse(state, patch, vertices, limits, first).run(vertices);
 }
 

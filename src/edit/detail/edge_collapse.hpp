@@ -9,6 +9,7 @@
 //   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Vertices of
 //   curves, which are boundary loops or where sheets meet, collapse along their curve; its ends stay. Planes through
 //   boundary edges, at right angles to their triangles, are part of the quadrics.
+// - Intersections: a collapse must not make triangles of the patch intersect (intersection_guard.hpp).
 //
 // The limits hardly change the order: they only make a second target be tried, and `proven` rejects single collapses.
 // Sample points prove nothing; distance_proof.hpp does.

@@ -31,7 +31,7 @@ mesh::Mesh closed_surface(const char* demo, double iso = 0, const glm::dvec3& or
 }
 
 ClipFigures must_cap(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, const Context& context = Context()) {
-  auto facts = clip_to_half_spaces(mesh, kept, CutClosing::capped, context);
+  auto facts = clip_to_half_spaces(mesh, kept, {CutClosing::capped}, context);
   if (!facts) throw std::runtime_error(facts.error().message);
   return *facts;
 }
@@ -150,7 +150,7 @@ TEST(CutCap, RejectsCutsThatEndAtOpenBorder) {
   options.output_from_index = field.index_to_world;
   mesh::Mesh open = test::extract(field, options).mesh;
   const std::vector<mesh::HalfSpace> kept{{{0.6, 0.8, 0}, 0.1}};
-  const auto refused = clip_to_half_spaces(open, kept, CutClosing::capped, Context());
+  const auto refused = clip_to_half_spaces(open, kept, {CutClosing::capped}, Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_NE(refused.error().message.find("cannot cap the clip plane"), std::string::npos);
@@ -168,7 +168,7 @@ TEST(CutCap, IsIndependentOfThreadsAndReservesMemory) {
   EXPECT_EQ(std::memcmp(results[0].triangles.data(), results[1].triangles.data(), results[0].triangles.size_bytes()),
             0);
   mesh::Mesh mesh = closed_surface("demo:gyroid?size=30");
-  EXPECT_FALSE(clip_to_half_spaces(mesh, kept, CutClosing::capped, Context(MemoryBudget(1000))));
+  EXPECT_FALSE(clip_to_half_spaces(mesh, kept, {CutClosing::capped}, Context(MemoryBudget(1000))));
   const Context context(MemoryBudget(std::uint64_t{1} << 30));
   must_cap(mesh, kept, context);
   EXPECT_EQ(context.memory().reserved(),

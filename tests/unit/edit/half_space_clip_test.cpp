@@ -25,7 +25,7 @@ mesh::Mesh surface_of(const char* demo, const glm::dvec3& origin = glm::dvec3(0)
 }
 
 ClipFigures must_clip(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, const Context& context = Context()) {
-  auto facts = clip_to_half_spaces(mesh, kept, CutClosing::open, context);
+  auto facts = clip_to_half_spaces(mesh, kept, {CutClosing::open}, context);
   if (!facts) throw std::runtime_error(facts.error().message);
   return *facts;
 }
@@ -117,7 +117,7 @@ TEST(HalfSpaceClip, IsIndependentOfThreadsAndReservesMemory) {
   EXPECT_EQ(std::memcmp(results[0].positions.data(), results[1].positions.data(), results[0].positions.size_bytes()),
             0);
   mesh::Mesh mesh = surface_of("demo:gyroid?size=30");
-  EXPECT_FALSE(clip_to_half_spaces(mesh, std::vector{kept}, CutClosing::open, Context(MemoryBudget(1000))));
+  EXPECT_FALSE(clip_to_half_spaces(mesh, std::vector{kept}, {CutClosing::open}, Context(MemoryBudget(1000))));
   const Context context(MemoryBudget(std::uint64_t{1} << 30));
   must_clip(mesh, {kept}, context);
   EXPECT_EQ(context.memory().reserved(),

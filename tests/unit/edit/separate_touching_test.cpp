@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "check/mesh_check.hpp"
-#include "check/self_intersections.hpp"
 #include "edit/separate_touching.hpp"
+#include "mesh/self_intersections.hpp"
 #include "support/voxel_patterns.hpp"
 
 namespace isoextract::edit {
@@ -137,9 +137,9 @@ TEST(SeparateTouching, StretchedVoxels) {
     mesh::Mesh mesh = test::extract(field, way.options).mesh;
     for (glm::vec3& p : mesh.positions) p = glm::vec3(voxel * glm::dvec3(p));
     for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
-    const std::uint64_t before = check::find_self_intersections(mesh, {}, Context())->pairs;
+    const std::uint64_t before = mesh::find_self_intersections(mesh, {}, Context())->pairs;
     EXPECT_GT(separate_touching_vertices(mesh, kDistance, voxel, Context())->touching, 100U);
-    EXPECT_LE(check::find_self_intersections(mesh, {}, Context())->pairs, before);
+    EXPECT_LE(mesh::find_self_intersections(mesh, {}, Context())->pairs, before);
     EXPECT_TRUE(welded_topology(std::move(mesh)).is_closed_oriented_manifold());
   }
 }

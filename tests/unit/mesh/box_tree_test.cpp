@@ -69,5 +69,19 @@ TEST(BoxTree, KeepsGroupsTogether) {
   EXPECT_LE(leaves_of.size(), tree.leaves() + 4) << "only at the four borders has a leaf two of them";
 }
 
+TEST(BoxTree, FindsItemsThatGrew) {
+  BoxTree tree = tree_of(random_boxes(1001));
+  const FloatBox far{glm::vec3(1000), glm::vec3(1001)};
+  const auto found = [&] {
+    std::set<std::uint32_t> numbers;
+    tree.for_each_near(far, [&](std::uint32_t number) { numbers.insert(number); });
+    return numbers;
+  };
+  EXPECT_TRUE(found().empty());
+  tree.enlarge(500, far);
+  EXPECT_TRUE(found().contains(tree.numbers()[500]));
+  EXPECT_LE(found().size(), BoxTree::kLeafSize);
+}
+
 }  // namespace
 }  // namespace isoextract::mesh

@@ -1,4 +1,4 @@
-#include "check/self_intersections.hpp"
+#include "mesh/self_intersections.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,19 +11,19 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "check/detail/triangle_overlap.hpp"
 #include "mesh/join_meshes.hpp"
+#include "mesh/triangle_overlap.hpp"
 #include "support/exact_overlap.hpp"
 #include "support/sample_meshes.hpp"
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 namespace {
 
 using test::ExactOverlap;
 using test::make_mesh;
 using test::WholeTriangle;
 
-SelfIntersections find(const mesh::Mesh& mesh, const IntersectionOptions& options = {}) {
+SelfIntersections find(const Mesh& mesh, const IntersectionOptions& options = {}) {
   auto found = find_self_intersections(mesh, options, Context());
   if (!found) {
     ADD_FAILURE() << found.error().message;
@@ -50,7 +50,7 @@ std::vector<WholeTriangle> random_triangles(std::size_t count, int size, unsigne
 }
 
 // Gives each triangle its own vertices, so that neighbors must be found by position.
-mesh::Mesh soup(const std::vector<WholeTriangle>& triangles, float scale = 1) {
+Mesh soup(const std::vector<WholeTriangle>& triangles, float scale = 1) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> indices;
   for (const WholeTriangle& t : triangles) {
@@ -103,7 +103,7 @@ void expect_same(const SelfIntersections& a, const SelfIntersections& b) {
 }
 
 // An n x n grid of squares in a plane with the given normal direction.
-mesh::Mesh flat_grid(unsigned n, const glm::vec3& right, const glm::vec3& up) {
+Mesh flat_grid(unsigned n, const glm::vec3& right, const glm::vec3& up) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   for (unsigned j = 0; j <= n; ++j) {
@@ -130,10 +130,7 @@ TEST(TriangleOverlapTest, MatchesRationalArithmetic) {
         if (shared == 3 || !has_area(p) || !has_area(q)) continue;
         const auto placed = [](const WholeTriangle& t) {
           PlacedTriangle result;
-          for (std::size_t c = 0; c < 3; ++c) {
-            result.corners[c] = glm::dvec3(t[c]);
-            result.places[static_cast<int>(c)] = static_cast<std::uint32_t>(t[c].x + 16 * t[c].y + 256 * t[c].z);
-          }
+          for (std::size_t c = 0; c < 3; ++c) result.corners[c] = glm::dvec3(t[c]);
           return result;
         };
         const bool expected = ExactOverlap::meet(p, q);
@@ -183,7 +180,7 @@ TEST(SelfIntersectionsTest, MatchesBruteForceAroundCrowdedPlaces) {
 }
 
 // n triangles around one vertex (a cone) or around one edge.
-mesh::Mesh crowd(unsigned n, char kind) {
+Mesh crowd(unsigned n, char kind) {
   std::vector<glm::vec3> positions{{0, 0, 1}, {0.1F, 0.2F, -1}};
   std::vector<glm::uvec3> triangles;
   for (unsigned i = 0; i < n; ++i) {
@@ -200,7 +197,7 @@ TEST(SelfIntersectionsTest, ScalesLinearlyAroundOnePlace) {
   for (const char kind : {'v', 'e'}) {
     std::array<std::uint64_t, 2> looked_at{};
     for (const unsigned doubled : {0U, 1U}) {
-      const mesh::Mesh mesh = crowd(5000U << doubled, kind);
+      const Mesh mesh = crowd(5000U << doubled, kind);
       const SelfIntersections found = find(mesh);
       EXPECT_EQ(found.pairs, 0U) << kind;
       looked_at[doubled] = found.looked_at;
@@ -236,7 +233,7 @@ TEST(SelfIntersectionsTest, FindsNoneInSphere) {
 
 TEST(SelfIntersectionsTest, FindsPlantedIntersections) {
   // One moved vertex makes a spike through the far side of a sphere.
-  mesh::Mesh mesh = test::sphere(20, false);
+  Mesh mesh = test::sphere(20, false);
   const std::size_t moved = 1 + 9 * 40;
   mesh.positions[moved] = mesh.positions[moved] * -1.5F;
   const SelfIntersections found = find(mesh);
@@ -271,18 +268,18 @@ TEST(SelfIntersectionsTest, FindsFoldedNeighbors) {
 TEST(SelfIntersectionsTest, HandlesManyCoplanarTriangles) {
   for (const auto& [right, up] :
        {std::pair{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)}, std::pair{glm::vec3(1, 0, 1), glm::vec3(0, 1, -1)}}) {
-    mesh::Mesh mesh = flat_grid(300, right, up);
+    Mesh mesh = flat_grid(300, right, up);
     EXPECT_EQ(find(mesh).pairs, 0U);
     // Twice at the same place: every triangle is a duplicate, and no pair counts.
-    std::vector<mesh::Mesh> two(2);
+    std::vector<Mesh> two(2);
     two[0] = flat_grid(60, right, up);
     two[1] = flat_grid(60, right, up);
-    const SelfIntersections found = find(*mesh::join_meshes(two, Context()));
+    const SelfIntersections found = find(*join_meshes(two, Context()));
     EXPECT_EQ(found.pairs, 0U);
     EXPECT_EQ(found.duplicate_triangles, 60U * 60 * 2);
     // Moved by half a square, they overlap.
     for (glm::vec3& p : two[1].positions) p += 0.5F * right;
-    const SelfIntersections moved = find(*mesh::join_meshes(two, Context()));
+    const SelfIntersections moved = find(*join_meshes(two, Context()));
     EXPECT_GT(moved.pairs, 60U * 60 * 4);
     EXPECT_EQ(moved.in_one_plane, moved.pairs);
   }
@@ -304,7 +301,7 @@ TEST(SelfIntersectionsTest, CountsEveryCopy) {
 }
 
 TEST(SelfIntersectionsTest, StopsAtMostPairs) {
-  const mesh::Mesh mesh = soup(random_triangles(3000, 50, 3));
+  const Mesh mesh = soup(random_triangles(3000, 50, 3));
   const SelfIntersections all = find(mesh);
   ASSERT_GT(all.pairs, 1000U);
   ASSERT_FALSE(all.at_least);
@@ -322,7 +319,7 @@ TEST(SelfIntersectionsTest, StopsAtMostPairs) {
 }
 
 TEST(SelfIntersectionsTest, IsIndependentOfThreads) {
-  const mesh::Mesh mesh = soup(random_triangles(4000, 400, 5));
+  const Mesh mesh = soup(random_triangles(4000, 400, 5));
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return find(mesh);
@@ -340,7 +337,7 @@ TEST(SelfIntersectionsTest, HandlesTrivialMeshes) {
 }
 
 TEST(SelfIntersectionsTest, ObeysCancellationAndMemoryBudget) {
-  const mesh::Mesh mesh = test::sphere(60, false);
+  const Mesh mesh = test::sphere(60, false);
   const Context cancelled;
   cancelled.cancel();
   const auto ended = find_self_intersections(mesh, {}, cancelled);
@@ -353,4 +350,4 @@ TEST(SelfIntersectionsTest, ObeysCancellationAndMemoryBudget) {
 }
 
 }  // namespace
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

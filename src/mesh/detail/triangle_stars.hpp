@@ -14,9 +14,7 @@
 #include "base/buffer.hpp"
 #include "mesh/box_tree.hpp"
 
-namespace isoextract::check {
-
-using mesh::FloatBox;
+namespace isoextract::mesh {
 
 class CrowdedStars {
  public:
@@ -85,4 +83,4 @@ class CrowdedStars {
   Buffer<std::uint32_t> of_;  // the star of each triangle
 };
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

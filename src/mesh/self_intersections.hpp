@@ -17,7 +17,7 @@
 #include "base/error.hpp"
 #include "mesh/mesh.hpp"
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 
 struct IntersectionOptions {
   // The search stops when it has found more pairs than this: many overlapping copies of a mesh could take years.
@@ -42,8 +42,7 @@ struct SelfIntersections {
 // Finds the self-intersections of a mesh with finite positions. If at_least is set, in_one_plane, neighbors, triangles
 // and looked_at are 0. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory if
 // memory is short, or with ErrorCode::cancelled.
-[[nodiscard]] Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh,
-                                                                const IntersectionOptions& options,
+[[nodiscard]] Result<SelfIntersections> find_self_intersections(const Mesh& mesh, const IntersectionOptions& options,
                                                                 const Context& context);
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

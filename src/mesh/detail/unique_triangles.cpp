@@ -1,4 +1,4 @@
-#include "check/detail/unique_triangles.hpp"
+#include "mesh/detail/unique_triangles.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -9,7 +9,7 @@
 #include "base/parallel.hpp"
 #include "mesh/exact_sign.hpp"
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 namespace {
 
 // The corners of a triangle, sorted.
@@ -35,13 +35,13 @@ glm::uvec3 sorted(glm::uvec3 t) {
 }
 
 bool has_area(std::span<const glm::vec3> positions, const glm::uvec3& t) {
-  return !mesh::are_collinear(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]), glm::dvec3(positions[t.z]));
+  return !are_collinear(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]), glm::dvec3(positions[t.z]));
 }
 
 }  // namespace
 
 UniqueTriangles find_unique_triangles(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                                      const mesh::CoincidentVertices& places) {
+                                      const CoincidentVertices& places) {
   constexpr std::uint32_t kNowhere = ~std::uint32_t{0};  // no vertex: a mesh has fewer
   Buffer<CornerKey> keys(triangles.size());
   for_each_number(triangles.size(), [&](std::size_t t) {
@@ -79,4 +79,4 @@ std::uint64_t distinct_triangle_bytes(std::uint64_t triangles) {
   return triangles * (sizeof(CornerKey) + 2 * sizeof(std::uint32_t));
 }
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

@@ -1,21 +1,21 @@
-#include "check/detail/triangle_stars.hpp"
+#include "mesh/detail/triangle_stars.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_map>
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 namespace {
 
 // More than the rounding of directions to float32.
-constexpr double kRounding = 1e-6;
+constexpr double kDirectionRounding = 1e-6;
 
 std::uint64_t key_of_side(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
-FloatBox around(const glm::dvec3& a, const glm::dvec3& b, double margin) {
+FloatBox box_with_margin(const glm::dvec3& a, const glm::dvec3& b, double margin) {
   return {glm::vec3(glm::min(a, b) - margin), glm::vec3(glm::max(a, b) + margin)};
 }
 
@@ -80,7 +80,7 @@ FloatBox CrowdedStars::directions(std::uint32_t star, const glm::uvec3& corners)
     // The arc between the directions leaves the box of its ends by at most its distance from the chord.
     const glm::dvec3 chord = a - b;
     const double bulge = 1 - std::sqrt(std::max(0.0, 1 - glm::dot(chord, chord) / 4));
-    return around(a, b, bulge + kRounding);
+    return box_with_margin(a, b, bulge + kDirectionRounding);
   }
   const glm::dvec3 side = glm::dvec3(positions_[stars_[star].end]) - middle;
   const glm::dvec3& tip = ways[0] == side ? ways[1] : ways[0];
@@ -88,7 +88,7 @@ FloatBox CrowdedStars::directions(std::uint32_t star, const glm::uvec3& corners)
   const double length = glm::length(across);
   const double error = 1e-14 * glm::length(side) * glm::length(tip) / length;
   if (!(error < 1)) return {glm::vec3(-2), glm::vec3(2)};
-  return around(across / length, across / length, kRounding + error);
+  return box_with_margin(across / length, across / length, kDirectionRounding + error);
 }
 
 FloatBox CrowdedStars::seen(std::uint32_t star, const FloatBox& box) const {
@@ -109,7 +109,7 @@ FloatBox CrowdedStars::seen(std::uint32_t star, const FloatBox& box) const {
     from[axis] = low[axis] < 0 ? share(low[axis], least[y], least[z]) : share(low[axis], most[y], most[z]);
     to[axis] = high[axis] > 0 ? share(high[axis], least[y], least[z]) : share(high[axis], most[y], most[z]);
   }
-  return {glm::vec3(from - kRounding), glm::vec3(to + kRounding)};
+  return {glm::vec3(from - kDirectionRounding), glm::vec3(to + kDirectionRounding)};
 }
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

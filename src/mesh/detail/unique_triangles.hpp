@@ -9,7 +9,7 @@
 #include "base/buffer.hpp"
 #include "mesh/coincident_vertices.hpp"
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 
 // The triangles with area, one for each set of three corners, in either winding.
 struct UniqueTriangles {
@@ -22,7 +22,7 @@ struct UniqueTriangles {
 // Uses distinct_triangle_bytes() of memory, which the caller reserves; throws std::bad_alloc.
 [[nodiscard]] UniqueTriangles find_unique_triangles(std::span<const glm::vec3> positions,
                                                     std::span<const glm::uvec3> triangles,
-                                                    const mesh::CoincidentVertices& places);
+                                                    const CoincidentVertices& places);
 [[nodiscard]] std::uint64_t distinct_triangle_bytes(std::uint64_t triangles);
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

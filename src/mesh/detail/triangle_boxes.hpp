@@ -11,10 +11,10 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
-#include "check/detail/triangle_stars.hpp"
 #include "mesh/box_tree.hpp"
+#include "mesh/detail/triangle_stars.hpp"
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 
 class TriangleBoxes {
  public:
@@ -24,13 +24,13 @@ class TriangleBoxes {
                 std::span<const std::uint32_t> chosen, const CrowdedStars& stars);
 
   // Returns the bytes that the construction needs; the caller reserves them.
-  [[nodiscard]] static std::uint64_t bytes(std::uint64_t chosen) { return mesh::BoxTree::bytes(chosen); }
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t chosen) { return BoxTree::bytes(chosen); }
   // Returns the additional bytes if there are stars.
   [[nodiscard]] static std::uint64_t star_bytes(std::uint64_t chosen) { return (chosen + 1) * sizeof(Directions); }
 
   [[nodiscard]] FloatBox box_of(std::uint32_t triangle) const {
     const glm::uvec3& t = triangles_[triangle];
-    return mesh::box_around(positions_[t.x], positions_[t.y], positions_[t.z]);
+    return box_around(positions_[t.x], positions_[t.y], positions_[t.z]);
   }
 
   // Calls visit(i, j) once for each pair of chosen triangles that may have more in common than a corner or a side:
@@ -51,7 +51,7 @@ class TriangleBoxes {
 
  private:
   static constexpr std::size_t kParallelTriangles = 1 << 11;
-  using Node = mesh::BoxTree::Node;
+  using Node = BoxTree::Node;
 
   // The common star of the triangles of a node, or of one triangle, and their directions in it.
   struct Directions {
@@ -66,7 +66,7 @@ class TriangleBoxes {
   [[nodiscard]] bool is_large(const Node& node) const {
     return (tree_.numbers().size() >> node.level) > kParallelTriangles;
   }
-  static mesh::BoxTree tree_of(const TriangleBoxes& boxes, std::span<const std::uint32_t> chosen);
+  static BoxTree tree_of(const TriangleBoxes& boxes, std::span<const std::uint32_t> chosen);
 
   [[nodiscard]] Directions directions_of(std::uint32_t triangle) const {
     const std::uint32_t star = stars_.star_of(triangle);
@@ -138,7 +138,7 @@ class TriangleBoxes {
   template <class Visit>
   void visit_leaves(const Node& a, const Node& b, const Visit& visit) const {
     const auto others = tree_.numbers_of(b);
-    std::array<FloatBox, mesh::BoxTree::kLeafSize> boxes;
+    std::array<FloatBox, BoxTree::kLeafSize> boxes;
     for (std::size_t j = 0; j < others.size(); ++j) boxes[j] = box_of(others[j]);
     for (const std::uint32_t i : tree_.numbers_of(a)) {
       const FloatBox first = box_of(i);
@@ -152,8 +152,8 @@ class TriangleBoxes {
   std::span<const glm::vec3> positions_;
   std::span<const glm::uvec3> triangles_;
   const CrowdedStars& stars_;
-  mesh::BoxTree tree_;
+  BoxTree tree_;
   Buffer<Directions> directions_;  // one for each node; empty without stars
 };
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

@@ -1,4 +1,4 @@
-#include "check/self_intersections.hpp"
+#include "mesh/self_intersections.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -10,11 +10,11 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "base/allocation_error.hpp"
-#include "check/detail/triangle_boxes.hpp"
-#include "check/detail/triangle_overlap.hpp"
-#include "check/detail/unique_triangles.hpp"
+#include "mesh/detail/triangle_boxes.hpp"
+#include "mesh/detail/unique_triangles.hpp"
+#include "mesh/triangle_overlap.hpp"
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 namespace {
 
 using TrianglePair = std::array<std::uint32_t, 2>;
@@ -40,7 +40,7 @@ struct FoundPairs {
 
 class IntersectionSearch {
  public:
-  IntersectionSearch(const mesh::Mesh& mesh, const IntersectionOptions& options, const Context& context)
+  IntersectionSearch(const Mesh& mesh, const IntersectionOptions& options, const Context& context)
       : mesh_(mesh),
         options_(options),
         context_(context),
@@ -48,9 +48,9 @@ class IntersectionSearch {
         distinct_(find_unique_triangles(mesh.positions.span(), mesh.triangles.span(), places_)) {}
 
   // Returns the peak memory.
-  [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& mesh) {
+  [[nodiscard]] static std::uint64_t bytes(const Mesh& mesh) {
     const std::uint64_t triangles = mesh.triangles.size();
-    return mesh::CoincidentVertices::bytes(mesh.positions.size()) + CrowdedStars::bytes(mesh.positions.size()) +
+    return CoincidentVertices::bytes(mesh.positions.size()) + CrowdedStars::bytes(mesh.positions.size()) +
            std::max(distinct_triangle_bytes(triangles),
                     triangles * (2 * sizeof(std::uint32_t) + 1) + TriangleBoxes::bytes(triangles));
   }
@@ -84,8 +84,7 @@ class IntersectionSearch {
  private:
   [[nodiscard]] PlacedTriangle placed(std::uint32_t triangle) const {
     const glm::uvec3& t = mesh_.triangles[triangle];
-    return {{glm::dvec3(mesh_.positions[t.x]), glm::dvec3(mesh_.positions[t.y]), glm::dvec3(mesh_.positions[t.z])},
-            places_.of_triangle(t)};
+    return {{glm::dvec3(mesh_.positions[t.x]), glm::dvec3(mesh_.positions[t.y]), glm::dvec3(mesh_.positions[t.z])}};
   }
 
   [[nodiscard]] std::uint64_t copies_of(std::uint32_t triangle) const {
@@ -153,10 +152,10 @@ class IntersectionSearch {
     return {};
   }
 
-  const mesh::Mesh& mesh_;
+  const Mesh& mesh_;
   const IntersectionOptions& options_;
   const Context& context_;
-  mesh::CoincidentVertices places_;
+  CoincidentVertices places_;
   UniqueTriangles distinct_;
   Buffer<std::uint8_t> met_;  // 1: the triangle is in a pair
   std::atomic<bool> stopped_{false};
@@ -167,7 +166,7 @@ class IntersectionSearch {
 
 }  // namespace
 
-Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh, const IntersectionOptions& options,
+Result<SelfIntersections> find_self_intersections(const Mesh& mesh, const IntersectionOptions& options,
                                                   const Context& context) {
   const std::string what = fmt::format("{}: the search for self-intersections", mesh.name);
   const auto memory = TRY(context.reserve(IntersectionSearch::bytes(mesh), what));
@@ -179,4 +178,4 @@ Result<SelfIntersections> find_self_intersections(const mesh::Mesh& mesh, const 
   }
 }
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

@@ -1,11 +1,11 @@
-#include "check/detail/triangle_overlap.hpp"
+#include "mesh/triangle_overlap.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "mesh/exact_sign.hpp"
 
-namespace isoextract::check {
+namespace isoextract::mesh {
 namespace {
 
 using Signs = std::array<int, 3>;
@@ -14,7 +14,7 @@ using Signs = std::array<int, 3>;
 Signs sides_of(const PlacedTriangle& p, const PlacedTriangle& q) {
   Signs signs;
   for (std::size_t i = 0; i < 3; ++i) {
-    signs[i] = mesh::orientation_3d(p.corners[0], p.corners[1], p.corners[2], q.corners[i]);
+    signs[i] = orientation_3d(p.corners[0], p.corners[1], p.corners[2], q.corners[i]);
   }
   return signs;
 }
@@ -28,8 +28,8 @@ int axis_of(const PlacedTriangle& t) {
   const int likely = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;
   for (int i = 0; i < 3; ++i) {
     const int axis = (likely + i) % 3;
-    if (mesh::orientation_2d(mesh::along_axis(t.corners[0], axis), mesh::along_axis(t.corners[1], axis),
-                             mesh::along_axis(t.corners[2], axis)) != 0) {
+    if (orientation_2d(along_axis(t.corners[0], axis), along_axis(t.corners[1], axis),
+                       along_axis(t.corners[2], axis)) != 0) {
       return axis;
     }
   }
@@ -39,8 +39,7 @@ int axis_of(const PlacedTriangle& t) {
 using Flat = std::array<glm::dvec2, 3>;
 
 bool holds_point(const Flat& t, const glm::dvec2& p) {
-  return !has_both(mesh::orientation_2d(t[0], t[1], p), mesh::orientation_2d(t[1], t[2], p),
-                   mesh::orientation_2d(t[2], t[0], p));
+  return !has_both(orientation_2d(t[0], t[1], p), orientation_2d(t[1], t[2], p), orientation_2d(t[2], t[0], p));
 }
 
 bool intervals_meet(double a, double b, double c, double d) {
@@ -50,17 +49,16 @@ bool intervals_meet(double a, double b, double c, double d) {
 bool segments_meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
   if (!intervals_meet(a.x, b.x, c.x, d.x) || !intervals_meet(a.y, b.y, c.y, d.y)) return false;
   // For four collinear points the intervals decide.
-  return mesh::orientation_2d(a, b, c) * mesh::orientation_2d(a, b, d) <= 0 &&
-         mesh::orientation_2d(c, d, a) * mesh::orientation_2d(c, d, b) <= 0;
+  return orientation_2d(a, b, c) * orientation_2d(a, b, d) <= 0 &&
+         orientation_2d(c, d, a) * orientation_2d(c, d, b) <= 0;
 }
 
 // Segment and triangle lie in one plane.
 bool flat_segment_meets(const glm::dvec3& a, const glm::dvec3& b, const PlacedTriangle& t) {
   const int axis = axis_of(t);
-  const Flat flat{mesh::along_axis(t.corners[0], axis), mesh::along_axis(t.corners[1], axis),
-                  mesh::along_axis(t.corners[2], axis)};
-  const glm::dvec2 p = mesh::along_axis(a, axis);
-  const glm::dvec2 q = mesh::along_axis(b, axis);
+  const Flat flat{along_axis(t.corners[0], axis), along_axis(t.corners[1], axis), along_axis(t.corners[2], axis)};
+  const glm::dvec2 p = along_axis(a, axis);
+  const glm::dvec2 q = along_axis(b, axis);
   return holds_point(flat, p) || segments_meet(p, q, flat[0], flat[1]) || segments_meet(p, q, flat[1], flat[2]) ||
          segments_meet(p, q, flat[2], flat[0]);
 }
@@ -70,8 +68,7 @@ bool segment_meets(const glm::dvec3& a, const glm::dvec3& b, int at_a, int at_b,
   if (at_a * at_b > 0) return false;
   if (at_a == 0 && at_b == 0) return flat_segment_meets(a, b, t);
   const auto& [x, y, z] = t.corners;
-  return !has_both(mesh::orientation_3d(a, b, x, y), mesh::orientation_3d(a, b, y, z),
-                   mesh::orientation_3d(a, b, z, x));
+  return !has_both(orientation_3d(a, b, x, y), orientation_3d(a, b, y, z), orientation_3d(a, b, z, x));
 }
 
 bool all_zero(const Signs& signs) { return signs == Signs{}; }
@@ -107,7 +104,7 @@ TriangleOverlap overlap_at_corner(const PlacedTriangle& p, const PlacedTriangle&
   const glm::dvec3& q1 = q.corners[(at_q + 1) % 3];
   const glm::dvec3& q2 = q.corners[(at_q + 2) % 3];
   const auto side = [](const PlacedTriangle& t, const glm::dvec3& point) {
-    return mesh::orientation_3d(t.corners[0], t.corners[1], t.corners[2], point);
+    return orientation_3d(t.corners[0], t.corners[1], t.corners[2], point);
   };
   const int of_q1 = side(p, q1);
   const int of_q2 = side(p, q2);
@@ -129,10 +126,10 @@ TriangleOverlap overlap_along_side(const PlacedTriangle& p, const PlacedTriangle
   const glm::dvec3& b = p.corners[(at_p + 2) % 3];
   const glm::dvec3& tip = p.corners[at_p];
   const glm::dvec3& other = q.corners[at_q];
-  if (mesh::orientation_3d(a, b, tip, other) != 0) return {};
+  if (orientation_3d(a, b, tip, other) != 0) return {};
   const int axis = axis_of(p);
   const auto turn = [&](const glm::dvec3& c) {
-    return mesh::orientation_2d(mesh::along_axis(a, axis), mesh::along_axis(b, axis), mesh::along_axis(c, axis));
+    return orientation_2d(along_axis(a, axis), along_axis(b, axis), along_axis(c, axis));
   };
   const bool meet = turn(tip) == turn(other);
   return {meet, meet, meet};
@@ -146,7 +143,7 @@ TriangleOverlap find_overlap(const PlacedTriangle& p, const PlacedTriangle& q) {
   std::size_t shared = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      if (p.places[static_cast<int>(i)] != q.places[static_cast<int>(j)] || shared == 2) continue;
+      if (shared == 2 || p.corners[i] != q.corners[j]) continue;
       corner_of_p[shared] = i;
       corner_of_q[shared] = j;
       ++shared;
@@ -157,4 +154,4 @@ TriangleOverlap find_overlap(const PlacedTriangle& p, const PlacedTriangle& q) {
   return overlap_along_side(p, q, 3 - corner_of_p[0] - corner_of_p[1], 3 - corner_of_q[0] - corner_of_q[1]);
 }
 
-}  // namespace isoextract::check
+}  // namespace isoextract::mesh

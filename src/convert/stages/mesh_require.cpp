@@ -1,0 +1,95 @@
+// The stages that make a surface what --require asks for, and test it.
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "check/mesh_check.hpp"
+#include "convert/stages/mesh_smooth.hpp"
+#include "convert/stages/mesh_touching.hpp"
+#include "edit/untangle.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// Whether the file stores float32 world coordinates, and readers weld equal ones.
+bool readers_weld(const ConversionJob& job) {
+  const auto* const file = job.writes<MeshFileOptions>();
+  return file != nullptr && mesh_io::mesh_format_info(file->format).readers_weld;
+}
+
+// Returns the mesh as readers of the file find it, without attributes.
+Result<mesh::Mesh> welded_copy(const mesh::Mesh& mesh, const Context& context) {
+  mesh::Mesh welded;
+  welded.name = mesh.name;
+  welded.memory = TRY(context.reserve(mesh.positions.size_bytes() + mesh.triangles.size_bytes(),
+                                      mesh.name + ": the mesh as readers weld it"));
+  welded.positions = written_positions(mesh);
+  welded.triangles = Buffer<glm::uvec3>(mesh.triangles.size());
+  std::ranges::copy(mesh.triangles, welded.triangles.begin());
+  TRY(check::weld_coincident_vertices(welded, context));
+  return welded;
+}
+
+std::string line_of(const edit::UntangleFigures& done, const std::string& surface) {
+  if (done.pairs_before == 0)
+    return fmt::format("no triangles intersect at {}; {:.2f} s", surface, done.time.wall_seconds);
+  return fmt::format(
+      "untangled at {}: {} of {} pairs of intersecting triangles left; {} vertices moved by at most {:.3g} voxels in "
+      "{} "
+      "rounds; {:.2f} s",
+      surface, done.pairs_after, done.pairs_before, done.moved, done.greatest_move, done.rounds,
+      done.time.wall_seconds);
+}
+
+}  // namespace
+
+Result<StageReport> untangle_surface(Surface& surface, const StageContext& stage) {
+  if (!stage.job.edits.untangles() || surface.mesh.triangles.empty()) return StageReport();
+  // Rounding to the coordinates of the file moves triangles, so it comes first.
+  if (readers_weld(stage.job) && surface.mesh.origin != glm::dvec3(0)) {
+    surface.mesh.positions = written_positions(surface.mesh);
+    surface.mesh.origin = glm::dvec3(0);
+  }
+  edit::UntangleOptions options;
+  options.to_metric = stage.source.output_from_index.inverse().linear;
+  options.walls = box_of_caps(stage);
+  if (stage.job.surface.cap) options.cuts = stage.source.clip;
+  const edit::UntangleFigures done = TRY(edit::untangle(surface.mesh, options, stage.context));
+  StageReport report = stage.report_on(StageName::untangle, surface);
+  report.add_timed({{Key::pairs, Figures{{Key::before, done.pairs_before}, {Key::after, done.pairs_after}}},
+                    {Key::moved, done.moved},
+                    {Key::greatest_move, done.greatest_move},
+                    {Key::passes, done.rounds}},
+                   done.time);
+  report.did = "untangled";
+  report.lines.push_back({line_of(done, surface.id.name())});
+  return report;
+}
+
+Result<StageReport> require_properties(Surface& surface, const StageContext& stage) {
+  const std::vector<check::Requirement>& required = stage.job.edits.require;
+  if (required.empty() || surface.mesh.triangles.empty()) return StageReport();
+  check::MeshCheck found;
+  if (readers_weld(stage.job)) {
+    const mesh::Mesh welded = TRY(welded_copy(surface.mesh, stage.context));
+    found = TRY(check::check_mesh(welded, stage.context));
+  } else {
+    found = TRY(check::check_mesh(surface.mesh, stage.context));
+  }
+  std::vector<std::string_view> unmet;
+  std::vector<std::string> reasons;
+  for (const check::Requirement one : required) {
+    const auto reason = check::unmet_reason(one, found);
+    if (!reason) continue;
+    unmet.push_back(word_of(one));
+    if (std::ranges::find(reasons, *reason) == reasons.end()) reasons.push_back(*reason);
+  }
+  if (unmet.empty()) return StageReport();
+  return fail(ErrorCode::verification, fmt::format("{}: the mesh is not {}: {}", stage.subject(surface),
+                                                   fmt::join(unmet, ", "), fmt::join(reasons, "; ")));
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,127 @@
+#include "edit/detail/intersection_guard.hpp"
+
+#include <algorithm>
+
+#include "base/buffer.hpp"
+#include "mesh/exact_sign.hpp"
+
+namespace isoextract::edit {
+
+IntersectionGuard::IntersectionGuard(CollapseState& state, std::span<const std::uint32_t> patch)
+    : state_(state),
+      patch_(patch),
+      corners_(corners_of(state, patch)),
+      counts_(patch.size(), 1),
+      tree_(tree_of(corners_)),
+      slots_(patch.size()),
+      looked_(patch.size(), 0) {
+  const auto numbers = tree_.numbers();
+  for (std::uint32_t slot = 0; slot < numbers.size(); ++slot) slots_[numbers[slot]] = slot;
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const mesh::PlacedTriangle t = placed(corners_[i]);
+    if (mesh::are_collinear(t.corners[0], t.corners[1], t.corners[2])) counts_[i] = 0;
+  }
+}
+
+std::vector<IntersectionGuard::Corners> IntersectionGuard::corners_of(const CollapseState& state,
+                                                                      std::span<const std::uint32_t> patch) {
+  std::vector<Corners> corners;
+  corners.reserve(patch.size());
+  for (const std::uint32_t number : patch) {
+    const glm::uvec3& t = state.corners[number];
+    corners.push_back({state.stored[t.x], state.stored[t.y], state.stored[t.z]});
+  }
+  return corners;
+}
+
+mesh::BoxTree IntersectionGuard::tree_of(std::span<const Corners> corners) {
+  Buffer<mesh::BoxTree::Item> items(corners.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i) items[i] = {box_of(corners[i]).center(), i};
+  return {items.span(), [&](std::uint32_t triangle) { return box_of(corners[triangle]); }};
+}
+
+mesh::PlacedTriangle IntersectionGuard::placed(const Corners& c) {
+  return {{glm::dvec3(c[0]), glm::dvec3(c[1]), glm::dvec3(c[2])}};
+}
+
+bool IntersectionGuard::meet(const Corners& a, const Corners& b) {
+  return box_of(a).meets(box_of(b)) && mesh::find_overlap(placed(a), placed(b)).meet;
+}
+
+// Lists the triangles near the changed ones, except those around the vertex.
+void IntersectionGuard::find_near(std::span<const std::uint32_t> around, std::span<const Changed> changed) {
+  mesh::FloatBox box;
+  for (const Changed& c : changed) box = box.with(box_of(c.corners));
+  ++look_;
+  for (const std::uint32_t t : around) looked_[t] = look_;
+  near_.clear();
+  tree_.for_each_near(box, [&](std::uint32_t t) {
+    if (counts_[t] != 0 && looked_[t] != look_ && box.meets(box_of(corners_[t]))) near_.push_back(t);
+  });
+}
+
+bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<const Changed> changed) {
+  find_near(around, changed);
+  met_.clear();
+  for (std::uint32_t i = 0; i < changed.size(); ++i) {
+    const Corners& corners = changed[i].corners;
+    const mesh::FloatBox box = box_of(corners);
+    const mesh::PlacedTriangle triangle = placed(corners);
+    for (const std::uint32_t t : near_) {
+      if (!box.meets(box_of(corners_[t])) || !mesh::find_overlap(triangle, placed(corners_[t])).meet) continue;
+      met_.push_back({i, t});
+    }
+    for (std::uint32_t j = 0; j < i; ++j) {
+      if (meet(corners, changed[j].corners)) met_.push_back({i, changed[j].triangle});
+    }
+  }
+  if (met_.empty()) return true;
+  if (!met_before(around)) return false;
+  for (const auto& [i, t] : met_) state_.tangled[patch_[changed[i].triangle]] = state_.tangled[patch_[t]] = 1;
+  return true;
+}
+
+// Returns whether a triangle can be in a pair of the original mesh. Changed triangles of two patches can intersect,
+// too, until that is undone.
+bool IntersectionGuard::may_have_met(std::uint32_t t) const {
+  return counts_[t] != 0 && (state_.changed_by[patch_[t]] == kNone || state_.tangled[patch_[t]] != 0);
+}
+
+// Returns whether each partner in met_ is one of the triangles around the vertex before the collapse, and the pairs do
+// not become more.
+bool IntersectionGuard::met_before(std::span<const std::uint32_t> around) const {
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!may_have_met(around[i]) || !may_have_met(around[j])) continue;
+      before += meet(corners_[around[i]], corners_[around[j]]) ? 1 : 0;
+    }
+  }
+  std::vector<std::uint32_t> partners;
+  for (const auto& [i, t] : met_) {
+    if (looked_[t] != look_) partners.push_back(t);
+  }
+  if (before == 0 && partners.size() < met_.size()) return false;
+  std::ranges::sort(partners);
+  const auto repeated = std::ranges::unique(partners);
+  partners.erase(repeated.begin(), repeated.end());
+  for (const std::uint32_t partner : partners) {
+    const auto pairs = static_cast<std::size_t>(std::ranges::count_if(around, [&](std::uint32_t t) {
+      return may_have_met(t) && may_have_met(partner) && meet(corners_[t], corners_[partner]);
+    }));
+    if (pairs == 0) return false;
+    before += pairs;
+  }
+  return met_.size() <= before;
+}
+
+void IntersectionGuard::replace(std::span<const std::uint32_t> around, std::span<const Changed> changed) {
+  for (const std::uint32_t t : around) counts_[t] = 0;
+  for (const Changed& c : changed) {
+    counts_[c.triangle] = 1;
+    corners_[c.triangle] = c.corners;
+    tree_.enlarge(slots_[c.triangle], box_of(c.corners));
+  }
+}
+
+}  // namespace isoextract::edit

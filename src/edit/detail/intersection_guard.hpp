@@ -1,0 +1,69 @@
+// Finds whether a collapse in a patch would make triangles intersect, as mesh/self_intersections.hpp counts it.
+//
+// Knows the triangles of the patch only. A BoxTree finds those near the new triangles. After a collapse it keeps its
+// shape; the boxes of its nodes grow where new triangles are larger. The pairs found are tested exactly.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "edit/detail/collapse_state.hpp"
+#include "mesh/box_tree.hpp"
+#include "mesh/triangle_overlap.hpp"
+
+namespace isoextract::edit {
+
+class IntersectionGuard {
+ public:
+  using Corners = std::array<glm::vec3, 3>;
+
+  // A triangle of the patch, by its position in the patch, with its corners after a collapse.
+  struct Changed {
+    std::uint32_t triangle;
+    Corners corners;
+  };
+
+  // `patch` are existing triangles of the state, at least one. Keeps references to both.
+  IntersectionGuard(CollapseState& state, std::span<const std::uint32_t> patch);
+
+  // Bytes for each triangle of the patch.
+  static constexpr std::uint64_t kTriangleBytes = sizeof(Corners) + 2 * sizeof(std::uint32_t) + 1 +
+                                                  sizeof(mesh::BoxTree::Item) + sizeof(std::uint32_t) +
+                                                  sizeof(mesh::FloatBox);
+
+  // Returns whether a collapse that changes or removes the triangles `around` its vertex, and leaves `changed` of them,
+  // makes no triangles intersect. Triangles that intersected before may go on to do so: the collapse must not give a
+  // triangle a new partner, nor make more pairs. Marks the triangles of such pairs in CollapseState::tangled.
+  [[nodiscard]] bool allows(std::span<const std::uint32_t> around, std::span<const Changed> changed);
+
+  // Call it for each collapse, with the spans given to allows().
+  void replace(std::span<const std::uint32_t> around, std::span<const Changed> changed);
+
+ private:
+  [[nodiscard]] static std::vector<Corners> corners_of(const CollapseState& state,
+                                                       std::span<const std::uint32_t> patch);
+  [[nodiscard]] static mesh::BoxTree tree_of(std::span<const Corners> corners);
+  [[nodiscard]] static mesh::FloatBox box_of(const Corners& c) { return mesh::box_around(c[0], c[1], c[2]); }
+  [[nodiscard]] static mesh::PlacedTriangle placed(const Corners& c);
+  [[nodiscard]] static bool meet(const Corners& a, const Corners& b);
+  void find_near(std::span<const std::uint32_t> around, std::span<const Changed> changed);
+  [[nodiscard]] bool may_have_met(std::uint32_t t) const;
+  [[nodiscard]] bool met_before(std::span<const std::uint32_t> around) const;
+
+  CollapseState& state_;
+  std::span<const std::uint32_t> patch_;
+  std::vector<Corners> corners_;       // of each triangle of the patch, in the stored positions
+  std::vector<char> counts_;           // 0: removed, or without area
+  mesh::BoxTree tree_;                 // over the positions in the patch
+  std::vector<std::uint32_t> slots_;   // the tree's slot of each triangle
+  std::vector<std::uint32_t> looked_;  // the last look in which the triangle was around the vertex
+  std::uint32_t look_ = 0;
+  std::vector<std::uint32_t> near_;
+  std::vector<std::array<std::uint32_t, 2>> met_;  // pairs: number in `changed`, triangle of the patch
+};
+
+}  // namespace isoextract::edit

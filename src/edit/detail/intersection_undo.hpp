@@ -1,0 +1,23 @@
+// Undoes collapses that made triangles intersect.
+//
+// Collapses see only the triangles of their patch (intersection_guard.hpp), and an undone collapse brings triangles
+// back among changed ones. So triangles of different patches, and triangles that came back, can still intersect.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "base/context.hpp"
+#include "edit/detail/collapse_state.hpp"
+
+namespace isoextract::edit {
+
+// Undoes the last collapse of one of two intersecting triangles until all pairs left are of the original mesh, or were
+// counted as such by the guard. Returns the number of undone collapses. `logs` are sorted by `first`; `name` is that of
+// the mesh, for messages. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or
+// ErrorCode::cancelled.
+[[nodiscard]] Result<std::uint64_t> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
+                                                       const std::string& name, const Context& context);
+
+}  // namespace isoextract::edit

@@ -1,0 +1,95 @@
+"""--require on a conversion, and edits and cuts that make no triangles intersect."""
+
+import json
+import math
+import random
+
+from support import DATA, ProgramTest, main, needs_data, read_ply
+
+NOISE = ("demo:random?size=20", "--iso", "0.5", "--cap")
+
+
+class PrintableTest(ProgramTest):
+    def check(self, name):
+        return json.loads(self.run_program("check", name, "--json").out)["mesh"]
+
+    def pairs(self, name):
+        return self.check(name)["self_intersections"]["pairs"]
+
+    def test_noise_is_made_printable(self):
+        self.convert(*NOISE, "-o", "raw.stl")
+        before = self.pairs("raw.stl")
+        self.assertGreater(before, 0)
+        for more in ((), ("--triangles", "50%"), ("--smooth", "5:sinc")):
+            with self.subTest(more=more):
+                run = self.convert(*NOISE, "--require", "printable", *more, "-o", "out.stl", "--report", "r.json")
+                self.assertIn("untangled at iso 0.5: 0 of ", run.err)
+                found = self.run_program("check", "out.stl", "--require", "printable")
+                self.assertEqual(found.code, 0, found.err)
+                (entry,) = json.loads((self.folder / "r.json").read_text())["untanglings"]
+                self.assertGreater(entry["pairs"]["before"], 0)
+                self.assertEqual(entry["pairs"]["after"], 0)
+                self.assertLess(entry["greatest_move"], 1)
+
+    def test_unmet_requirements_write_no_file(self):
+        run = self.run_program("demo:gyroid?size=16", "--iso", "0", "--require", "closed,manifold", "-o", "out.ply")
+        self.assert_fails(6, run, "the mesh is not closed: ", "open edges in ")
+        self.assertNotIn("out.ply", self.files())
+        run = self.run_program(*NOISE, "--require", "one-component", "-o", "out.ply")
+        self.assert_fails(6, run, "the mesh is not one-component")
+        run = self.run_program(*NOISE, "--require", "normals", "-o", "out.ply")
+        self.assert_fails(1, run, "isoextract check --require normals")
+
+    def test_met_requirements_change_nothing(self):
+        for edit in (("--triangles", "500"), ("--smooth", "10"), ("--clip", "1,2,3,0.1")):
+            self.convert("demo:torus?size=24", "--iso", "0", "--cap", *edit, "-o", "a.ply")
+            self.convert("demo:torus?size=24", "--iso", "0", "--cap", *edit, "--require", "printable", "-o", "b.ply")
+            self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
+
+    def test_edits_make_no_new_pairs(self):
+        self.convert(*NOISE, "--method", "mt", "-o", "raw.ply")
+        self.assertEqual(self.pairs("raw.ply"), 0)
+        for edit in (("--triangles", "30%"), ("--simplify", "0.5"), ("--smooth", "20:sinc"), ("--smooth", "20")):
+            self.convert(*NOISE, "--method", "mt", *edit, "-o", "out.ply")
+            self.assertEqual(self.pairs("out.ply"), 0, edit)
+
+    def test_planes_through_vertices_edges_and_triangles(self):
+        ball = ("demo:sphere?size=20", "--iso", "0")
+        self.convert(*ball, "-o", "ball.ply")
+        mesh = read_ply((self.folder / "ball.ply").read_bytes())
+        chance = random.Random(4)
+
+        def minus(p, q):
+            return [a - b for a, b in zip(p, q)]
+
+        def cross(p, q):
+            return [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+
+        for number in range(60):
+            a, b, c = (mesh.vertices[v] for v in mesh.triangles[chance.randrange(len(mesh.triangles))])
+            normal = [chance.gauss(0, 1) for _ in range(3)]
+            if number % 3 == 1:
+                normal = cross(normal, minus(b, a))
+            elif number % 3 == 2:
+                normal = [-x for x in cross(minus(b, a), minus(c, a))]
+            size = math.sqrt(sum(x * x for x in normal))
+            normal = [x / size for x in normal]
+            offset = sum(n * x for n, x in zip(normal, a))
+            plane = ",".join(f"{x:.17g}" for x in [*normal, offset])
+            self.convert(*ball, "--cap", f"--clip={plane}", "--empty", "write", "-o", "cut.ply")
+            found = self.check("cut.ply")
+            if found["triangles"] == 0:
+                continue
+            self.assertTrue(found["closed"], plane)
+            self.assertEqual(found["self_intersections"]["pairs"], 0, plane)
+            self.assertEqual(found["zero_area_triangles"] + found["duplicate_triangles"], 0, plane)
+
+    @needs_data("med/tooth.nhdr")
+    def test_a_scan(self):
+        self.convert(str(DATA / "med/tooth.nhdr"), "--iso", "500", "--cap", "--triangles", "20000", "--require", "printable",
+                     "-o", "tooth.stl")
+        self.assertEqual(self.run_program("check", "tooth.stl", "--require", "printable").code, 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,145 @@
+// Simplification and smoothing make no triangles intersect that did not before.
+#include <array>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <utility>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "edit/bounded_simplify.hpp"
+#include "edit/smooth.hpp"
+#include "mesh/join_meshes.hpp"
+#include "mesh/self_intersections.hpp"
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+#include "support/sample_meshes.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+std::uint64_t count_pairs(const mesh::Mesh& mesh) {
+  const auto found = mesh::find_self_intersections(mesh, {}, Context());
+  if (!found) throw std::runtime_error(found.error().message);
+  return found->pairs;
+}
+
+// A ball whose distances have noise of up to 1.5 voxels: folds, tunnels and thin sheets. Marching tetrahedra leave no
+// triangles that intersect.
+mesh::Mesh noisy_ball(int size) {
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> noise(-1.5, 1.5);
+  const glm::dvec3 center(size / 2.0 + 0.3);
+  const field::ScalarField field = test::dense_field<float>(glm::ivec3(size), [&](int i, int j, int k) {
+    return size / 2.0 - 4 - glm::length(glm::dvec3(i, j, k) - center) + noise(engine);
+  });
+  extract::ExtractOptions options;
+  options.method = extract::Method::mt;
+  return std::move(test::extract(field, options).mesh);
+}
+
+SimplifiedMesh simplified_copy(const mesh::Mesh& mesh, const SimplifyOptions& options) {
+  auto simplified = simplify_mesh(copy(mesh), options, Context());
+  if (!simplified) throw std::runtime_error(simplified.error().message);
+  return std::move(*simplified);
+}
+
+SimplifyOptions to_distance(double distance) {
+  SimplifyOptions options;
+  options.max_distance = distance;
+  options.patch_size = 8;
+  return options;
+}
+
+SimplifyOptions to_count(std::uint64_t triangles) {
+  SimplifyOptions options = to_distance(std::numeric_limits<double>::infinity());
+  options.triangles = triangles;
+  return options;
+}
+
+TEST(NewIntersections, NoneBySimplifying) {
+  const mesh::Mesh noisy = noisy_ball(40);
+  ASSERT_EQ(count_pairs(noisy), 0U);
+  for (const SimplifyOptions& options : {to_count(noisy.triangles.size() / 8), to_distance(0.7)}) {
+    const SimplifiedMesh done = simplified_copy(noisy, options);
+    EXPECT_LT(done.mesh.triangles.size(), noisy.triangles.size() / 2);
+    EXPECT_EQ(count_pairs(done.mesh), 0U);
+    EXPECT_GT(done.facts.refused_collapses, 0U);
+    test::expect_sound(done.mesh, false);
+  }
+}
+
+TEST(NewIntersections, NoneBySimplifyingInPatchesOfThinSheets) {
+  // Two shells a twentieth of a voxel apart. Their patches meet in many places.
+  const mesh::Mesh outer = test::sphere(40, false);
+  mesh::Mesh inner = copy(outer);
+  const mesh::Bounds bounds = mesh::measure_bounds(outer);
+  const glm::vec3 center = 0.5F * glm::vec3(bounds.min + bounds.max) - glm::vec3(outer.origin);
+  for (glm::vec3& p : inner.positions) p = center + 0.997F * (p - center);
+  for (glm::uvec3& t : inner.triangles) std::swap(t.y, t.z);
+  std::array<mesh::Mesh, 2> shells{copy(outer), std::move(inner)};
+  const mesh::Mesh both = std::move(*mesh::join_meshes(shells, Context()));
+  ASSERT_EQ(count_pairs(both), 0U);
+  for (const double distance : {0.05, 0.3}) {
+    const SimplifiedMesh done = simplified_copy(both, to_distance(distance));
+    EXPECT_LT(done.mesh.triangles.size(), both.triangles.size());
+    EXPECT_EQ(count_pairs(done.mesh), 0U) << distance;
+    EXPECT_LE(done.facts.distance_upper, distance);
+  }
+}
+
+TEST(NewIntersections, PlantedPairsDoNotBecomeMore) {
+  const mesh::Mesh ball = test::sphere(32, false);
+  mesh::Mesh shifted = copy(ball);
+  const mesh::Bounds bounds = mesh::measure_bounds(ball);
+  const auto size = static_cast<float>(bounds.max.x - bounds.min.x);
+  for (glm::vec3& p : shifted.positions) p += size * glm::vec3(0.23F, 0.17F, 0.11F);
+  std::array<mesh::Mesh, 2> balls{copy(ball), std::move(shifted)};
+  const mesh::Mesh both = std::move(*mesh::join_meshes(balls, Context()));
+  const std::uint64_t before = count_pairs(both);
+  ASSERT_GT(before, 50U);
+  const SimplifiedMesh done = simplified_copy(both, to_count(both.triangles.size() / 10));
+  EXPECT_LE(done.mesh.triangles.size(), both.triangles.size() / 10);
+  EXPECT_LE(count_pairs(done.mesh), before);
+}
+
+TEST(NewIntersections, SimplifyingDoesNotDependOnThreads) {
+  const mesh::Mesh noisy = noisy_ball(32);
+  const auto simplified_by = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return simplified_copy(noisy, to_count(noisy.triangles.size() / 6)).mesh;
+  };
+  const mesh::Mesh one = simplified_by(1);
+  const mesh::Mesh several = simplified_by(4);
+  EXPECT_TRUE(std::ranges::equal(one.triangles, several.triangles));
+  EXPECT_TRUE(std::ranges::equal(one.positions, several.positions));
+}
+
+TEST(NewIntersections, NothingIsRefusedOnACleanSurface) {
+  const SimplifiedMesh done = simplified_copy(test::sphere(40, false), to_distance(0.1));
+  EXPECT_EQ(done.facts.refused_collapses, 0U);
+  EXPECT_EQ(done.facts.untangled_collapses, 0U);
+}
+
+TEST(NewIntersections, NoneBySmoothing) {
+  const mesh::Mesh noisy = noisy_ball(40);
+  ASSERT_EQ(count_pairs(noisy), 0U);
+  for (const SmoothMethod method : {SmoothMethod::taubin, SmoothMethod::sinc, SmoothMethod::weighted}) {
+    mesh::Mesh smoothed = copy(noisy);
+    SmoothOptions options;
+    options.method = method;
+    const std::vector<float> weights(noisy.positions.size(), 1.0F);
+    if (method == SmoothMethod::weighted) options.weights = weights;
+    const auto facts = smooth(smoothed, options, Context());
+    ASSERT_TRUE(facts);
+    EXPECT_GT(facts->held_vertices, 0U);
+    EXPECT_LT(facts->held_vertices, noisy.positions.size() / 3);
+    EXPECT_EQ(count_pairs(smoothed), 0U) << static_cast<int>(method);
+  }
+  mesh::Mesh clean = test::sphere(40, false);
+  EXPECT_EQ(smooth(clean, {}, Context())->held_vertices, 0U);
+}
+
+}  // namespace
+}  // namespace isoextract::edit
