@@ -25,7 +25,7 @@ class PartwiseTest(ProgramTest):
                           (*GYROID, "--normals", "smooth"), (*GYROID, "--normals", "flat"),
                           (*GYROID, "--method", "mt"), (*GYROID, "--roi", "-.5,-.4,-.3,.9,.9,.8"),
                           (*GYROID, "--roi", "-.5,-.4,-.3,.9,.9,.8", "--roi-snap"), (*GYROID, "--clip", "1,0,0,.1"),
-                          (*GYROID, "--smooth", 3), (*GYROID, "--threads", 1), (*GYROID, "--scale", 1e-3),
+                          (*GYROID, "--smooth", 3), (*GYROID, "--cap", "--require", "closed"), (*GYROID, "--threads", 1), (*GYROID, "--scale", 1e-3),
                           ("demo:sphere?size=20", "--iso", 0)):
             for name in ("a.ply", "a.glb"):
                 with self.subTest(arguments=arguments, name=name):
