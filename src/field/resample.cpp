@@ -428,10 +428,9 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   const glm::dvec3 extent(old_dims);
   const bool means = sparse == nullptr || extent.x * extent.y * extent.z <= kMaxVoxelsForMeans;
   if (!means && kernel != ResampleKernel::nearest && glm::any(glm::lessThan(resolution, old_dims))) {
-    result.notes.push_back({NoteId::means_not_possible,
-                            fmt::format("{}: {} voxels are too many to average; details between the new samples can be "
-                                        "missing",
-                                        field.source, dims_text(old_dims))});
+    result.notes.push_back(
+        {NoteId::means_not_possible, fmt::format("{}: {} voxels are too many to average; new samples can miss details",
+                                                 field.source, dims_text(old_dims))});
   }
   auto weight_memory = TRY(reserve_weights(field, old_dims, resolution, context));
   const auto lookup_memory = TRY(
