@@ -82,7 +82,8 @@ HelpTopic coordinates_topic() {
         "gltf in meters, other formats in that unit, and any format in the unit of --to-unit. Without --unit it writes "
         "the coordinates as they are. --unit file takes the unit that the file states; 'isoextract info' shows it.",
         {}},
-       {"--to-space ras or lps mirrors x and y of a scan, if the file states the space of its world: NIfTI always "
+       {"--to-space ras or lps negates x and y of a scan, half a turn, if the file states the space of its world: "
+        "NIfTI always "
         "does, "
         "NRRD may.",
         {}},
@@ -109,7 +110,10 @@ HelpTopic labels_topic() {
         "makes a mesh of each label; neighbors share their boundary exactly.",
         {{"isoextract info seg.nii.gz", "lists the labels"},
          {"isoextract seg.nii.gz --labels all -o organs.glb", "an object for each label in one file"},
-text       {"An iso value has no meaning here: labels have no order, so the surface at an iso value joins all labels above "
+         {"isoextract seg.nii.gz --labels all --triangles 10% -o small.glb",
+          "a tenth of the triangles; neighbors keep common faces"},
+         {"isoextract seg.nii.gz --labels 1,4 -o 'organ_{label}.stl'", "a file for each of two labels"}}},
+       {"An iso value has no meaning here: labels have no order, so the surface at an iso value joins all labels above "
         "it. --relax N sets how smooth the meshes are, --label-names FILE gives names and colors. Segmentations of 3D "
         "Slicer (.seg.nrrd) have names of their own and need no --labels.",
         {}}}};
