@@ -86,6 +86,7 @@ ENUMS = {
         "/properties/options/properties/method": words("extract::Method"),
         "/properties/options/properties/voxel_faces": words("extract::VoxelFaces"),
         "/properties/options/properties/touching": words("convert::Touching"),
+        "/properties/options/properties/require/items": words("check::Requirement") - {"normals"},
         "/properties/options/properties/normals": words("convert::Normals"),
         "/properties/options/properties/nan": words("extract::NanPolicy"),
         "/properties/options/properties/empty": words("convert::EmptyPolicy"),
