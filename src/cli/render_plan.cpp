@@ -146,8 +146,8 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
     TRY(flags.refuse(About::drawn_surface, "{} applies to surfaces of the volume and needs --iso", "give --iso V"));
   }
   if (surfaces && inputs.volumes.empty()) {
-    return refuse_usage(
-        fmt::format("{} needs a volume, but all inputs are meshes", flags.labels.chosen ? "--labels" : "--iso"));
+    return refuse_usage(fmt::format("{} needs a volume, but all inputs are meshes",
+                                    flags.labels.chosen ? flags.labels.chosen.name() : flags.isos.name()));
   }
   if (flags.opacity && !surfaces && inputs.meshes.empty()) {
     return refuse_usage("--opacity applies to surfaces and meshes, and the scene has none");
@@ -157,7 +157,7 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
                         "give --color-by iso");
   }
   if (flags.opacity && flags.opacity->size() > 1 && flags.labels.is_set_of_labels()) {
-    return refuse_usage("--opacity: expected one value, because the number of labels is not known yet");
+    return refuse_usage("--opacity: expected one value, because a label map has any number of labels");
   }
   const std::size_t parts = plan.isos.size() + inputs.meshes.size();
   if (flags.opacity && flags.opacity->size() != 1 && flags.opacity->size() != parts) {

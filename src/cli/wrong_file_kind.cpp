@@ -39,9 +39,9 @@ Error add_volume_file_hint(Error error, const std::string& path) {
     return error;
   }
   if (error.code != ErrorCode::input || !has_content(path) || !mesh_io::find_mesh_format(path, Context())) return error;
-  error.hint = fmt::format(
-      "the file is a mesh: 'isoextract check {0}' reports on it, 'isoextract {0} -o OUT.glb' converts it",
-      shell_quoted(path));
+  error.hint =
+      fmt::format("the file is a mesh: 'isoextract check {0}' reports on it, 'isoextract {0} -o OUT.glb' converts it",
+                  shell_quoted(path));
   return error;
 }
 

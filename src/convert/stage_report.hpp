@@ -162,11 +162,11 @@ void set(Figures& figures, Key key, Value value);
 
 // Where a surface has boundary edges, as far as extraction and clipping tell.
 struct OpenBoundary {
-  bool at_border = false;        // at the data boundary or at the region's sides
-  bool periodic = false;         // the region ends at the faces of a periodic box
-  bool cut = false;              // at a clip plane, and not capped
-  bool counted = false;          // clipped without caps: only WrittenOutput::open_edges tells whether it is open
-  std::uint64_t hole_cells = 0;  // cells left out because of NaN samples
+  bool at_data_boundary = false;  // at the data boundary or at the region's sides
+  bool periodic = false;          // the region ends at the faces of a periodic box
+  bool cut = false;               // at a clip plane, and not capped
+  bool counted = false;           // clipped without caps: only WrittenOutput::open_edges tells whether it is open
+  std::uint64_t hole_cells = 0;   // cells left out because of NaN samples
 };
 
 // Defects that readers of the file find: those that weld vertices by position, and all readers if the input was a mesh.

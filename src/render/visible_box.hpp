@@ -8,7 +8,7 @@
 
 namespace isoextract::render {
 
-// Returns the box, in the world, around all vertices and the visible part of the volume: beyond each of its six faces
+// Returns the box, in the world, around all vertices and the visible part of the volume. Beyond each of its six faces
 // lies 1/1000 of the sum of the samples' extinctions, so that single samples of noise do not count. The whole volume
 // counts if nothing of it is visible, or if a tile of a sparse field is. Reads all samples. The box does not depend on
 // the number of threads. Fails as box_of() and Context::check() do.

@@ -24,10 +24,11 @@ struct VisibleRange {
 // field::suggest_iso() gives (Otsu's threshold). With their median m and their 1st percentile p, the range begins at
 // min(t, m + 1.3 (m - p)), the upper end of a symmetric noise. It ends at the 99.9th percentile of the samples above,
 // but at most 8 times as far from the beginning as their mean, so that a few large values do not hide the others.
-// If one bin of the histogram has 90 % of the samples and their mean is over 3 times as far above the least value as
-// their median, as in densities over many powers of ten, the range is from the least value to 8 times that mean.
+// Densities over many powers of ten get the range from the least value to 8 times the mean above it. They are fields
+// with 90 % of the samples in one bin of the histogram, and a mean over 3 times as far above the least value as the
+// median.
 //
-// A field with values on both sides of 0, alike and with long tails, such as seismic amplitudes and wave functions, is
+// Seismic amplitudes and wave functions have values on both sides of 0, alike and with long tails. Such a field is
 // visible on both sides of its median: from the distance between the quartiles to the 99.9th percentile of distances.
 [[nodiscard]] VisibleRange visible_range(const field::ScalarField& field, const field::FieldStatistics& statistics);
 

@@ -113,14 +113,14 @@ class RenderTest(ProgramTest):
         volume = self.picture(SPHERE)
         self.assertEqual(volume.difference(self.picture(SPHERE, "--antialias", "1")), 0)
 
-    def test_labels_have_their_colours(self):
+    def test_labels_have_their_colors(self):
         """The labels' surfaces as in -o x.png: a label in the middle of the picture, in the color of the table."""
         self.write_raw("map.raw", (15, 9, 9), lambda x, y, z: 1 + x // 5 if 2 <= y < 7 and 2 <= z < 7 and x % 5 else 0, "B")
         (self.folder / "lut.txt").write_text("1 Left 255 0 0 0\n2 Middle 0 200 0 0\n3 Right 0 0 255 0\n")
         arguments = ("map.raw", "--dims", "15,9,9", "--dtype", "u8", "--label-names", "lut.txt")
         view = ("--size", "64x40", "--camera", "0,0")
 
-        def colours(command, labels, *more):
+        def colors(command, labels, *more):
             self.convert(*command, *arguments, "--labels", labels, *view, *more, "-o", "a.png")
             png = Png((self.folder / "a.png").read_bytes())
             found = []
@@ -132,10 +132,10 @@ class RenderTest(ProgramTest):
             return found
 
         for command in (("render",), ()):
-            self.assertEqual(colours(command, "1-40"), [0, 1, 2], command)
-            self.assertEqual(colours(command, "Left,3"), [0, 2], command)
-            self.assertEqual(colours(command, "all", "--method", "voxels"), [0, 1, 2], command)
-        self.assertEqual(colours(("render",), "all", "--opacity", "0.9"), [0, 1, 2])
+            self.assertEqual(colors(command, "1-40"), [0, 1, 2], command)
+            self.assertEqual(colors(command, "Left,3"), [0, 2], command)
+            self.assertEqual(colors(command, "all", "--method", "voxels"), [0, 1, 2], command)
+        self.assertEqual(colors(("render",), "all", "--opacity", "0.9"), [0, 1, 2])
         # Numbers of labels are no densities: without --tf only the surfaces are drawn.
         labels = self.picture(*arguments, "--labels", "2", name="a.png")
         alone = self.picture(*arguments, "--labels", "2", "--tf", "none", name="b.png")
@@ -217,7 +217,7 @@ class RenderTest(ProgramTest):
         self.assertLessEqual(usual.pixel(24 + 6, 16)[3], 2)
         self.assertGreater(everything.pixel(24 + 6, 16)[3], 10)
 
-    def test_blackbody_colours_follow_the_temperature(self):
+    def test_blackbody_colors_follow_the_temperature(self):
         """Slabs of 1050, 2000 and 3000 K: from dark red to light orange."""
         self.write_raw("t.raw", (12, 6, 6), lambda x, y, z: (1050, 2000, 3000)[x // 4])
         picture = self.picture("t.raw", "--dims", "12,6,6", "--dtype", "f32", "--tf", "blackbody", "--tf-range", "1000,3000",

@@ -239,7 +239,10 @@ def check_option_names(root):
 # A text that is the name of an option, or its names: "--iso", "-o,--output".
 WHOLE_NAME = re.compile(r"(-[A-Za-z],)?--[A-Za-z][A-Za-z-]*")
 # What comes before the text in a declaration: the type and the name of a member, or the base of an option's own type.
-DECLARATION = re.compile(r"(?:(?:Value|Values|Flag)(?:<[^;{}]*>)?(?:\s+\w+\{|\()[^;\"]*|kHelpNames = )$")
+# Members of ViewFlags, which several commands share, are declared in its constructor, the name of one with each command.
+DECLARATION = re.compile(
+    r"(?:(?:Value|Values|Flag|ViewFlags)(?:<[^;{}]*>)?(?:\s+\w+\{|\()[^;\"]*|\w+\{\s*command != nullptr [^;\"]*"
+    r"|kHelpNames = )$")
 WORDS_HINTS = ["cli/remedies.cpp", "cli/foreign_options.cpp", "cli/gnuplot.cpp"]  # gnuplot's are options of gnuplot
 
 

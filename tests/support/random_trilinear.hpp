@@ -75,8 +75,8 @@ namespace detail {
   for (int k = 0; k < kRandomSize; ++k) {
     for (int j = 0; j < kRandomSize; ++j) {
       for (int i = 0; i < kRandomSize; ++i) {
-        const auto at_border = [](int n) { return n == 0 || n == kRandomSize - 1; };
-        const bool border = at_border(i) || at_border(j) || at_border(k);
+        const auto at_data_boundary = [](int n) { return n == 0 || n == kRandomSize - 1; };
+        const bool border = at_data_boundary(i) || at_data_boundary(j) || at_data_boundary(k);
         double value = border ? -1 + 0.999 * unit() : 2 * unit() - 1;
         if (kind == RandomKind::small_integers) {
           value = border ? -1 - static_cast<double>(engine() % 2) : static_cast<double>(engine() % 5) - 2;
@@ -122,9 +122,9 @@ namespace detail {
   for (int k = 0; k < kRandomSize; ++k) {
     for (int j = 0; j < kRandomSize; ++j) {
       for (int i = 0; i < kRandomSize; ++i) {
-        const auto at_border = [](int n) { return n == 0 || n == kRandomSize - 1; };
+        const auto at_data_boundary = [](int n) { return n == 0 || n == kRandomSize - 1; };
         float& sample = samples[detail::random_index(i, j, k)];
-        if ((at_border(i) || at_border(j) || at_border(k)) && !(sample < 0)) sample = -1e-3F;
+        if ((at_data_boundary(i) || at_data_boundary(j) || at_data_boundary(k)) && !(sample < 0)) sample = -1e-3F;
       }
     }
   }

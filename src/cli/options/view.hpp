@@ -20,7 +20,7 @@ namespace isoextract::cli {
 [[nodiscard]] Result<std::vector<glm::dvec3>> parse_colors(std::string_view text);  // RRGGBB[,RRGGBB...]
 [[nodiscard]] Result<double> parse_field_of_view(std::string_view text);            // 1 to 170 degrees
 
-// What the help says of one command.
+// Words of the help that differ from command to command.
 struct ViewWords {
   std::string_view background_names;  // of the option, the long name last
   std::string_view background;        // the default

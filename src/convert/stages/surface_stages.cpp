@@ -24,7 +24,7 @@ extract::ExtractOptions extract_options_of(const ConversionJob& job, const Sourc
 
 OpenBoundary open_boundary_of(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                               const Source& source) {
-  return {.at_border = stats.meets_boundary && !options.cap,
+  return {.at_data_boundary = stats.meets_boundary && !options.cap,
           .periodic = source.period.has_value(),
           .hole_cells = stats.hole_cells};
 }

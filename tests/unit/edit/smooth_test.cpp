@@ -256,9 +256,9 @@ TEST_P(SmoothMethods, KeepsOpenBorders) {
   std::size_t stayed = 0;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const glm::vec3 p = before.positions[v];
-    const bool at_border = glm::any(glm::equal(p, glm::vec3(mesh::measure_local_bounds(before).min))) ||
-                           glm::any(glm::equal(p, glm::vec3(mesh::measure_local_bounds(before).max)));
-    if (!at_border) continue;
+    const bool at_data_boundary = glm::any(glm::equal(p, glm::vec3(mesh::measure_local_bounds(before).min))) ||
+                                  glm::any(glm::equal(p, glm::vec3(mesh::measure_local_bounds(before).max)));
+    if (!at_data_boundary) continue;
     EXPECT_EQ(mesh.positions[v], p);
     ++stayed;
   }
