@@ -33,6 +33,7 @@
 #include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
+#include "convert/placement_record.hpp"
 #include "convert/stages/mesh_relax.hpp"
 #include "convert/stages/mesh_touching.hpp"
 #include "extract/voxels.hpp"

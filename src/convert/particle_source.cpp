@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "base/printable.hpp"
 #include "convert/attribute_source.hpp"
@@ -25,19 +24,22 @@ using Format = std::optional<particle_io::ParticleFormatDescription>;
 // Rejects options of volumes, which have no effect on particles.
 Result<void> check_no_volume_options(const SourceOptions& options, const Format& format) {
   const volume_io::ReadOptions& read = options.read;
-  std::vector<std::string_view> given;
-  if (read.grid && !(format && format->has_grids)) given.emplace_back("grid");
-  if (read.raw) given.emplace_back("layout");
-  if (read.component) given.emplace_back("component");
-  if (read.axis_order) given.emplace_back("axis order");
-  if (read.no_data) given.emplace_back("no-data value");
-  if (read.spacing) given.emplace_back("spacing");
-  if (read.origin) given.emplace_back("origin");
-  if (read.kind || options.away_from_zero) given.emplace_back("inside");
+  std::string given;
+  const auto add = [&](bool is_given, std::string_view setting) {
+    if (is_given) given += fmt::format("{}{}", given.empty() ? "" : ", ", setting);
+  };
+  add(read.grid && !(format && format->has_grids), "grid");
+  add(read.raw.has_value(), "layout");
+  add(read.component.has_value(), "component");
+  add(read.axis_order.has_value(), "axis order");
+  add(read.no_data.has_value(), "no-data value");
+  add(read.spacing.has_value(), "spacing");
+  add(read.origin.has_value(), "origin");
+  add(read.kind || options.away_from_zero, "inside");
   if (given.empty()) return {};
   return fail(ErrorCode::usage,
               fmt::format("{}: the input has particles, which do not have these settings of volumes: {}",
-                          files::input_label(options.input), fmt::join(given, ", ")),
+                          files::input_label(options.input), given),
               {Remedy::leave_out, Setting::volume_options});
 }
 
