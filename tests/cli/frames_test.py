@@ -109,11 +109,12 @@ class FramesTest(ProgramTest):
         self.assertEqual(units("--space", "index")[:2], (["", ""], False))
 
     def test_a_file_that_does_not_say_its_unit(self):
-        files = {self.write("unknown.nii", nifti(0)): "found none", self.write("odd.nii", nifti(7)): "found 'code 7'",
-                 self.write("none.nrrd", nrrd(SPACE)): "found none",
-                 self.write("parsec.nrrd", nrrd(SPACE + 'space units: "pc" "pc" "pc"\n')): "found 'pc', which is not a known unit",
+        none = "the file states no unit of length"
+        files = {self.write("unknown.nii", nifti(0)): none, self.write("odd.nii", nifti(7)): "found 'code 7'",
+                 self.write("none.nrrd", nrrd(SPACE)): none,
+                 self.write("parsec.nrrd", nrrd(SPACE + 'space units: "pc" "pc" "pc"\n')): "found 'pc'",
                  self.write("mixed.nrrd", nrrd(SPACE + 'space units: "mm" "mm" "cm"\n')): "found 'mm, mm, cm'",
-                 "demo:sphere?size=8": "found none"}
+                 "demo:sphere?size=8": none}
         for name, said in files.items():
             iso = 0 if name.startswith("demo") else 0.5
             run = self.run_program(name, "--iso", iso, "--unit", "file", "-o", "out.ply")

@@ -281,13 +281,13 @@ class InfoLabelsTest(ProgramTest):
     def test_the_commands_of_the_help_work(self):
         self.write_nifti(cells(30, 12, 7) * ball(30, 14), "seg.nii.gz")
         self.write_nifti(ball(30, 11), "mask.nii.gz")
-        for topic in ("labels", "masks"):
+        for topic, count in (("labels", 4), ("masks", 3)):
             commands = re.findall(r"^  (isoextract .*)$", self.convert("help", topic).text, re.M)
-            self.assertEqual(len(commands), 3)
+            self.assertEqual(len(commands), count)
             for command in commands:
                 self.run_command(command)
         made = set(self.files())
-        self.assertTrue({"organs.glb", "organ_1.stl", "organ_4.stl", "mask.stl", "smooth.stl", "steps.stl"} <= made, made)
+        self.assertTrue({"organs.glb", "small.glb", "organ_1.stl", "organ_4.stl", "mask.stl", "smooth.stl", "steps.stl"} <= made, made)
 
 
 if __name__ == "__main__":
