@@ -4,8 +4,11 @@ import json
 import struct
 
 import jsonschema
-import numpy
-from support import SOURCE, SPHERE, ProgramTest, main, read_glb, read_obj, read_ply, read_stl
+from support import SOURCE, SPHERE, ProgramTest, main, needs_modules, read_glb, read_obj, read_ply, read_stl
+
+needs_modules("numpy")
+
+import numpy  # noqa: E402
 
 BLOB = ("demo:gyroid?size=24", "--iso", "0.2", "--cap")
 RING = ("demo:torus?size=40", "--iso", "0")

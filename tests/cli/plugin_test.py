@@ -91,17 +91,17 @@ class PluginTest(ProgramTest):
         self.assertIn("crashed (signal 11)", run.err)
 
     def test_a_region_reads_only_its_samples(self):
-        run = self.with_plugins("ball.tvol", "--iso", "0", "--roi", "10,0,0,12,5,5", "-o", "part.ply", "--report", "r.json")
+        run = self.with_plugins("ball.tvol", "--iso", "0", "--roi", "10,0,0,12.2,5,5", "-o", "part.ply", "--report", "r.json")
         self.assertEqual(run.code, 0, run.err)
-        whole = self.with_plugins("ball.tvol", "--iso", "0", "--clip", "-1,0,0,-12", "-o", "whole.ply")
+        whole = self.with_plugins("ball.tvol", "--iso", "0", "--clip", "-1,0,0,-12.2", "-o", "whole.ply")
         self.assertEqual(whole.code, 0, whole.err)
         part, all_of_it = (read_ply((self.folder / name).read_bytes()) for name in ("part.ply", "whole.ply"))
         self.assertEqual(part.bounds(), all_of_it.bounds())
         self.assertEqual(len(part.triangles), len(all_of_it.triangles))
         work = json.loads((self.folder / "r.json").read_text())["work"]
         [parts] = [fact for fact in work if fact["what"] == "file_parts"]
-        # x up to 12 is sample 4, and two beyond: 7 of 11 samples along x.
-        self.assertEqual((parts["count"], parts["total"]), (4 * 11 * 11, 11**3))
+        # x up to 12.2 is before sample 5, and two beyond: 8 of 11 samples along x.
+        self.assertEqual((parts["count"], parts["total"]), (3 * 11 * 11, 11**3))
 
     def test_without_plugins_the_format_is_unknown(self):
         run = self.run_program("ball.tvol", "--iso", "0", "-o", "ball.ply")

@@ -365,7 +365,7 @@ class RenderTest(ProgramTest):
             ((SPHERE, "--labels", "1", "--iso", "0"), 1, "--labels and --iso exclude each other"),
             ((SPHERE, "--labels", "1", "--method", "mc"), 1, "--labels does not work with marching cubes"),
             ((SPHERE, "--labels", "1", "--blur", "1"), 1, "--blur does not work with --labels"),
-            ((SPHERE, "--labels", "all", "--opacity", "0.5,0.6"), 1, "the number of labels is not known"),
+            ((SPHERE, "--labels", "all", "--opacity", "0.5,0.6"), 1, "any number of labels"),
             ((SPHERE, "--labels", "1", "--tf-range", "0,1"), 1, "--tf-range applies to the volume"),
             ((SPHERE, "--label-names", "a.txt"), 1, "--label-names needs --labels"),
             (("a.ply", "--labels", "1"), 1, "--labels needs a volume"),

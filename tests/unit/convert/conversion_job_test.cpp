@@ -82,6 +82,7 @@ ConversionJob full_job() {
   job.edits.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
   job.edits.simplify = SimplifyChoice{SimplifyBound{0.1, true}, TriangleCount{2.5, true}};
   job.edits.touching = Touching::apart;
+  job.edits.require = {check::Requirement::closed, check::Requirement::no_self_intersections};
   job.error = field::Interpolation::tricubic;
   job.verify = true;
   job.backend = {Backend::automatic, {gl::CudaIndex{2}, 1U << 20U}};
@@ -98,7 +99,7 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 66U);
+  EXPECT_EQ(full.size(), 67U);
   for (const auto& [name, value] : full.items()) {
     // ListsMembersOfEveryFileKind
     const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";
