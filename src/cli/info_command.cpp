@@ -65,7 +65,8 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
       separates ? convert::size_of(report.field, report.suggestion.iso) : convert::size_of_samples(report.field);
   // Surface nets have about a vertex and two triangles for each face of a voxel.
   if (report.labels) report.size.vertices = report.labels->map.faces;
-  report.bytes = convert::estimated_bytes(report.size);
+  report.whole_mesh_bytes = convert::estimated_bytes(report.size);
+  report.bytes = report.labels ? report.whole_mesh_bytes : convert::estimated_bytes_by_parts(report.size);
   report.fits_one_mesh = fits_one_mesh(report.field);
   if ((separates || report.labels) && report.fits_one_mesh) {
     const std::string surfaces =
@@ -133,6 +134,7 @@ InputReport look_at_particles(const InfoPlan& plan, const std::string& input, co
   const std::uint64_t made = convert::kProgramBytes + context.memory().peak();
   report.field = report_of(plan, input, {report.volume, {}}, std::move(field));
   report.field->bytes = std::max(report.field->bytes, made);
+  report.field->whole_mesh_bytes = std::max(report.field->whole_mesh_bytes, made);
   std::string& command = report.field->command;
   if (report.particles->statistics.bounds.not_finite > 0 && !command.empty()) command += " --nan outside";
   return report;

@@ -234,8 +234,12 @@ constexpr std::string_view kCtMethod = "multi-Otsu: three classes of the histogr
 
 // Adds what the suggested conversion takes, and its command.
 void add_cost(NamedLines& lines, const FieldReport& report) {
-  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
-                            convert::estimated_triangles(report.size), format_byte_size(report.bytes)));
+  std::string cost = fmt::format("about {} triangles; converting takes about {} of memory",
+                                 convert::estimated_triangles(report.size), format_byte_size(report.bytes));
+  if (report.whole_mesh_bytes > report.bytes) {
+    cost += fmt::format(", {} with options that need the whole mesh", format_byte_size(report.whole_mesh_bytes));
+  }
+  lines.add("", cost);
   if (!report.fits_one_mesh) lines.add("", "the voxels lie too far apart for one mesh: extract regions with --roi");
   if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
@@ -344,7 +348,8 @@ convert::Json json_of(const FieldReport& report) {
   }
   json["ct"] = nullptr;
   if (report.ct) json["ct"] = {{"skin", report.ct->skin}, {"bone", report.ct->bone}, {"method", kCtMethod}};
-  json["memory"] = {{"samples", report.size.sample_bytes}, {"conversion", report.bytes}};
+  json["memory"] = {
+      {"samples", report.size.sample_bytes}, {"conversion", report.bytes}, {"whole_mesh", report.whole_mesh_bytes}};
   json["notes"] = convert::json_of_notes(field.notes);
   return json;
 }

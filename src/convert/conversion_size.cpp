@@ -4,10 +4,12 @@
 #include <utility>
 
 #include "base/context.hpp"
+#include "base/parallel.hpp"
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/particle_file.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
+#include "extract/dense_input.hpp"
 #include "field/resample.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
@@ -90,11 +92,23 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   return most;
 }
 
+std::uint64_t bytes_without_mesh(const ConversionSize& size) {
+  constexpr std::uint64_t kPlaceBytes = 400;  // lookup of a block position and its vertex numbers
+  return kProgramBytes + kConversionBytes + size.resident_bytes + size.samples / 4 + size.lookup_bytes +
+         size.places * kPlaceBytes;
+}
+
+std::uint64_t mesh_bytes(const ConversionSize& size) {
+  constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
+  return size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
+}
+
 }  // namespace
 
 ConversionSize size_of_samples(const field::ScalarField& field) {
   ConversionSize size;
-  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  if (dense != nullptr) {
     size.samples = dense->count();
   } else {
     const auto& sparse = std::get<field::SparseSamples>(field.samples);
@@ -103,7 +117,15 @@ ConversionSize size_of_samples(const field::ScalarField& field) {
     size.samples = sparse.blocks.size() * kBlockSamples;
     size.lookup_bytes = field::SparseLookup::bytes(sparse);
   }
-  size.sample_bytes = size.samples * field::sample_size(field.type());
+  size.sample_bytes = size.resident_bytes = size.samples * field::sample_size(field.type());
+  if (dense == nullptr) return size;
+  constexpr std::uint64_t kSlabSlices = 8;  // as the extraction divides the samples
+  const auto slices = static_cast<std::uint64_t>(dense->dims.z);
+  size.slabs = (slices + kSlabSlices - 1) / kSlabSlices;
+  if (extract::releases_slices(*dense)) {
+    const std::uint64_t in_work = static_cast<std::uint64_t>(usable_threads()) * (kSlabSlices + 1);
+    size.resident_bytes = size.sample_bytes / slices * std::min(in_work, slices);
+  }
   return size;
 }
 
@@ -117,11 +139,13 @@ ConversionSize size_of(const field::ScalarField& field, double iso) {
 
 std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.vertices; }
 
-std::uint64_t estimated_bytes(const ConversionSize& size) {
-  constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
-  constexpr std::uint64_t kPlaceBytes = 400;                     // lookup of a block position and its vertex numbers
-  return kProgramBytes + kConversionBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes +
-         size.places * kPlaceBytes + size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
+std::uint64_t estimated_bytes(const ConversionSize& size) { return bytes_without_mesh(size) + mesh_bytes(size); }
+
+std::uint64_t estimated_bytes_by_parts(const ConversionSize& size) {
+  const std::uint64_t whole = mesh_bytes(size);
+  if (size.slabs == 0) return bytes_without_mesh(size) + whole;
+  const std::uint64_t in_work = std::min<std::uint64_t>(static_cast<std::uint64_t>(usable_threads()), size.slabs);
+  return bytes_without_mesh(size) + whole / size.slabs * in_work * 3 / 2;
 }
 
 Result<std::uint64_t> estimated_memory(const ConversionJob& job, const MemoryBudget& memory) {

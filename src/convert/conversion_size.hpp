@@ -14,6 +14,8 @@ namespace isoextract::convert {
 struct ConversionSize {
   std::uint64_t samples = 0;  // stored samples
   std::uint64_t sample_bytes = 0;
+  std::uint64_t resident_bytes = 0;  // of the samples, in memory at a time: of a large mapped file, the slices in work
+  std::uint64_t slabs = 0;           // parts of the mesh that go to the file one by one; 0 for sparse samples
   std::uint64_t lookup_bytes = 0;  // of the lookup table that finds sparse blocks
   std::uint64_t places = 0;        // block positions of a sparse field that the surface passes through
   std::uint64_t vertices = 0;
@@ -33,6 +35,9 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 // the lookup tables of sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse
 // blocks far apart.
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
+// Returns the same for a mesh that goes to its file part by part (extract::ExtractOptions::sink): each thread holds the
+// mesh of one slab, taken to be 1.5 times the mean. The same as estimated_bytes() for sparse samples.
+[[nodiscard]] std::uint64_t estimated_bytes_by_parts(const ConversionSize& size);
 // Returns twice the number of vertices, as a closed surface has.
 [[nodiscard]] std::uint64_t estimated_triangles(const ConversionSize& size);
 

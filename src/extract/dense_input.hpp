@@ -14,12 +14,14 @@ namespace isoextract::extract {
 [[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
                                                    const ExtractOptions& options);
 
+// Returns whether extraction releases the pages of slices that it has used: those of a large mapped file.
+[[nodiscard]] bool releases_slices(const field::DenseSamples& samples);
+
 template <class T>
 [[nodiscard]] DenseView<T> dense_view(const field::DenseSamples& samples) {
-  constexpr std::size_t kLarge = std::size_t{64} << 20;  // bytes
   const std::int64_t stride_y = samples.dims.x;
   return {static_cast<const T*>(samples.data), samples.dims, stride_y, stride_y * samples.dims.y,
-          samples.file_backed && samples.count() * sizeof(T) >= kLarge};
+          releases_slices(samples)};
 }
 
 template <class T>

@@ -5,6 +5,7 @@ import itertools
 import json
 import multiprocessing
 import random
+import re
 import resource
 import struct
 
@@ -105,6 +106,24 @@ class MemoryTest(ProgramTest):
         run, report = self.report("leaves.vdb", "--iso", "0.5", "-o", "a.glb")
         self.assertEqual(run.code, 0, run.err)
         self.assertAlmostEqual(told["field"]["memory"]["conversion"] / report["peak_memory_bytes"], 1, delta=0.3)
+
+    def test_info_tells_what_a_mapped_file_takes(self):
+        """The samples are not in memory, nor is the mesh, unless an option needs it."""
+        size = 288
+        row = [struct.pack(f"<{size}f", *(((x * 5 + shift) % 61 - 30) / 30 for x in range(size))) for shift in range(61)]
+        (self.folder / "waves.raw").write_bytes(
+            b"".join(row[(3 * y + 7 * z) % 61] for z in range(size) for y in range(size)))
+        raw = ("waves.raw", "--dims", f"{size},{size},{size}", "--dtype", "f32", "--threads", 2)
+        (told,) = json.loads(self.convert("info", *raw, "--json").text)
+        memory = told["field"]["memory"]
+        iso = ("--iso", told["field"]["suggestion"]["iso"])
+        run = self.convert(*raw, *iso, "-o", "a.glb", "-v")
+        peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
+        self.assertAlmostEqual(memory["conversion"] / peak, 1, delta=0.3)
+        self.assertLess(memory["conversion"], memory["samples"])
+        run = self.convert(*raw, *iso, "-o", "a.ply", "-v", "--normals", "smooth", "--ascii")
+        peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
+        self.assertAlmostEqual(memory["whole_mesh"] / peak, 1, delta=0.3)
 
     def test_leaves_beside_nothing(self):
         """What lies beside them is listed before it is known how much that is."""

@@ -74,4 +74,11 @@ class BrickFlags {
   Buffer<std::uint8_t> crossed_;
 };
 
+// Releases the pages of the slices of slab `bk`, and of `around` slices on either side: a slab reads these after their
+// own slab may have released them.
+template <class T>
+void leave_slab(const DenseView<T>& view, int bk, int around) {
+  view.leave_slices(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z));
+}
+
 }  // namespace isoextract::extract

@@ -167,7 +167,7 @@ class DenseExtraction final : private VariantChooser {
     return run_slabs(bricks_.rows_z(), stage, context_, make, [&](int bk, Worker& worker) -> Result<void> {
       const SliceSides sides = worker.masks ? mark_slab(bk, *worker.masks) : SliceSides();
       TRY(work(Slab{bk, worker.masks ? *worker.masks : *masks_, sides}, worker.part));
-      view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z));
+      leave_slab(view_, bk, options_.smooth_normals ? 2 : 1);
       return {};
     });
   }
@@ -367,7 +367,7 @@ class DenseExtraction final : private VariantChooser {
     for_each_brick_row("extracting", [&](int bj, int bk) {
       emit_brick_row(mesh, {}, masks, bj, bk);
       if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) {
-        view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z));
+        leave_slab(view_, bk, options_.smooth_normals ? 2 : 1);
       }
     });
   }
