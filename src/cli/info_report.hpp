@@ -31,7 +31,7 @@ struct FieldReport {
   std::optional<LabelReport> labels;  // of a label map or mask
   convert::ConversionSize size;
   std::uint64_t bytes = 0;             // estimated memory of a conversion
-  std::uint64_t whole_mesh_bytes = 0;  // the same with options that need the whole mesh
+  std::uint64_t whole_mesh_bytes = 0;  // estimated with options that need the whole mesh
   bool fits_one_mesh = true;           // otherwise only regions of the field fit one mesh
   std::string command;                 // an example command line; empty without a suggestion or if !fits_one_mesh
 };

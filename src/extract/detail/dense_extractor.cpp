@@ -82,7 +82,7 @@ class DenseExtraction final : private VariantChooser {
 
   Result<void> emit(mesh::Mesh& mesh) {
     if (masks_) {
-      emit_bricks(mesh, *masks_);
+      for_each_brick_row("extracting", [&](int bj, int bk) { emit_brick_row(mesh, {}, *masks_, bj, bk); });
     } else {
       TRY(for_each_slab("extracting", {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
         if (!is_as_counted(slab)) return {};
@@ -167,7 +167,7 @@ class DenseExtraction final : private VariantChooser {
     return run_slabs(bricks_.rows_z(), stage, context_, make, [&](int bk, Worker& worker) -> Result<void> {
       const SliceSides sides = worker.masks ? mark_slab(bk, *worker.masks) : SliceSides();
       TRY(work(Slab{bk, worker.masks ? *worker.masks : *masks_, sides}, worker.part));
-      leave_slab(view_, bk, options_.smooth_normals ? 2 : 1);
+      leave(bk);
       return {};
     });
   }
@@ -252,17 +252,21 @@ class DenseExtraction final : private VariantChooser {
     return static_cast<std::size_t>(j) + static_cast<std::size_t>(view_.dims.y) * static_cast<std::size_t>(k);
   }
 
-  // Runs f(bj, bk) for every row of bricks, in parallel.
+  // Runs f(bj, bk) for every row of bricks, in parallel. Releases the pages of each slab after its last row.
   template <class F>
   void for_each_brick_row(const char* stage, const F& f) {
     const int rows_y = bricks_.rows_y();
-    const int brick_rows = rows_y * bricks_.rows_z();
-    context_.progress().begin(stage, static_cast<std::uint64_t>(brick_rows));
-    for_each_index(brick_rows, [&](int b) {
-      f(b % rows_y, b / rows_y);
+    std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
+    context_.progress().begin(stage, static_cast<std::uint64_t>(rows_y * bricks_.rows_z()));
+    for_each_index(rows_y * bricks_.rows_z(), [&](int b) {
+      const int bk = b / rows_y;
+      f(b % rows_y, bk);
+      if (++rows_done[static_cast<std::size_t>(bk)] == rows_y) leave(bk);
       context_.progress().advance(1);
     });
   }
+
+  void leave(int bk) const { leave_slab(view_, bk, options_.smooth_normals ? 2 : 1); }
 
   // Runs f(j, k) for every row of samples in a row of bricks.
   template <class F>
@@ -360,16 +364,6 @@ class DenseExtraction final : private VariantChooser {
   [[nodiscard]] MeshSizes below_slab(int bk) const {
     const std::size_t row = row_index(0, std::min(kBrickRows * bk, view_.dims.z));
     return {vertex_base(row)[0], triangle_base_[row]};
-  }
-
-  void emit_bricks(mesh::Mesh& mesh, const DenseMasks& masks) {
-    std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
-    for_each_brick_row("extracting", [&](int bj, int bk) {
-      emit_brick_row(mesh, {}, masks, bj, bk);
-      if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) {
-        leave_slab(view_, bk, options_.smooth_normals ? 2 : 1);
-      }
-    });
   }
 
   [[nodiscard]] MeshSizes slab_sizes(int bk) const {
