@@ -44,7 +44,7 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   constexpr std::uint64_t kMiB = 1 << 20;
   const mesh_io::PackingOptions packing = job.meshes().packing;
   std::uint64_t most = 0;
-  if (job.edits.simplify) most = 13 * kMiB + vertices * 420;
+  if (job.edits.simplify) most = 13 * kMiB + vertices * 500;
   if (packing.compression == mesh_io::Compression::draco) most = std::max(most, 6 * kMiB + vertices * 300);
   if (packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);
   return most;
