@@ -175,7 +175,7 @@ std::vector<char> vertices_around(const mesh::Mesh& mesh, const Pairs& pairs, in
     mark(mesh.triangles[b]);
   }
   for (int ring = 0; ring < rings; ++ring) {
-    const std::vector<char> inner = marks;
+    const std::vector<char> inner(marks.begin(), marks.end());
     for (const glm::uvec3& t : mesh.triangles) {
       if ((inner[t.x] | inner[t.y] | inner[t.z]) != 0) mark(t);
     }

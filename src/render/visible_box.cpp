@@ -23,7 +23,7 @@ PlaneSums no_sums(const field::IndexBox& box) {
   PlaneSums sums;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int a = static_cast<int>(axis);
-    sums[axis].resize(static_cast<std::size_t>(box.max[a] - box.min[a] + 1));
+    sums[axis].resize(static_cast<std::size_t>(box.dims()[a]));
   }
   return sums;
 }
@@ -61,7 +61,7 @@ PlaneSums sums_of(const detail::VolumeSamples& samples, const field::IndexBox& b
     return earlier;
   };
   if (samples.dense() != nullptr) {
-    const auto planes = static_cast<std::size_t>(box.max.z - box.min.z + 1);
+    const auto planes = static_cast<std::size_t>(box.dims().z);
     return reduce_ranges(
         planes, 8, none,
         [&](std::size_t begin, std::size_t end, PlaneSums sums) {

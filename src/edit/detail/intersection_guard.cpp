@@ -103,8 +103,7 @@ bool IntersectionGuard::met_before(std::span<const std::uint32_t> around) const 
   }
   if (before == 0 && partners.size() < met_.size()) return false;
   std::ranges::sort(partners);
-  const auto repeated = std::ranges::unique(partners);
-  partners.erase(repeated.begin(), repeated.end());
+  partners.erase(std::unique(partners.begin(), partners.end()), partners.end());
   for (const std::uint32_t partner : partners) {
     const auto pairs = static_cast<std::size_t>(std::ranges::count_if(around, [&](std::uint32_t t) {
       return may_have_met(t) && may_have_met(partner) && meet(corners_[t], corners_[partner]);

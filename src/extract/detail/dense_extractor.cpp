@@ -257,8 +257,9 @@ class DenseExtraction final : private VariantChooser {
   void for_each_brick_row(const char* stage, const F& f) {
     const int rows_y = bricks_.rows_y();
     std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
-    context_.progress().begin(stage, static_cast<std::uint64_t>(rows_y * bricks_.rows_z()));
-    for_each_index(rows_y * bricks_.rows_z(), [&](int b) {
+    const int brick_rows = rows_y * bricks_.rows_z();
+    context_.progress().begin(stage, static_cast<std::uint64_t>(brick_rows));
+    for_each_index(brick_rows, [&](int b) {
       const int bk = b / rows_y;
       f(b % rows_y, bk);
       if (++rows_done[static_cast<std::size_t>(bk)] == rows_y) leave(bk);

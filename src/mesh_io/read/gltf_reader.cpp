@@ -278,13 +278,12 @@ class ModelReader {
   }
 
   // Begins a part of the file at the next vertex.
-  void add_part(std::string_view name, std::optional<mesh::Material> material) {
+  void add_part(std::string_view name, const std::optional<mesh::Material>& material) {
     constexpr std::size_t kNameBytes = 200;  // bounds memory: many nodes may show the same mesh
     name = name.substr(0, kNameBytes);
     source_.memory.make_room(surface_.parts, 1);
     source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // twice: also in MeshFile::parts
-    surface_.parts.push_back(
-        {std::string(name), surface_.positions.size(), surface_.triangles.size(), std::move(material)});
+    surface_.parts.push_back({std::string(name), surface_.positions.size(), surface_.triangles.size(), material});
   }
 
   // Adds the primitives of a mesh as one part; of a scene, those of each material.

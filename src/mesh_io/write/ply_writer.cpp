@@ -153,7 +153,7 @@ std::string header(const mesh::Mesh& mesh, const mesh::MeshShape& shape, const M
   return text + "end_header\n";
 }
 
-constexpr std::size_t kTriangleBytes = sizeof(kCorners) + sizeof(glm::uvec3);
+constexpr std::size_t kFaceBytes = sizeof(kCorners) + sizeof(glm::uvec3);
 
 char* put_triangle(char* out, const glm::uvec3& triangle) { return put_bytes(put_bytes(out, kCorners), triangle); }
 
@@ -175,7 +175,7 @@ Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face
   };
   TRY(with_world_positions(mesh, write_vertices));
 
-  const std::size_t record = kTriangleBytes + (face_normals ? sizeof(glm::vec3) : 0);
+  const std::size_t record = kFaceBytes + (face_normals ? sizeof(glm::vec3) : 0);
   return files::write_records(file, mesh.triangles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
     for (std::size_t t = first; t < last; ++t) {
       out = put_triangle(out, mesh.triangles[t]);
@@ -227,7 +227,7 @@ class PartwisePlyWriter final : public PartwiseWriter {
     TRY(file_.write(header(head_, shape, options_, none)));
     vertex_bytes_ = sizeof(glm::vec3) * (shape.has_normals ? 2 : 1);
     vertices_at_ = TRY(file_.extend(shape.vertices * vertex_bytes_));
-    triangles_at_ = TRY(file_.extend(shape.triangles * kTriangleBytes));
+    triangles_at_ = TRY(file_.extend(shape.triangles * kFaceBytes));
     return true;
   }
 
@@ -244,8 +244,8 @@ class PartwisePlyWriter final : public PartwiseWriter {
                                 return out;
                               }));
     }
-    return files::fill_records(file_, triangles_at_ + part.first_triangle * kTriangleBytes, part.triangles.size(),
-                               kTriangleBytes, [&](std::size_t first, std::size_t last, char* out) {
+    return files::fill_records(file_, triangles_at_ + part.first_triangle * kFaceBytes, part.triangles.size(),
+                               kFaceBytes, [&](std::size_t first, std::size_t last, char* out) {
                                  for (std::size_t t = first; t < last; ++t) out = put_triangle(out, part.triangles[t]);
                                  return out;
                                });
