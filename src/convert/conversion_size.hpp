@@ -16,8 +16,8 @@ struct ConversionSize {
   std::uint64_t sample_bytes = 0;
   std::uint64_t resident_bytes = 0;  // of the samples, in memory at a time: of a large mapped file, the slices in work
   std::uint64_t slabs = 0;           // parts of the mesh that go to the file one by one; 0 for sparse samples
-  std::uint64_t lookup_bytes = 0;  // of the lookup table that finds sparse blocks
-  std::uint64_t places = 0;        // block positions of a sparse field that the surface passes through
+  std::uint64_t lookup_bytes = 0;    // of the lookup table that finds sparse blocks
+  std::uint64_t places = 0;          // block positions of a sparse field that the surface passes through
   std::uint64_t vertices = 0;
 };
 
