@@ -119,11 +119,10 @@ ConversionSize size_of_samples(const field::ScalarField& field) {
   }
   size.sample_bytes = size.resident_bytes = size.samples * field::sample_size(field.type());
   if (dense == nullptr) return size;
-  constexpr std::uint64_t kSlabSlices = 8;  // as the extraction divides the samples
   const auto slices = static_cast<std::uint64_t>(dense->dims.z);
-  size.slabs = (slices + kSlabSlices - 1) / kSlabSlices;
+  size.slabs = (slices + extract::kBrickRows - 1) / extract::kBrickRows;
   if (extract::releases_slices(*dense)) {
-    const std::uint64_t in_work = static_cast<std::uint64_t>(usable_threads()) * (kSlabSlices + 1);
+    const std::uint64_t in_work = static_cast<std::uint64_t>(usable_threads()) * extract::kSlabSlices;
     size.resident_bytes = size.sample_bytes / slices * std::min(in_work, slices);
   }
   return size;

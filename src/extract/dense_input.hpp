@@ -9,6 +9,9 @@
 
 namespace isoextract::extract {
 
+inline constexpr int kBrickRows = 8;                // a brick is the 64 cells of a mask word, in 8x8 rows
+inline constexpr int kSlabSlices = kBrickRows + 1;  // slices of samples in the cells of a slab, a layer of bricks
+
 // Returns the box of samples to extract from. Fails with ErrorCode::input if an axis has more samples than an extractor
 // can number (2^30), or if the field or options.region contains no cell.
 [[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,

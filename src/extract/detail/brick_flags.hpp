@@ -10,13 +10,10 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
-#include "extract/dense_masks.hpp"
+#include "extract/dense_input.hpp"
 #include "extract/detail/cell_rows.hpp"
 
 namespace isoextract::extract {
-
-inline constexpr int kBrickRows = 8;                // a brick is the 64 cells of a mask word, in 8x8 rows
-inline constexpr int kSlabSlices = kBrickRows + 1;  // slices of samples in the cells of a slab, a layer of bricks
 
 // Marks the bricks with samples on both sides. The samples of a brick include those that its last cells share with the
 // next brick.
