@@ -167,9 +167,13 @@ std::uint64_t read_meta(Source& source, std::uint64_t at, Structure& structure) 
   while (at < source.size()) {
     if (source.size() - at >= 2 && source.at(at, 2) != std::string_view("\2\0", 2)) break;
     const Element element = walker.element(at, source.size());
+    // PS3.10, 7.1: group 2 has no sequences. GDCM ends the process on one.
+    if (element.kind == "SQ" || element.length == kUndefined)
+      throw ReadError("expected an attribute of known length at byte " + std::to_string(at) +
+                      ", found a sequence in the file's header: the header is damaged");
     if (element.tag == 0x00020002U) structure.class_uid = text_at(source, element);
     if (element.tag == 0x00020010U) structure.transfer_syntax = text_at(source, element);
-    at = walker.skip(element, source.size(), 0);
+    at = element.value + element.length;
   }
   return at;
 }

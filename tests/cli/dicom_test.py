@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 
@@ -369,6 +370,15 @@ class DamageTest(DicomTestCase):
             damaged.tofile(self.folder / f"f{k}.dcm")
             run = self.run_program("info", f"f{k}.dcm")
             self.assertIn(run.code, (0, 2), run.err)
+
+    def test_a_sequence_in_the_files_header(self):
+        dicom.save(dicom.enhanced(VOLUME, PLACES), self.folder / "whole.dcm")
+        whole = (self.folder / "whole.dcm").read_bytes()
+        for kind, length in ((b"SQ", 0), (b"UN", 0xFFFFFFFF)):
+            element = b"\x02\0\x02\x01" + kind + struct.pack("<HI", 0, length)
+            (self.folder / "odd.dcm").write_bytes(whole[:144] + element + whole[144:])
+            run = self.run_program("info", "odd.dcm")
+            self.assert_fails(2, run, "odd.dcm", "found a sequence in the file's header")
 
     def test_sizes_are_not_trusted(self):
         data = dicom.image(VOLUME[0], PLACES[0])
