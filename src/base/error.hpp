@@ -104,6 +104,7 @@ enum class Setting {
   region,
   parts,  // one region after another in place of the whole grid
   clip,
+  cap,
   nan_policy,
   empty_policy,
   level_set_filter,
@@ -111,6 +112,8 @@ enum class Setting {
   height_field,  // make terrain of heights
   height_base,   // the floor of terrain
   resolutions,   // the resolutions of a benchmark
+  repair,        // of mesh files
+  hole_edges,    // the longest hole that repair fills
   // The output
   mesh_format,
   half_floats,

@@ -1,6 +1,7 @@
 #include "batch/find_frames.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <numeric>
 #include <string_view>
@@ -231,6 +232,19 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
   return fail(ErrorCode::input, std::move(message), std::move(hint));
 }
 
+// Returns whether the file has the samples of a header beside it: scan.raw beside scan.nhdr.
+bool has_header_beside(const fs::path& folder, const std::string& name) {
+  fs::path stem(name);
+  if (stem.extension() == ".gz" || stem.extension() == ".bz2") stem.replace_extension();
+  constexpr std::array<std::string_view, 4> kData{".raw", ".zraw", ".img", ".dat"};
+  if (std::ranges::find(kData, stem.extension().string()) == kData.end()) return false;
+  constexpr std::array<std::string_view, 4> kHeaders{".nhdr", ".mhd", ".hdr", ".ini"};
+  return std::ranges::any_of(kHeaders, [&](std::string_view extension) {
+    std::error_code none;
+    return fs::exists(folder / stem.replace_extension(extension), none);
+  });
+}
+
 // Finds volumes, else particles, else pictures, else meshes: tables, meshes and pictures often lie beside volumes.
 Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> names;
@@ -245,6 +259,8 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
     if (volume_io::has_picture_extension(name)) {
       pictures.push_back(name);
       ++others;
+    } else if (has_header_beside(folder, name)) {
+      return;  // read with its header
     } else if (volume_io::has_volume_extension(name)) {
       names.push_back(name);
     } else {
@@ -300,6 +316,11 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
     const bool is_folder = fs::is_directory(status);
     if (fs::exists(status) && (!is_folder || volume_io::is_volume_folder(input, Context()))) continue;
     if (volume_io::find_inner_path(input)) continue;
+    if (!fs::exists(status) && is_file_name(input) && input.find_first_of("./{#*") == std::string::npos) {
+      return fail(ErrorCode::usage, fmt::format("{}: expected a file as one of {} inputs, found no file of this name",
+                                                printable(input), inputs.size()),
+                  "if the word belongs to an option's value, quote the whole value");
+    }
     bool several = is_folder;
     if (!several) {
       const auto pattern = TRY(files::FramePattern::parse(input));
@@ -320,6 +341,44 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
 }
 
 }  // namespace
+
+std::optional<std::string> find_one_volume(std::span<const std::string> inputs) {
+  if (inputs.size() < 2) return std::nullopt;
+  const std::string folder = inputs.front().substr(0, inputs.front().find_last_of('/') + 1);
+  std::unordered_set<std::string> names;
+  std::unordered_set<std::string> extensions;
+  for (const std::string& input : inputs) {
+    if (!input.starts_with(folder) || !is_file_name(input)) return std::nullopt;
+    std::string name = input.substr(folder.size());
+    if (name.find('/') != std::string::npos) return std::nullopt;
+    extensions.insert(fs::path(name).extension().string());
+    if (!names.insert(std::move(name)).second) return std::nullopt;
+  }
+  std::vector<std::string> beside;  // files that could belong to the same volume
+  const auto listed = files::visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
+    std::error_code none;
+    if (!entry.is_directory(none) && extensions.contains(fs::path(name).extension().string())) beside.push_back(name);
+  });
+  if (!listed) return std::nullopt;
+  const bool is_any_missing =
+      std::ranges::count_if(beside, [&](const std::string& name) { return names.contains(name); }) !=
+      static_cast<std::ptrdiff_t>(names.size());
+  if (is_any_missing) return std::nullopt;
+  const std::vector<Sequence> sequences = sequences_of(inputs);
+  if (sequences.size() == 1 && volume_io::has_picture_extension(inputs.front())) {
+    const auto pattern = files::FramePattern::parse(sequences.front().pattern.substr(folder.size()));
+    if (!pattern || !*pattern) return std::nullopt;
+    const auto matching =
+        std::ranges::count_if(beside, [&](const std::string& name) { return (*pattern)->match(name).has_value(); });
+    const bool are_all = matching == static_cast<std::ptrdiff_t>(names.size());
+    return are_all && volume_io::is_slice_stack(sequences.front().pattern, Context())
+               ? std::optional(sequences.front().pattern)
+               : std::nullopt;
+  }
+  const std::string path = folder.empty() ? "." : folder;
+  return beside.size() == names.size() && volume_io::is_volume_folder(path, Context()) ? std::optional(path)
+                                                                                         : std::nullopt;
+}
 
 std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames) {
   std::vector<std::int64_t> missing;

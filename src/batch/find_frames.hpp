@@ -41,7 +41,8 @@ struct Frames {
 //   a pattern     the files that match it (frame_pattern.hpp); if a file has this very name, only that file
 //   demo:NAME     with a pattern in it: one input for each number of `range`, which is then required
 //   a folder      its files with an extension of a volume format (else of a particle format, else of pictures), but no
-//                 hidden files: one sequence, or files that are no sequence, in natural order
+//                 hidden files and no samples of a header beside them (scan.raw with scan.nhdr): one sequence, or files
+//                 that are no sequence, in natural order
 //   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, whose input is the
 //                 pattern or folder; with `pictures_are_frames` each picture is a frame
 //   other files   a list of paths, one frame each; a missing file is a frame too, which fails when it is read
@@ -61,11 +62,17 @@ struct Frames {
 //
 // Fails with ErrorCode::usage in these cases:
 //   - a folder holds several sequences (the message lists them);
-//   - a file is given twice, or one of several inputs is a pattern or a folder;
+//   - a file is given twice, or one of several inputs is a pattern, a folder, or a word without a point or a slash that
+//     names no file;
 //   - FramePattern::parse() fails, or a pattern in demo:NAME has no range;
 //   - a pattern's number is part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb);
 //   - a range is given for a single file, `inputs` is empty, or there are more than kMaxFrames frames.
 [[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range,
                                          bool pictures_are_frames = false);
+
+// Returns the pattern or the folder if several files are one volume, as a shell lists them for slices/*.png: all
+// pictures of a stack, or all files with their extensions of a volume's folder, in any order. Lists their folder, and
+// opens files as volume_io::is_slice_stack() and is_volume_folder().
+[[nodiscard]] std::optional<std::string> find_one_volume(std::span<const std::string> inputs);
 
 }  // namespace isoextract::batch

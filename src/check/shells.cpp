@@ -133,6 +133,23 @@ Shell shell_of(const Component& component) {
   return component.volume < 0 ? Shell::hollow : Shell::nested;
 }
 
+// A surface that ends at the faces of its volume has cavities, too, but no inside that they could lie in.
+void find_undecided(std::vector<Component>& all) {
+  std::vector<mesh::Bounds> open;
+  for (const Component& component : all) {
+    if (component.shell == Shell::open) open.push_back(component.bounds);
+  }
+  std::ranges::sort(open, std::greater(), [](const mesh::Bounds& bounds) { return bounds.max.x - bounds.min.x; });
+  for (Component& component : all) {
+    if (component.shell != Shell::inside_out) continue;
+    const bool may_be_hollow = std::ranges::any_of(open, [&](const mesh::Bounds& bounds) {
+      return glm::all(glm::lessThanEqual(bounds.min, component.bounds.min)) &&
+             glm::all(glm::greaterThanEqual(bounds.max, component.bounds.max));
+    });
+    if (may_be_hollow) component.shell = Shell::undecided;
+  }
+}
+
 }  // namespace
 
 Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const mesh::Components& components,
@@ -152,6 +169,7 @@ Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const
       }
     }
     for (Component& component : all) component.shell = shell_of(component);
+    find_undecided(all);
     return all;
   } catch (const std::bad_alloc&) {
     return tl::unexpected(allocation_error(what + " need more memory than is available"));

@@ -26,6 +26,7 @@ enum class Shell {
   body,          // faces outward, inside an even number of shells
   hollow,        // faces inward, inside an odd number
   inside_out,    // faces inward, inside an even number
+  undecided,     // as inside_out, but within the bounds of an open component, of which it may be a cavity
   nested         // faces outward, inside an odd number: a body inside a body
 };
 constexpr auto words_of(Shell /*type*/) {
@@ -34,6 +35,7 @@ constexpr auto words_of(Shell /*type*/) {
                     Word{Shell::body, "body"},
                     Word{Shell::hollow, "hollow"},
                     Word{Shell::inside_out, "inside out"},
+                    Word{Shell::undecided, "hollow or inside out"},
                     Word{Shell::nested, "body within a body"}};
 }
 

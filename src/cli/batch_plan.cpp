@@ -271,6 +271,10 @@ bool is_batch(const ConvertFlags& flags) {
   return is_frame_pattern(inputs.front());
 }
 
+void join_slices(std::vector<std::string>& inputs) {
+  if (auto volume = batch::find_one_volume(inputs)) inputs = {std::move(*volume)};
+}
+
 bool is_frame_pattern(const std::string& input) {
   if (volume_io::is_slice_stack(input, Context())) return false;
   if (!input.starts_with(field::kDemoPrefix) && files::is_there(input)) {

@@ -80,7 +80,7 @@ Result<void> meet_requirements(const CheckReport& report) {
   std::vector<std::string_view> words;
   std::vector<std::string> found;
   for (const check::Requirement one : report.required) {
-    const auto why = check::unmet_reason(one, report.whole);
+    const auto why = unmet_reason(one, report);
     if (!why) continue;
     words.push_back(word_of(one));
     if (std::ranges::find(found, *why) == found.end()) found.push_back(*why);
@@ -89,7 +89,7 @@ Result<void> meet_requirements(const CheckReport& report) {
   const auto& joined = report.whole.joined;
   const bool would_close = joined && joined->open_edges == 0 && report.whole.topology.open_edges > 0;
   return fail(ErrorCode::verification,
-              fmt::format("{}: the mesh is not {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),
+              fmt::format("{}: the mesh fails {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),
               would_close ? "with --weld, which welds vertices at equal positions, the mesh is closed" : "");
 }
 

@@ -86,6 +86,10 @@ class Findings {
                                 "components that are inside out as cavities")));
       engine("It shows the inside of components that are inside out, if it draws only one side of triangles.");
     }
+    if (const std::uint64_t undecided = check_.count(Shell::undecided); undecided > 0) {
+      slicer(fmt::format("It takes {} within an open one for cavities; whether they are shows the closed mesh only.",
+                         amount(undecided, "component that faces inward", "components that face inward")));
+    }
     if (check_.topology.misoriented_edges > 0) {
       engine(fmt::format("It does not draw some triangles: neighbors have opposite winding at {}.",
                          amount(check_.topology.misoriented_edges, "edge", "edges")));
@@ -111,11 +115,12 @@ class Findings {
   }
 
   void tell_bodies() {
-    const std::uint64_t bodies = check_.components.size() - check_.count(Shell::hollow);
+    const std::uint64_t bodies = check_.components.size() - check_.count(Shell::hollow) - check_.count(Shell::undecided);
     if (bodies > 1) {
       std::uint64_t smallest = check_.triangles;
       for (const check::Component& component : check_.components) {
-        if (component.shell != Shell::hollow) smallest = std::min(smallest, component.triangles);
+        if (component.shell != Shell::hollow && component.shell != Shell::undecided)
+          smallest = std::min(smallest, component.triangles);
       }
       slicer(fmt::format("It prints {} separate bodies; the smallest has {}.", bodies,
                          amount(smallest, "triangle", "triangles")));

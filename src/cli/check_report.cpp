@@ -267,13 +267,27 @@ Json mesh_json(const MeshCheck& check) {
 Json required_json(const CheckReport& report) {
   Json required = Json::array();
   for (const Requirement one : report.required) {
-    const auto why = check::unmet_reason(one, report.whole);
+    const auto why = unmet_reason(one, report);
     required.push_back({{"requirement", word_of(one)}, {"met", !why}, {"found", convert::optional_json(why)}});
   }
   return required;
 }
 
 }  // namespace
+
+std::optional<std::string> unmet_reason(Requirement requirement, const CheckReport& report) {
+  if (report.parts.empty()) return check::unmet_reason(requirement, report.whole);
+  std::optional<std::string> first;
+  std::uint64_t failing = 0;
+  for (std::size_t i = 0; i < report.parts.size(); ++i) {
+    const auto why = check::unmet_reason(requirement, report.parts[i].check);
+    if (!why) continue;
+    ++failing;
+    if (!first) first = fmt::format("{} has {}", part_name(report.parts[i], i), *why);
+  }
+  if (failing > 1) *first += fmt::format("; {} of {} meshes fail", failing, report.parts.size());
+  return first;
+}
 
 std::string check_text(const CheckReport& report) {
   NamedLines lines;

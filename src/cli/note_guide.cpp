@@ -93,7 +93,7 @@ constexpr std::array kGuide{
     NoteGuide{labels_empty, "The file names labels that no sample has.", "None: they have no mesh."},
     NoteGuide{labels_lost, "The coarser grid has no sample of some labels.", "Choose a finer grid."},
     NoteGuide{labels_small, "Some labels have fewer voxels than --labels-min-voxels, and so no mesh.", ""},
-    NoteGuide{labels_unmatched, "A number, range or name of --labels matches no label of the file.",
+    NoteGuide{labels_unmatched, "A range or pattern of --labels matches no label of the file; with --empty also a number or a name.",
               "'isoextract info' lists the names."},
     NoteGuide{level_set_interpolated,
               "A written level set has interpolated values and the narrow band of the input, which is too narrow for "

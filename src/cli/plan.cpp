@@ -8,6 +8,7 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
+#include "cli/batch_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "field/demo_field.hpp"
@@ -240,6 +241,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags) {
   auto read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, std::nullopt));
   plan.inputs = flags.input.inputs;
+  if (!flags.frames) join_slices(plan.inputs);
   plan.frames = flags.frames;
   plan.read = std::move(read);
   plan.particles = std::move(particles);

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <exception>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -60,9 +61,12 @@ int run_arguments(const std::vector<std::string>& arguments) {
   return code ? *code : report(code.error());
 }
 
-// Removes unfinished files, then ends the process by the signal's default action.
+// Removes unfinished files and says so, then ends the process by the signal's default action. Calls only functions that
+// are safe in a signal handler.
 extern "C" void on_end(int signal) {
+  constexpr std::string_view kTold = "\nisoextract: interrupted; unfinished output was removed\n";
   files::OutputFile::remove_unfinished();
+  [[maybe_unused]] const auto told = ::write(STDERR_FILENO, kTold.data(), kTold.size());
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }

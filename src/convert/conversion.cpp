@@ -282,7 +282,8 @@ class Conversion {
         looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background, job_.source.roi.has_value());
     const bool asks_for_all = source_.isos.front().asked.kind == IsoChoice::Kind::all_labels;
     if (asks_for_all && missing) events_.note(*missing);
-    chosen_ = choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, source_.label);
+    chosen_ = TRY(
+        choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, job_.empty, source_.label));
     for (const Note& note : chosen_.notes) events_.note(note);
     if (!chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
     if (source_.empty) return tl::unexpected(empty_source(source_));

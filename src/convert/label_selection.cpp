@@ -92,12 +92,14 @@ bool LabelSelection::contains(std::int64_t label, std::string_view name) {
   return chosen && !excluded;
 }
 
-std::vector<std::string> LabelSelection::unmatched() const {
-  std::vector<std::string> texts;
+std::vector<LabelSelection::UnmatchedTerm> LabelSelection::unmatched() const {
+  std::vector<UnmatchedTerm> found;
   for (const Term& term : terms_) {
-    if (!term.excludes && !term.matched) texts.push_back(term.text);
+    if (term.excludes || term.matched) continue;
+    const bool is_one = term.is_name ? term.text.find_first_of("*?") == std::string::npos : term.first == term.last;
+    found.push_back({term.text, is_one});
   }
-  return texts;
+  return found;
 }
 
 }  // namespace isoextract::convert

@@ -26,8 +26,14 @@ class LabelSelection {
   // Returns whether the selection has the label. `name`: empty if the label has none. Remembers which terms matched.
   [[nodiscard]] bool contains(std::int64_t label, std::string_view name);
 
+  struct UnmatchedTerm {
+    std::string text;
+    bool is_one_label = false;  // a number, or a name without * and ?
+
+    friend bool operator==(const UnmatchedTerm&, const UnmatchedTerm&) = default;
+  };
   // Returns the terms without "!" that no label matched so far, as they were given.
-  [[nodiscard]] std::vector<std::string> unmatched() const;
+  [[nodiscard]] std::vector<UnmatchedTerm> unmatched() const;
 
  private:
   struct Term {

@@ -43,7 +43,7 @@ namespace isoextract::convert {
   NAME(changed) NAME(changed_components) NAME(chosen) NAME(chosen_of) NAME(closed) NAME(closed_form) NAME(component_table) NAME(components) \
   NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) NAME(degrees) \
   NAME(degrees_allowed) NAME(differences) NAME(dims) NAME(distance) NAME(distances) NAME(edges) NAME(error) NAME(euler) \
-  NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(format) NAME(found_by) NAME(frame) \
+  NAME(exact) NAME(file) NAME(file_bytes) NAME(flat_normals) NAME(flattened_triangles) NAME(flips) NAME(format) NAME(found_by) NAME(frame) \
   NAME(genus) NAME(greatest_move) NAME(grid) NAME(held_vertices) NAME(index_to_world) NAME(inside) NAME(intercept) NAME(interior) \
   NAME(interpolant) NAME(iso) NAME(kind) NAME(largest) NAME(left_bodies) NAME(left_out_inside) NAME(length_unit) \
   NAME(lost_components) NAME(lower) NAME(map) NAME(max) NAME(max_at_most) NAME(max_degrees) NAME(mean_weight) NAME(measured) \

@@ -170,6 +170,7 @@ Result<RepairFigures> repair_reserved(mesh::Mesh& mesh, const RepairOptions& opt
   figures.holes_filled = filled.filled;
   figures.fill_triangles = filled.triangles;
   figures.holes_left = filled.left;
+  figures.holes_too_long = filled.too_long;
   TRY(mesh::split_nonmanifold_vertices(mesh, mesh.name, context));
   figures.components_turned = TRY(face_by_nesting(mesh, context));
   return figures;

@@ -38,6 +38,7 @@ struct RepairFigures {
   std::uint64_t holes_filled = 0;
   std::uint64_t fill_triangles = 0;
   std::uint64_t holes_left = 0;
+  std::uint64_t holes_too_long = 0;  // of those left; the others are as large as their component
   std::uint64_t components_turned = 0;  // closed components whose side did not fit their nesting
   StageTime time;
 };

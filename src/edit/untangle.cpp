@@ -203,6 +203,7 @@ Result<UntangleFigures> untangle_mesh(mesh::Mesh& mesh, const UntangleOptions& o
       TRY(context.check());
       const Signal signal(mesh, bounds);  // flips change the neighbors
       const std::size_t flips = EdgeFlips(mesh, signal).run(found.examples);
+      figures.flips += flips;
       if (flips == 0) {
         const std::vector<char> moving = vertices_around(mesh, found.examples, moves_done++ / kRoundsARing);
         Buffer<glm::vec3> moves(vertices);

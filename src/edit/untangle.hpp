@@ -30,6 +30,7 @@ struct UntangleOptions {
 struct UntangleFigures {
   std::uint64_t pairs_before = 0;  // intersecting pairs of triangles (mesh/self_intersections.hpp)
   std::uint64_t pairs_after = 0;
+  std::uint64_t flips = 0;  // of edges
   std::uint64_t moved = 0;  // vertices
   double greatest_move = 0;
   int rounds = 0;

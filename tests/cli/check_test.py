@@ -126,7 +126,7 @@ class CheckTest(ProgramTest):
 
     def assert_fails_after_report(self, run):
         self.assertEqual(run.code, 6, run.err)
-        self.assertIn("isoextract: error: standard input: the mesh is not closed", run.err)
+        self.assertIn("isoextract: error: standard input: the mesh fails closed", run.err)
 
     def test_normals_in_every_format(self):
         """Of facets, of vertices, and of corners whose vertices were welded."""
@@ -172,7 +172,7 @@ class CheckTest(ProgramTest):
         run = self.run_program("check", "open.obj", "--require", "manifold,closed,normals")
         self.assertEqual(run.code, 6)
         self.assertIn("closed        no", run.text)
-        self.assertEqual(run.err, "isoextract: error: open.obj: the mesh is not closed, normals: 3 open edges in 1 loop; no normals\n")
+        self.assertEqual(run.err, "isoextract: error: open.obj: the mesh fails closed, normals: 3 open edges in 1 loop; no normals\n")
         run = self.run_program("check", "open.obj", "--json", "--require", "closed", "--report", "report.json")
         self.assertEqual(run.code, 6)
         document = json.loads(run.text)
@@ -206,6 +206,10 @@ class CheckTest(ProgramTest):
         self.assertAlmostEqual(hollow["volume"], 1 - 1 / 8)
         self.assertEqual(mesh(CUBE + inner, FACES + second)["shells"]["body within a body"], 1)
         self.assertEqual(mesh(CUBE, [(a, c, b) for a, b, c in FACES])["shells"]["inside out"], 1)
+        within_open = mesh(CUBE + inner, FACES[1:] + turned)["shells"]
+        self.assertEqual((within_open["open"], within_open["hollow or inside out"], within_open["inside out"]), (1, 1, 0))
+        beside_open = mesh(CUBE + [(x + 5, y, z) for x, y, z in CUBE], FACES[1:] + turned)["shells"]
+        self.assertEqual((beside_open["hollow or inside out"], beside_open["inside out"]), (0, 1))
         twice = mesh(CUBE, FACES + FACES[:1])
         self.assertEqual((twice["duplicate_triangles"], twice["nonmanifold_edges"]), (1, 3))
         needle = mesh(CUBE + [(2, 2, 2), (3, 3, 3), (4, 4, 4), (9, 9, 9)], FACES + [(8, 9, 10), (8, 8, 9)])
@@ -316,7 +320,7 @@ class CheckTest(ProgramTest):
         self.assertEqual((report["mesh"]["triangles"], report["mesh"]["closed"]), (0, False))
         run = self.run_program("check", "empty.obj", "--require", "closed")
         self.assertEqual(run.code, 6)
-        self.assertIn("empty.obj: the mesh is not closed: no triangles", run.err)
+        self.assertIn("empty.obj: the mesh fails closed: no triangles", run.err)
         self.write_obj("one.obj", CUBE[:3], [(0, 1, 2)])
         one = self.json("one.obj")["mesh"]
         self.assertEqual((one["components"], one["open_edges"], one["loops"]), (1, 3, 1))

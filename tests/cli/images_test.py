@@ -172,6 +172,23 @@ class ImagesTest(ProgramTest):
         self.convert("t_{}.tif", "--iso", "100", "-o", "frame_{}.ply")
         self.assertTrue({"frame_1.ply", "frame_2.ply"} <= set(self.files()))
 
+    def test_a_listed_stack_is_one_volume(self):
+        """Shells list the files of s_*.png, in the order of characters."""
+        volume = ball(dtype="u1")
+        (self.folder / "png").mkdir()
+        for z, page in enumerate(volume):
+            Image.fromarray(page).save(self.folder / "png" / f"s_{z + 5}.png")
+        names = sorted(f"png/s_{z + 5}.png" for z in range(len(volume)))
+        self.convert("png", "--iso", "100", "-o", "folder.ply")
+        run = self.convert(*names, "--iso", "100", "-o", "list.ply")
+        self.assertIn("9 files are the slices of one volume", run.err)
+        self.assertEqual((self.folder / "list.ply").read_bytes(), (self.folder / "folder.ply").read_bytes())
+        self.assertEqual(self.info(*names)["field"]["box"]["max"], [13, 11, 8])
+        # A part of the stack stays a list of frames, and so does a list with an option for frames.
+        for more in (names[:4], [*names, "--frames", "5-13"]):
+            self.convert(*more, "--iso", "100", "--empty", "write", "-o", "frame_{}.ply")
+            self.assertIn("frame_5.ply", self.files())
+
     def test_stacks_tell_what_is_missing_or_differs(self):
         volume = ball(dtype="u1")
         for z, page in enumerate(volume):

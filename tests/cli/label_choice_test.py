@@ -106,6 +106,13 @@ class LabelChoiceTest(ProgramTest):
         names, run = self.names("--labels", "1,Kidney*,30-40", *table)
         self.assertEqual(names, ["Hippocampus left"])
         self.assertIn("note[labels-unmatched]: slabs.raw: no label is 'Kidney*' or '30-40'", run.err)
+        for wrong, hint in (("skull", "did you mean 'Skull'?"), ("Scull", "did you mean 'Skull'?"),
+                            ("Kidney", "the names are Hippocampus left, Hippocampus right, ")):
+            run = self.run_program(*self.map, "--labels", f"1,{wrong}", *table, "-o", "x.glb")
+            self.assert_fails(2, run, f"slabs.raw: no label is '{wrong}'", hint, "--empty skip")
+            names, run = self.names("--labels", f"1,{wrong}", *table, "--empty", "skip")
+            self.assertEqual(names, ["Hippocampus left"])
+            self.assertIn(f"note[labels-unmatched]: slabs.raw: no label is '{wrong}'", run.err)
         self.assert_fails(2, self.run_program(*self.map, "--labels", "Kidney*", "-o", "x.glb"),
                           "the choice includes none of the 6 labels in the file")
         for wrong in ("1,", "!", "4-2", ""):

@@ -113,6 +113,15 @@ class LabelsTest(ProgramTest):
         self.assertAlmostEqual(sum(mesh["area"] for mesh in halves) / (6 * 3.14159265 * 144), 1, delta=0.03)
         self.assertGreater(without_gaps([meshes["map label 1"], meshes["map label 5"]]), 700)
 
+    def test_check_requires_of_each_mesh_what_the_conversion_does(self):
+        required = ("--require", "printable")
+        self.convert(*self.map, "--labels", "all", "--normals", "none", *required, "-o", "a.glb")
+        report = json.loads(self.convert("check", "a.glb", *required, "--json").out)
+        self.assertGreater(report["mesh"]["duplicate_triangles"], 100)  # the common faces of neighbors
+        self.assertTrue(all(entry["met"] for entry in report["required"]))
+        run = self.run_program("check", "a.glb", "--require", "normals")
+        self.assert_fails(6, run, "the mesh fails normals: map label 1 has no normals; 3 of 3 meshes fail")
+
     def test_the_choice_changes_no_mesh(self):
         everything, _ = self.glb("--labels", "all")
         one, _ = self.glb("--labels", "5")

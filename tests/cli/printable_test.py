@@ -33,12 +33,22 @@ class PrintableTest(ProgramTest):
 
     def test_unmet_requirements_write_no_file(self):
         run = self.run_program("demo:gyroid?size=16", "--iso", "0", "--require", "closed,manifold", "-o", "out.ply")
-        self.assert_fails(6, run, "the mesh is not closed: ", "open edges in ")
+        self.assert_fails(6, run, "the mesh fails closed: ", "open edges in ", "use --cap")
         self.assertNotIn("out.ply", self.files())
         run = self.run_program(*NOISE, "--require", "one-component", "-o", "out.ply")
-        self.assert_fails(6, run, "the mesh is not one-component")
+        self.assert_fails(6, run, "the mesh fails one-component")
         run = self.run_program(*NOISE, "--require", "normals", "-o", "out.ply")
         self.assert_fails(1, run, "isoextract check --require normals")
+
+    def test_an_open_surface_is_not_untangled(self):
+        run = self.run_program(*NOISE[:3], "--require", "printable", "-o", "out.ply", "-v")
+        self.assert_fails(6, run, "the mesh fails closed, ", "no-self-intersections: ", "use --cap")
+        self.assertNotIn("untangled", run.err)
+        self.convert(*NOISE[:3], "-o", "open.ply")
+        run = self.run_program("open.ply", "--require", "closed", "-o", "out.ply")
+        self.assert_fails(6, run, "the mesh fails closed: ", "use --repair")
+        run = self.run_program("open.ply", "--repair=4", "--require", "closed", "-o", "out.ply")
+        self.assert_fails(6, run, "the mesh fails closed: ", "use --repair EDGES, to fill longer holes", "of more than 4 edges")
 
     def test_met_requirements_change_nothing(self):
         for edit in (("--triangles", "500"), ("--smooth", "10"), ("--clip", "1,2,3,0.1")):

@@ -1,10 +1,13 @@
 #include "convert/detail/label_choice.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
+#include "base/nearest_name.hpp"
 #include "base/parallel.hpp"
 #include "base/printable.hpp"
 #include "convert/label_selection.hpp"
@@ -12,17 +15,43 @@
 namespace isoextract::convert {
 namespace {
 
-// Removes the labels that the selection does not have, and notes the terms of it without a label.
-void select(const std::string& text, const LabelAppearance& looks, const std::string& source, ChosenLabels& chosen) {
+// Returns "did you mean 'Spleen'?", or the names that there are.
+std::string hint_of_names(const std::string& given, const std::vector<std::string>& names) {
+  constexpr std::size_t kMostTold = 12;
+  if (names.empty()) return "";
+  const auto same =
+      std::ranges::find(names, to_lower(given), [](const std::string& name) { return to_lower(name); });
+  const std::string near = same != names.end() ? *same : nearest_name(given, names);
+  if (!near.empty()) return fmt::format("did you mean '{}'?", printable(near));
+  std::vector<std::string> told;
+  for (const std::string& name : std::span(names).first(std::min(names.size(), kMostTold))) {
+    told.push_back(printable(name, 40));
+  }
+  return fmt::format("the names are {}{}", fmt::join(told, ", "), names.size() > kMostTold ? ", ..." : "");
+}
+
+// Removes the labels that the selection does not have. Fails for a number or name of it without a label, unless `empty`
+// allows it; notes other terms without a label.
+Result<void> select(const std::string& text, const LabelAppearance& looks, EmptyPolicy empty, const std::string& source,
+                    ChosenLabels& chosen) {
   auto selection = LabelSelection::parse(text);
-  if (!selection) return;  // a job's selections are valid
+  if (!selection) return {};  // a job's selections are valid
   std::erase_if(chosen.labels,
                 [&](std::int64_t label) { return !selection->contains(label, looks.given_name(label)); });
-  std::vector<std::string> unmatched = selection->unmatched();
-  if (unmatched.empty()) return;
-  for (std::string& term : unmatched) term = fmt::format("'{}'", printable(term));
+  std::vector<std::string> terms;
+  for (const LabelSelection::UnmatchedTerm& term : selection->unmatched()) {
+    if (term.is_one_label && empty == EmptyPolicy::error) {
+      Hint hint(hint_of_names(term.text, looks.names()));
+      hint.steps.emplace_back(Remedy::use, Setting::empty_policy);
+      return fail(ErrorCode::no_surface, fmt::format("{}: no label is '{}'", source, printable(term.text)),
+                  std::move(hint));
+    }
+    terms.push_back(fmt::format("'{}'", printable(term.text)));
+  }
+  if (terms.empty()) return {};
   chosen.notes.push_back(
-      {NoteId::labels_unmatched, fmt::format("{}: no label is {}", source, fmt::join(unmatched, " or "))});
+      {NoteId::labels_unmatched, fmt::format("{}: no label is {}", source, fmt::join(terms, " or "))});
+  return {};
 }
 
 void drop_small(const extract::LabelVoxels& found, std::uint64_t least, const std::string& source,
@@ -47,13 +76,14 @@ void drop_small(const extract::LabelVoxels& found, std::uint64_t least, const st
 
 }  // namespace
 
-ChosenLabels choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
-                           const LabelAppearance& looks, std::uint64_t least, const std::string& source) {
+Result<ChosenLabels> choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
+                                   const LabelAppearance& looks, std::uint64_t least, EmptyPolicy empty,
+                                   const std::string& source) {
   ChosenLabels chosen;
   chosen.labels = found.labels();
   const auto set = std::ranges::find_if(asked, [](const ResolvedIso& iso) { return iso.asked.is_label_set(); });
   if (set != asked.end() && set->asked.kind == IsoChoice::Kind::selected_labels) {
-    select(set->asked.selection, looks, source, chosen);
+    TRY(select(set->asked.selection, looks, empty, source, chosen));
   }
   drop_small(found, least, source, chosen);
   return chosen;

@@ -30,9 +30,11 @@ struct ChosenLabels {
 
 // Chooses among the labels of `found`, which was searched for those that `asked` asks for. Labels with fewer than
 // `least` voxels are too small; listed labels without a voxel are not, so that their missing surface is reported.
-// `source` starts the notes.
-[[nodiscard]] ChosenLabels choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
-                                         const LabelAppearance& looks, std::uint64_t least, const std::string& source);
+// `source` starts the notes. Fails with ErrorCode::no_surface if a number or a name of the choice is that of no label,
+// unless `empty` allows it; ranges and patterns without a label are notes.
+[[nodiscard]] Result<ChosenLabels> choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
+                                                 const LabelAppearance& looks, std::uint64_t least, EmptyPolicy empty,
+                                                 const std::string& source);
 
 // Returns how many of the next surfaces, at least one, are made at the same time: labels with little work, as long as
 // all of them together stay small.

@@ -62,6 +62,14 @@ std::string LabelAppearance::given_name(std::int64_t label) const {
   return entry != nullptr ? entry->name : std::string();
 }
 
+std::vector<std::string> LabelAppearance::names() const {
+  std::vector<std::string> names;
+  for (const field::LabelName& entry : labels_) {
+    if (is_here(entry)) names.push_back(entry.name);
+  }
+  return names;
+}
+
 std::optional<Note> LabelAppearance::note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
                                                      std::int64_t background, bool in_region) const {
   if (has_table_) return std::nullopt;

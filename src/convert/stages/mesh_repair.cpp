@@ -17,7 +17,7 @@ std::string counted(std::uint64_t count, std::string_view one) {
   return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
-std::string steps_text(const edit::RepairFigures& facts) {
+std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& choice) {
   std::vector<std::string> steps;
   if (facts.welded > 0) steps.push_back(fmt::format("welded {}", counted(facts.welded, "vertex position")));
   if (facts.without_area > 0) {
@@ -33,7 +33,13 @@ std::string steps_text(const edit::RepairFigures& facts) {
     steps.push_back(fmt::format("turned {} inside out", counted(facts.components_turned, "component")));
   }
   if (steps.empty()) steps.emplace_back("nothing to do");
-  if (facts.holes_left > 0) steps.push_back(fmt::format("left {} open", counted(facts.holes_left, "hole")));
+  if (facts.holes_left > 0) {
+    const std::string all = counted(facts.holes_left, "hole");
+    steps.push_back(facts.holes_too_long == 0
+                        ? fmt::format("left {} open", all)
+                        : fmt::format("left {} open, {} of more than {} edges", all, facts.holes_too_long,
+                                      choice.most_hole_edges));
+  }
   if (facts.contradictions > 0) {
     steps.push_back(fmt::format("{} of one-sided patches stay", counted(facts.contradictions, "edge")));
   }
@@ -76,7 +82,7 @@ Result<StageReport> repair_surface(Surface& surface, const StageContext& stage) 
                     {Key::verdict, verdict}},
                    facts.time);
   report.did = "repaired";
-  report.lines.push_back({fmt::format("repaired{}: {}; then {}; {:.2f} s", surface.id.place(), steps_text(facts),
+  report.lines.push_back({fmt::format("repaired{}: {}; then {}; {:.2f} s", surface.id.place(), steps_text(facts, *choice),
                                       verdict, facts.time.wall_seconds)});
   return report;
 }

@@ -33,21 +33,42 @@ Result<mesh::Mesh> welded_copy(const mesh::Mesh& mesh, const Context& context) {
   return welded;
 }
 
-std::string line_of(const edit::UntangleFigures& done, const std::string& surface) {
+std::string line_of(const edit::UntangleFigures& done, const Surface& surface, const Source& source) {
+  const std::string place = surface.id.place();
   if (done.pairs_before == 0)
-    return fmt::format("no triangles intersect at {}; {:.2f} s", surface, done.time.wall_seconds);
-  return fmt::format(
-      "untangled at {}: {} of {} pairs of intersecting triangles left; {} vertices moved by at most {:.3g} voxels in "
-      "{} "
-      "rounds; {:.2f} s",
-      surface, done.pairs_after, done.pairs_before, done.moved, done.greatest_move, done.rounds,
-      done.time.wall_seconds);
+    return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
+  std::string moved = "no vertices moved";
+  if (done.moved > 0) {
+    moved = fmt::format("{} vertices moved by at most {:.3g} {}", done.moved, done.greatest_move,
+                        source.of_meshes ? "typical edge lengths" : "voxels");
+  }
+  return fmt::format("untangled{}: {} of {} pairs of intersecting triangles left; {} edges flipped, {} in {} rounds; "
+                     "{:.2f} s",
+                     place, done.pairs_after, done.pairs_before, done.flips, moved, done.rounds,
+                     done.time.wall_seconds);
+}
+
+bool requires_one(const ConversionJob& job, check::Requirement one) {
+  return std::ranges::find(job.edits.require, one) != job.edits.require.end();
+}
+
+// What closes the surface, if that is known.
+Hint closing_hint(const Surface& surface, const StageContext& stage) {
+  if (stage.source.of_meshes) {
+    return stage.job.edits.repair ? Hint(Remedy::raise, Setting::hole_edges) : Hint(Remedy::use, Setting::repair);
+  }
+  return surface.end.at_data_boundary ? Hint(Remedy::use, Setting::cap) : Hint();
 }
 
 }  // namespace
 
 Result<StageReport> untangle_surface(Surface& surface, const StageContext& stage) {
   if (!stage.job.edits.untangles() || surface.mesh.triangles.empty()) return StageReport();
+  // An open surface fails anyway, and flips and moves leave it open.
+  if (requires_one(stage.job, check::Requirement::closed)) {
+    const auto topology = TRY(mesh::measure_topology(surface.mesh, stage.context));
+    if (topology.open_edges > 0) return StageReport();
+  }
   // Rounding to the coordinates of the file moves triangles, so it comes first.
   if (readers_weld(stage.job) && surface.mesh.origin != glm::dvec3(0)) {
     surface.mesh.positions = written_positions(surface.mesh);
@@ -60,12 +81,13 @@ Result<StageReport> untangle_surface(Surface& surface, const StageContext& stage
   const edit::UntangleFigures done = TRY(edit::untangle(surface.mesh, options, stage.context));
   StageReport report = stage.report_on(StageName::untangle, surface);
   report.add_timed({{Key::pairs, Figures{{Key::before, done.pairs_before}, {Key::after, done.pairs_after}}},
+                    {Key::flips, done.flips},
                     {Key::moved, done.moved},
                     {Key::greatest_move, done.greatest_move},
                     {Key::passes, done.rounds}},
                    done.time);
   report.did = "untangled";
-  report.lines.push_back({line_of(done, surface.id.name())});
+  report.lines.push_back({line_of(done, surface, stage.source)});
   return report;
 }
 
@@ -88,8 +110,11 @@ Result<StageReport> require_properties(Surface& surface, const StageContext& sta
     if (std::ranges::find(reasons, *reason) == reasons.end()) reasons.push_back(*reason);
   }
   if (unmet.empty()) return StageReport();
-  return fail(ErrorCode::verification, fmt::format("{}: the mesh is not {}: {}", stage.subject(surface),
-                                                   fmt::join(unmet, ", "), fmt::join(reasons, "; ")));
+  const bool is_open = std::ranges::find(unmet, word_of(check::Requirement::closed)) != unmet.end();
+  return fail(ErrorCode::verification,
+              fmt::format("{}: the mesh fails {}: {}", stage.subject(surface), fmt::join(unmet, ", "),
+                          fmt::join(reasons, "; ")),
+              is_open ? closing_hint(surface, stage) : Hint());
 }
 
 }  // namespace isoextract::convert

@@ -158,6 +158,7 @@ Result<FillFigures> fill_holes(mesh::Mesh& mesh, const EdgeUses& uses, std::uint
     TRY(context.check());
     if (loop.size() > most_edges) {
       ++figures.left;
+      ++figures.too_long;
       continue;
     }
     auto [triangles, area] = LoopFiller(mesh, uses, loop).triangles();

@@ -14,6 +14,7 @@ struct FillFigures {
   std::uint64_t filled = 0;     // loops
   std::uint64_t triangles = 0;  // added
   std::uint64_t left = 0;       // loops
+  std::uint64_t too_long = 0;   // of those left
 };
 
 // Fills each boundary loop of up to `most_edges` edges whose triangles have less than 3/4 of the area of its component.

@@ -52,10 +52,12 @@ TEST(LabelSelection, RefusesWhatCannotMatch) {
 }
 
 TEST(LabelSelection, NamesTermsWithoutALabel) {
-  auto selection = LabelSelection::parse("1,Kidney*,90-99,!7");
+  auto selection = LabelSelection::parse("1,Kidney*,90-99,5,Skull,!7");
   ASSERT_TRUE(selection);
   EXPECT_TRUE(selection->contains(1, {}));
-  EXPECT_EQ(selection->unmatched(), (std::vector<std::string>{"Kidney*", "90-99"}));
+  using Terms = std::vector<LabelSelection::UnmatchedTerm>;
+  EXPECT_EQ(selection->unmatched(), (Terms{{"Kidney*", false}, {"90-99", false}, {"5", true}, {"Skull", true}}));
+  EXPECT_TRUE(selection->contains(5, "Skull"));
   EXPECT_TRUE(selection->contains(95, "Kidney left"));
   EXPECT_TRUE(selection->unmatched().empty());
 }
