@@ -120,7 +120,8 @@ class LabelsTest(ProgramTest):
         self.assertGreater(report["mesh"]["duplicate_triangles"], 100)  # the common faces of neighbors
         self.assertTrue(all(entry["met"] for entry in report["required"]))
         run = self.run_program("check", "a.glb", "--require", "normals")
-        self.assert_fails(6, run, "the mesh fails normals: map label 1 has no normals; 3 of 3 meshes fail")
+        self.assertEqual(run.code, 6)
+        self.assertIn("the mesh fails normals: map label 1 has no normals; 3 of 3 meshes fail", run.err)
 
     def test_the_choice_changes_no_mesh(self):
         everything, _ = self.glb("--labels", "all")
