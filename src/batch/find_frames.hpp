@@ -51,9 +51,8 @@ struct Frames {
 //   other inputs  a list of paths, one frame each; a missing file is a frame, too, and reading it fails later
 //
 // Numbers of the frames:
-//   - If the names differ only in one decimal number (detail/decimal_names.hpp), the frames get the numbers 1 to n in
-//   the
-//     order of its value, with a note: t_0.25 is 1 and t_0.5 is 2.
+//   - If the names differ only in one decimal number (detail/decimal_names.hpp), the frames get the numbers 1 to n by
+//     its value, with a note: t_0.25 is 1 and t_0.5 is 2.
 //   - Otherwise, if the names differ in one group of digits (detail/sequences.hpp), that group is the number.
 //   - Otherwise the frames get the numbers 1 to n in the order of the inputs, with a note.
 //   - A single file has the last number in its name, else 1.

@@ -63,8 +63,8 @@ struct Source {
     return of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
   }
 
-  // Chooses which side of this iso value is inside, in `field` and `data`. Call before extracting a surface. Does
-  // nothing without SourceOptions::away_from_zero.
+  // Makes the side of this iso value that is away from 0 the inside, in `field` and `data`; for 0, restores the side as
+  // read. Call before extracting a surface. Does nothing without SourceOptions::away_from_zero.
   void set_inside_side(double iso);
 
   // Returns the kinds of the attributes that the mesh keeps.

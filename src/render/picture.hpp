@@ -19,7 +19,7 @@ struct Picture {
   // at which the transmittance falls to 1/2 or less. If it stays above 1/2: of the nearest surface; without a surface
   // +infinity.
   Buffer<float> depth;
-  // Unit normal of the surface at that depth, in the world, toward the eye; 0 if the depth is that of a volume step.
+  // Unit normal of the surface at that depth, in the world, toward the eye; 0 if no surface lies there.
   Buffer<glm::vec3> normals;
   Reservation memory;  // of the three buffers
 

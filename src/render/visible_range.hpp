@@ -1,5 +1,4 @@
-// Chooses the range of values for a built-in transfer function, so that it shows the object and not the noise around
-// it.
+// Chooses the range of values for a built-in transfer function, to show the object without the noise around it.
 #pragma once
 
 #include <vector>
