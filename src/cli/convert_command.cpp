@@ -126,7 +126,7 @@ class ConversionPrinter final : public convert::Events {
       for (const convert::WrittenOutput::Part& part : output.surfaces) labels.push_back(part.label);
       line = fmt::format("{}{} -> {}{}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
                          fmt::join(without_repeats(labels), ", "), surfaces_text(output), path,
-                         output.files > 2 ? fmt::format(" ({} files)", output.files) : "", output.triangles,
+                         output.files > (output.surfaces.front().id.is_label() ? 1U : 2U) ? fmt::format(" ({} files)", output.files) : "", output.triangles,
                          output.vertices, bytes, closed_or_open_text(output, plan_.job), output.placement, seconds);
     }
     std::ranges::stable_sort(lines_, {}, &Line::rank);

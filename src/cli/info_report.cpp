@@ -134,7 +134,10 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   lines.add("format", field.format);
   if (!field.name.empty()) lines.add("name", printable(field.name, kMaxName));
   add_creator(lines, field.creator);
-  lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind), word_of(field.kind)));
+  if (!report.labels) {
+    lines.add("kind",
+              fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind), word_of(field.kind)));
+  }
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
     lines.add("samples",

@@ -163,6 +163,7 @@ class Conversion {
       TRY(context_.check());
       if (!labels_) source_.set_inside_side(isos[begin].id.iso_or_zero());
       const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
+      needs_whole_meshes_ = sink == nullptr;
       auto group = TRY(maker(sink.get()).make_next(isos.subspan(begin)));
       const Result<std::optional<Surface>>& first = group.front().surface;
       if (!labels_ && !first && backends_.fall_back_to_cpu(first.error())) {
@@ -191,6 +192,11 @@ class Conversion {
     open_ = made.open;
     outcome_.bytes_uploaded += made.bytes_uploaded;
     std::ranges::move(made.lost, std::back_inserter(lost_));
+    if (!made.surface && made.surface.error().code == ErrorCode::out_of_memory && needs_whole_meshes_ &&
+        !source_.of_meshes && !labels_) {
+      made.surface.error().hint.steps.emplace_back(
+          "PLY and GLB files take a mesh in parts, unless edits, attributes, measurements or a report need it whole");
+    }
     auto surface = TRY(std::move(made.surface));
     if (!surface) return {};
     if (!labels_ || collector_ != nullptr || !file.label_names.in_use()) {
@@ -430,6 +436,7 @@ class Conversion {
   std::size_t located_ = 0;                     // entries of Outcome::written whose files are known
   StageTime looking_;                           // time spent measuring meshes of the current file, for reports
   bool open_ = false;                           // the current surface may have boundary edges
+  bool needs_whole_meshes_ = true;              // the current surfaces do not go to their file in parts
   std::vector<LostSurface> lost_;               // of the current grid
 };
 

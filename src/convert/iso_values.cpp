@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "convert/field_label.hpp"
+#include "field/label_map.hpp"
 #include "field/percentiles.hpp"
 #include "field/statistics.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -45,6 +46,12 @@ Hint suggested_by_info() {
 
 Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& field) {
   if (field.kind == field::FieldKind::level_set) return ResolvedIso{choice, 0, "the zero of the level set"};
+  if (const auto kind = field::guess_label_map(field)) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: expected labels or an iso value, found neither; the samples look like a {}",
+                            field_label(field), word_of(*kind)),
+                "'isoextract info' prints the command that converts it");
+  }
   return fail(
       ErrorCode::usage,
       fmt::format("{}: expected an iso value for a density, found none; only a level set has a default iso value, 0",

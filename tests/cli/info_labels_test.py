@@ -261,6 +261,13 @@ class InfoLabelsTest(ProgramTest):
         run = self.convert("m_{}.npy", "--iso", "0.5", "-o", "m_{}.ply")
         self.assertEqual(run.err.count("iso-of-labels"), 1)
 
+    def test_a_conversion_without_an_iso_value_leads_to_labels(self):
+        for volume, kind in ((cells(24, 8, 1), "label map"), (ball(16, 5).astype("u1"), "binary mask")):
+            file = self.write(volume.astype("u1"))
+            run = self.run_program(*file, "-o", "x.glb")
+            self.assert_fails(1, run, f"the samples look like a {kind}", "'isoextract info' prints the command")
+            self.assertNotIn("iso value is inside", self.convert("info", *file).text)
+
     def test_a_ct_scan_has_iso_values_of_skin_and_bone(self):
         random = np.random.default_rng(6)
         volume = random.normal(-1000, 12, (48, 48, 48))
