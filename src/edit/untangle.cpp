@@ -188,6 +188,7 @@ Result<UntangleFigures> untangle_mesh(mesh::Mesh& mesh, const UntangleOptions& o
   UntangleFigures figures;
   auto found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
   figures.pairs_before = figures.pairs_after = found.pairs;
+  figures.more_before = found.at_least;
   if (found.pairs > 0) {
     const std::size_t vertices = mesh.positions.size();
     const auto memory = TRY(context.reserve(2 * Neighbors::bytes(3 * mesh.triangles.size(), vertices) +

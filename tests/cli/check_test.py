@@ -181,7 +181,7 @@ class CheckTest(ProgramTest):
 
     def test_usage(self):
         self.write_obj("cube.obj", CUBE, FACES)
-        self.assert_fails(1, self.run_program("check"), "check takes one mesh, found 0")
+        self.assert_fails(1, self.run_program("check"), "expected one mesh, found 0")
         self.assert_fails(1, self.run_program("check", "a.ply", "b.ply"), "found 2: a.ply, b.ply")
         self.assert_fails(1, self.run_program("check", "cube.obj", "--require", "close"), "expected a comma-separated list of closed, ", "'closed'?")
         self.assert_fails(1, self.run_program("check", "cube.obj", "--require", ""), "found ''")
