@@ -73,7 +73,7 @@ class CheckTest(ProgramTest):
             self.assertEqual((mesh["shells"]["open"], mesh["shells"]["not oriented"]), (0, 0))
             # A slicer needs edges of two triangles, but no fans.
             self.assertNotIn("the mesh is closed, manifold", text)
-            self.assertEqual("surfaces touch at, do not matter to it" in text, name == "vertex")
+            self.assertEqual("surfaces touch at 1 vertex, which slicers accept" in text, name == "vertex")
             # Turned inside out as a whole, it is inside out.
             self.write_obj("turned.obj", vertices, [face[::-1] for face in faces])
             turned = self.convert("check", "turned.obj").text
