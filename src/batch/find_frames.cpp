@@ -87,7 +87,7 @@ Result<Frames> without_files(const files::FramePattern& pattern, const std::opti
     return fail(
         ErrorCode::usage,
         fmt::format(
-            "{}: expected the numbers of the frames, because this input is not a file and has no folder to search",
+            "{}: expected the numbers of the frames, because no files tell how many a demo field has",
             printable(input)),
         {Remedy::give, Setting::frames});
   }

@@ -76,7 +76,7 @@ Result<std::optional<Shard>> shard_of_environment(const std::function<const char
     const std::int64_t index = step.value_or(1) > 0 ? from_first / step.value_or(1) : -1;
     if (from_first < 0 || index < 0 || index >= *count || index * step.value_or(1) != from_first) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: expected one of {} task numbers that start at {} with steps of {}, found {}",
+                  fmt::format("{}: expected one of the {} task numbers from {} on in steps of {}, found {}",
                               scheme.number, *count, first.value_or(0), step.value_or(1), *number),
                   "give the shard as K/N");
     }

@@ -110,7 +110,7 @@ std::string reason(Requirement requirement, const MeshCheck& check, std::uint64_
                   topology.nonmanifold_edges,
                   count_text(topology.nonmanifold_vertices, "vertex", "vertices") + " where surfaces touch",
                   topology.nonmanifold_vertices);
-    case Requirement::oriented: return count_text(count, "edge", "edges") + " whose triangles wind against each other";
+    case Requirement::oriented: return count_text(count, "edge", "edges") + " whose triangles have opposite winding";
     case Requirement::outward: return count_text(count, "component", "components") + " inside out";
     case Requirement::no_self_intersections:
       return fmt::format("{}{} of triangles that intersect", check.intersections.at_least ? "more than " : "",

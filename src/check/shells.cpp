@@ -81,7 +81,7 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
 // Sets the type of components without an inside, and their volume to 0. The type of others is body for now.
 Result<void> find_insides(const mesh::Mesh& mesh, const mesh::Components& components, std::vector<Component>& all,
                           const Context& context) {
-  std::uint64_t unclear = 0;  // triangles of components for which only the edges of several sheets decide
+  std::uint64_t unclear = 0;  // triangles of components with non-manifold edges; a count of directions decides there
   for (Component& component : all) {
     component.shell = component.edges.open > 0          ? Shell::open
                       : component.edges.misoriented > 0 ? Shell::not_oriented
@@ -133,7 +133,7 @@ Shell shell_of(const Component& component) {
   return component.volume < 0 ? Shell::hollow : Shell::nested;
 }
 
-// A surface that ends at the faces of its volume has cavities, too, but no inside that they could lie in.
+// An open surface, which ends at the data boundary, may have cavities. It has no inside, so no ray test can find them.
 void find_undecided(std::vector<Component>& all) {
   std::vector<mesh::Bounds> open;
   for (const Component& component : all) {

@@ -17,16 +17,17 @@
 
 namespace isoextract::check {
 
-// A component without open edges, each of whose edges has as many triangles along it as against it, has an inside, also
-// if sheets of it touch at edges or vertices. One inside an even number of other shells bounds a body; its triangles
-// should face outward. One inside an odd number bounds a cavity; its triangles should face inward.
+// The kind of a component. A component has an inside if it has no boundary edges and each edge has as many triangles in
+// one direction as in the other. Its sheets may touch at edges or vertices.
+// Inside an even number of other shells, a component bounds a body; its triangles should face outward. Inside an odd
+// number, it bounds a cavity; its triangles should face inward.
 enum class Shell {
-  open,          // has open edges: no inside
-  not_oriented,  // closed, but an edge has more triangles along it than against it: no inside
+  open,          // has boundary edges, so it has no inside
+  not_oriented,  // closed, but an edge has more triangles in one direction than in the other, so it has no inside
   body,          // faces outward, inside an even number of shells
   hollow,        // faces inward, inside an odd number
   inside_out,    // faces inward, inside an even number
-  undecided,     // as inside_out, but within the bounds of an open component, of which it may be a cavity
+  undecided,     // like inside_out, but inside the bounding box of an open component, so it may be a cavity of that
   nested         // faces outward, inside an odd number: a body inside a body
 };
 constexpr auto words_of(Shell /*type*/) {
@@ -41,22 +42,22 @@ constexpr auto words_of(Shell /*type*/) {
 
 struct Component {
   std::uint64_t vertices = 0;
-  std::uint64_t triangles = 0;  // without triangles that repeat an index
+  std::uint64_t triangles = 0;  // not counting triangles that repeat an index
   EdgeDefects edges;
-  std::uint64_t loops = 0;  // loops of open edges
+  std::uint64_t loops = 0;  // boundary loops
   double area = 0;
-  double volume = 0;  // enclosed; negative if it faces inward, 0 without an inside
+  double volume = 0;  // negative if the triangles face inward; 0 without an inside
   mesh::Bounds bounds;
   std::optional<std::int64_t> genus;  // absent if an edge or a vertex is non-manifold or an edge is misoriented
   Shell shell = Shell::open;
-  std::uint32_t within = 0;  // number of other shells around it; 0 without an inside
+  std::uint32_t within = 0;  // number of other shells that enclose it; 0 without an inside
 
   [[nodiscard]] bool has_inside() const { return shell != Shell::open && shell != Shell::not_oriented; }
 };
 
-// Describes each component, in the order of `components`. mesh/shells.hpp decides which shell lies inside which. The
-// result does not depend on the number of threads. The caller reserves memory for the result. Fails with
-// ErrorCode::out_of_memory if the working memory exceeds the budget, or with ErrorCode::cancelled.
+// Describes each component, in the order of `components`. mesh/shells.hpp finds the shells around each. The result does
+// not depend on the number of threads. The caller reserves memory for the result. Fails with ErrorCode::out_of_memory
+// if the working memory exceeds the budget, or with ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh,
                                                                  const mesh::Components& components,
                                                                  const BoundaryDefects& defects,

@@ -41,9 +41,9 @@ class Findings {
       slicer(
           touching == 0
               ? "It needs no repair: the mesh is closed, manifold, faces outward and does not intersect itself."
-              : fmt::format("It needs no repair: the mesh is closed, faces outward and does not intersect itself; {} "
-                            "surfaces touch at, do not matter to it.",
-                            amount(touching, "vertex, which", "vertices, which")));
+              : fmt::format("It needs no repair: the mesh is closed, faces outward and does not intersect itself; surfaces "
+                            "touch at {}, which slicers accept.",
+                            amount(touching, "vertex", "vertices")));
     }
     tell_size();
     slicers_.insert(slicers_.end(), engines_.begin(), engines_.end());
@@ -87,7 +87,7 @@ class Findings {
       engine("It shows the inside of components that are inside out, if it draws only one side of triangles.");
     }
     if (const std::uint64_t undecided = check_.count(Shell::undecided); undecided > 0) {
-      slicer(fmt::format("It takes {} within an open one for cavities; whether they are shows the closed mesh only.",
+      slicer(fmt::format("It treats {} within an open component as cavities; close the mesh to find out whether they are.",
                          amount(undecided, "component that faces inward", "components that face inward")));
     }
     if (check_.topology.misoriented_edges > 0) {
@@ -144,8 +144,8 @@ class Findings {
   void tell_size() {
     const glm::dvec3 size = check_.bounds.max - check_.bounds.min;
     if (report_.is_gltf) {
-      engine(fmt::format("It is {} large.", size_text(size, 1, "m")));
-      slicer(fmt::format("It is {} large, if the slicer reads glTF in meters.", size_text(size, 1000, "mm")));
+      engine(fmt::format("The mesh measures {}.", size_text(size, 1, "m")));
+      slicer(fmt::format("The mesh measures {}, if the slicer reads glTF in meters.", size_text(size, 1000, "mm")));
       return;
     }
     std::string besides;

@@ -10,7 +10,7 @@ namespace isoextract::cli {
 
 Result<CheckPlan> plan_check(const CheckFlags& flags) {
   if (flags.meshes.size() != 1) {
-    return refuse_usage(fmt::format("check takes one mesh, found {}{}{}", flags.meshes.size(),
+    return refuse_usage(fmt::format("expected one mesh, found {}{}{}", flags.meshes.size(),
                                     flags.meshes.empty() ? "" : ": ", fmt::join(flags.meshes, ", ")),
                         "isoextract check MESH");
   }

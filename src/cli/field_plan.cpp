@@ -37,7 +37,8 @@ Result<void> check_field_options(const ConvertFlags& flags) {
   }
   if (flags.surface.nan == extract::NanPolicy::hole) {
     return refuse_usage(
-        "--nan hole needs a surface, but the output is the field itself, which keeps NaN samples unchanged");
+        "--nan hole needs a surface, but the output is the field itself, which keeps NaN samples unchanged",
+        "leave --nan out");
   }
   if (flags.output && flags.output->find("{iso}") != std::string::npos) {
     return refuse_usage(fmt::format("-o {}: a field has no iso value", *flags.output), "leave {iso} out");

@@ -78,7 +78,7 @@ constexpr std::array kGuide{
               "Check the placement of the volume of the attribute."},
     NoteGuide{attribute_placement, "The volume of an attribute has another placement than the input.",
               "Check that both volumes are in the same world coordinates."},
-    NoteGuide{attribute_renamed, "The format does not allow the name of an attribute.", ""},
+    NoteGuide{attribute_renamed, "The format does not allow the attribute's name, or another one has it, so the writer changes it.", ""},
     NoteGuide{
         cell_size,
         "The samples are closer together than usual, to keep small spheres. Or some spheres are too small for the "

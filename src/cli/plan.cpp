@@ -188,7 +188,7 @@ Result<volume_io::ReadOptions> plan_read(const InputFlags& flags) {
     raw.components = flags.components.value_or(raw.components);
     raw.planar = flags.planar;
     if (raw.planar && raw.components == 1) {
-      return refuse_usage("--planar describes samples of several numbers", "give --components N as well");
+      return refuse_usage("--planar needs samples of several components, found 1", "give --components N as well");
     }
     read.raw = raw;
   } else {

@@ -173,12 +173,12 @@ class Conversion {
         TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
       }
       begin += group.size();
-      if (group.size() > 1) release_free_memory();  // the reports of surfaces stay, between what their meshes took
+      if (group.size() > 1) release_free_memory();  // the reports that stay lie between freed meshes
     }
     return {};
   }
 
-  // Returns what writes the only surface of a file while it is made; null if the surface must be whole before.
+  // Returns a sink that writes the only surface of a file during extraction; null if a stage needs the whole mesh.
   std::unique_ptr<mesh::MeshSink> sink_of(std::span<const ResolvedIso> isos, OutputMeshes& file) const {
     const bool is_only = file.job.isos.size() == 1 && isos.size() == 1 && job_.source.more_grids.empty() && !labels_;
     const bool may = is_only && collector_ == nullptr && !extras_.mesh_facts;

@@ -27,9 +27,9 @@ namespace isoextract::convert {
 // with another axis upward; this is then its placement.
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
-// Returns the placement of a mesh file that was read, where it had the placement `before`, and placed again by `again`.
-// Voxel coordinates stay voxel coordinates only if `again` changes nothing; else the result is that of a mesh in the
-// world of the file that was read.
+// Returns the placement of a mesh that was read from a file with the placement `before`, and then placed by `again`.
+// Voxel coordinates stay voxel coordinates only if `again` changes nothing; otherwise the result refers to the world of
+// the file.
 [[nodiscard]] ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again);
 
 // Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no

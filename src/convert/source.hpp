@@ -35,35 +35,36 @@ struct Source {
   std::optional<field::IndexBox> period;  // for particles in a periodic box: the samples of one period
   // clip_surface() cuts the surface to the inside of these half-spaces, in output coordinates.
   std::vector<mesh::HalfSpace> clip;
-  std::vector<ResolvedIso> isos;  // one for each requested iso value
+  std::vector<ResolvedIso> isos;  // one for each requested iso value; of a mesh file, one for each mesh
   std::string label;              // name in messages
-  bool empty = false;             // the input has no voxels or no particles
+  bool empty = false;             // the input has no voxels, no particles or no triangles
   bool of_particles = false;
-  std::string why_no_particles = {};  // set if a condition chose none, or no particle lies near the region
+  std::string why_no_particles = {};  // set if the condition chose no particle, or if none lies near the region
   bool region_is_empty = false;       // no particle lies near the region
   // Set with SourceOptions::away_from_zero: the field's kind as read, which set_inside_side(0) restores.
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
-  std::optional<NeighborCounts> neighbors;    // set if SourceUse::counts_neighbors is and there are particles
+  std::optional<NeighborCounts> neighbors;    // set if SourceUse::counts_neighbors is set and there are particles
   // Meshes of a mesh file in output coordinates, in the order of `isos`. The conversion takes one after the other.
   // `field` then has no samples. Its voxels are cubes of the file's typical edge length, for stages that need a length.
   std::vector<mesh::Mesh> meshes;
   bool of_meshes = false;
-  std::optional<ResolvedPlacement> from_world;  // of a mesh file: from the world of its field to the output
+  std::optional<ResolvedPlacement> from_world;  // of a mesh file: from the world of its original input to the output
   std::vector<NamedKind> mesh_kinds;            // of a mesh file: the kinds of its attributes
 
-  // Says that no particle lies in the region or, with `or_near`, near it; `count` has the particles left of all.
+  // Sets why_no_particles and region_is_empty: no particle lies in the region, or with `or_near`, in it or near it.
+  // Uses only `count.of`, the number of all particles.
   void set_empty_region(const ParticleCount& count, const field::Box& region, bool or_near = false);
 
-  // Says why `empty` is set.
+  // Returns the reason why the input is empty, for messages.
   [[nodiscard]] std::string why_empty() const {
     if (!why_no_particles.empty()) return why_no_particles;
     if (of_meshes) return "the file has no triangles";
     return of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
   }
 
-  // Call before extracting a surface: sets which side of this iso value is inside, in the field and in the data. Does
-  // nothing without SourceOptions::away_from_zero.
+  // Makes the side of this iso value that is away from 0 the inside, in `field` and `data`; for 0, restores the side as
+  // read. Call before extracting a surface. Does nothing without SourceOptions::away_from_zero.
   void set_inside_side(double iso);
 
   // Returns the kinds of the attributes that the mesh keeps.
@@ -90,21 +91,21 @@ struct SourceUse {
   bool keep_data = false;  // keep Source::data, to measure the error of the surface against it
   // For particles: the one iso value that will be extracted, so that particles deep inside can be left out.
   std::optional<double> only_iso;
-  bool outside_region = false;  // the field outside the region is used as well, so that all particles count
+  bool outside_region = false;  // the job uses the field outside the region, too, so the source keeps all particles
   std::vector<IsoChoice> isos;  // the requested iso values
   std::int64_t background = 0;  // of a label map (SurfaceOptions::background)
-  // A result without a surface is no error. So open_source() does not fail if no suggested iso value separates the
-  // samples, or if an attribute is missing; a missing attribute fails later, if there is a surface.
+  // An empty surface is no error. So open_source() does not fail if no suggested iso value separates the samples, or if
+  // an attribute is missing. A missing attribute fails later, if the surface is not empty.
   bool empty_is_fine = false;
   bool counts_neighbors = false;  // keep Source::neighbors
   RegionEnds region_ends = RegionEnds::faces;
   // The format if the output is the field itself: resampling then keeps the narrow band of level sets.
   std::optional<volume_io::VolumeFileFormat> field_format;
   field::NanHandling nan = field::NanHandling::left_out;  // how resampling treats NaN
-  bool is_in_meters = false;                              // whether the output's format is glTF, which prescribes them
-  // For mesh files: the format of the output, a glTF for pictures.
+  bool is_in_meters = false;                              // the output's format is glTF, which prescribes meters
+  // For mesh files: the format of the output; glb if the output is a picture.
   mesh_io::MeshFormat mesh_format = mesh_io::MeshFormat::glb;
-  bool meshes_apart = true;  // each mesh of the file is a surface, else all together are one
+  bool meshes_apart = true;  // true: each mesh of a mesh file is a surface; false: the whole file is one surface
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 

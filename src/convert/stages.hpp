@@ -149,7 +149,7 @@ inline constexpr std::array kStages{
               .section = "pieces",
               .asked = [](const ConversionJob& job) { return job.edits.pieces.drops(); },
               .edit = drop_pieces,
-              .done = "pieces dropped"},
+              .done = "components removed"},
     StageInfo{.name = StageName::relax,
               .word = "relax",
               .section = "relaxations",

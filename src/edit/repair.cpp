@@ -38,7 +38,7 @@ void keep_triangles(mesh::Mesh& mesh, const Keep& keep) {
   mesh.triangles = std::move(rest);
 }
 
-// Returns the number of vertices that became another one.
+// Returns the number of vertices that were merged into another vertex.
 std::uint64_t weld(mesh::Mesh& mesh) {
   const std::size_t vertices = mesh.positions.size();
   const mesh::CoincidentVertices places(mesh.positions.span());
@@ -50,7 +50,7 @@ std::uint64_t weld(mesh::Mesh& mesh) {
     joins[edge[0].low] = true;
     joins[edge[0].high] = true;
   });
-  std::vector<std::uint32_t> first_at(vertices, kNone);  // the first vertex at a place that joins others
+  std::vector<std::uint32_t> first_at(vertices, kNone);  // per position: the first vertex, into which others merge
   std::vector<std::uint32_t> target(vertices);
   std::uint64_t welded = 0;
   for (std::uint32_t v = 0; v < vertices; ++v) {
@@ -124,7 +124,7 @@ Result<std::uint64_t> remove_flat(mesh::Mesh& mesh, const Context& context) {
     for (const std::uint32_t t : flat) flipped += !changed[t] && flip(mesh, uses, t, changed) ? 1 : 0;
     removed += flipped;
     if (flipped > 0) continue;
-    // The others have no neighbor to give their corner to.
+    // The remaining triangles have no neighbor that their middle corner could split.
     std::vector<bool> drops(mesh.triangles.size());
     for (const std::uint32_t t : flat) drops[t] = true;
     keep_triangles(mesh, [&](std::uint32_t t) { return !drops[t]; });

@@ -12,12 +12,11 @@
 //   filter's cutoff moves above the pass band until the gain at the end of the pass band is at least 0.999. VTK's
 //   vtkWindowedSincPolyDataFilter is the same filter.
 // - Weighted: F. Loeschner, T. Boettcher, S. R. Jeske, J. Bender, Weighted Laplacian smoothing for surface
-// reconstruction
-//   of particle-based fluids. VMV 2023. Each pass moves a vertex towards the mean by its weight. This shrinks shapes of
-//   a few edge lengths. So closed components get their volume back, as M. Desbrun, M. Meyer, P. Schroeder, A. H. Barr
-//   do (Implicit fairing of irregular meshes using diffusion and curvature flow. SIGGRAPH 1999); here the vertices
-//   move along their normals by their weights. Components with vertices that may not move freely stay smaller, and
-//   those that would lose four fifths of their volume are not smoothed.
+//   reconstruction of particle-based fluids. VMV 2023. Each pass moves a vertex towards the mean by its weight. This
+//   shrinks shapes of a few edge lengths. So closed components get their volume back, as M. Desbrun, M. Meyer, P.
+//   Schroeder, A. H. Barr do (Implicit fairing of irregular meshes using diffusion and curvature flow. SIGGRAPH 1999);
+//   here the vertices move along their normals by their weights. Components with vertices that may not move freely
+//   stay smaller, and those that would lose four fifths of their volume are not smoothed.
 #pragma once
 
 #include <array>

@@ -19,7 +19,7 @@ namespace isoextract::edit {
 namespace {
 
 constexpr int kMostRounds = 40;
-constexpr int kRoundsARing = 8;  // then vertices one edge farther away move, too
+constexpr int kRoundsARing = 8;  // after so many rounds of moves, vertices one edge farther away move, too
 constexpr std::uint64_t kMostPairs = 1 << 20;
 constexpr double kMostMove = 1;  // in the space of UntangleOptions::to_metric
 
@@ -46,7 +46,7 @@ class EdgeFlips {
            mesh.positions.size();
   }
 
-  // Returns the number of flips. Flips at most one edge at a vertex: call it again for more.
+  // Flips at most one edge at each vertex, and returns the number of flips. For more flips, make a new object.
   std::size_t run(const Pairs& pairs) {
     std::size_t flips = 0;
     for (const auto& pair : pairs) {
@@ -97,7 +97,7 @@ class EdgeFlips {
            has_area(b);
   }
 
-  // Counts the pairs of two triangles with each other and with all but those two numbers.
+  // Counts the intersections of two triangles with each other and with all triangles except `numbers`.
   [[nodiscard]] std::size_t count_pairs(const std::array<glm::uvec3, 2>& triangles,
                                         const std::array<std::uint32_t, 2>& numbers) const {
     std::size_t count = meet(triangles[0], triangles[1]) ? 1 : 0;
@@ -109,7 +109,7 @@ class EdgeFlips {
     return count;
   }
 
-  // Returns the one other triangle with the edge from b to a, or nothing.
+  // Returns the corner at which the edge from b to a starts; nothing if several triangles or none have this edge.
   [[nodiscard]] std::optional<mesh::Corner> across(std::uint32_t a, std::uint32_t b) const {
     std::optional<mesh::Corner> found;
     for (const mesh::Corner corner : around_.corners(b)) {
@@ -128,7 +128,7 @@ class EdgeFlips {
     });
   }
 
-  // Returns the flip of the edge that starts at a corner, if it leaves fewer pairs.
+  // Returns the flip of the edge that starts at this corner; nothing unless it leaves fewer intersecting pairs.
   [[nodiscard]] std::optional<Flip> flip_at(std::uint32_t t, int corner) const {
     const glm::uvec3& own = mesh_.triangles[t];
     const std::uint32_t a = own[corner];
@@ -188,6 +188,7 @@ Result<UntangleFigures> untangle_mesh(mesh::Mesh& mesh, const UntangleOptions& o
   UntangleFigures figures;
   auto found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
   figures.pairs_before = figures.pairs_after = found.pairs;
+  figures.more_before = found.at_least;
   if (found.pairs > 0) {
     const std::size_t vertices = mesh.positions.size();
     const auto memory = TRY(context.reserve(2 * Neighbors::bytes(3 * mesh.triangles.size(), vertices) +

@@ -1,9 +1,11 @@
-// Makes a mesh printable whose triangles intersect in a few cells.
+// Removes self-intersections of a mesh, so that it becomes printable.
 //
-// Marching cubes joins the two loops of a tunnel through a cell by flat triangles, which can intersect. Edges are
-// flipped where that leaves fewer pairs. If no flip does, vertices move toward the mean of their neighbors, by up to a
-// voxel. No move makes other triangles intersect (detail/untangled_moves.hpp). Vertices of boundary edges stay, those
-// of caps stay in their planes.
+// Marching cubes joins the two loops of a tunnel through a cell by flat triangles, which can intersect. In each round,
+// untangle() flips edges of intersecting triangles where a flip leaves fewer intersecting pairs. In a round without
+// such a flip, it moves vertices of these triangles toward the mean of their neighbors. No vertex moves farther than a
+// voxel in total. No move makes other triangles intersect (detail/untangled_moves.hpp).
+//
+// Vertices of boundary edges and of cuts stay in place; vertices of caps move only in the plane of their cap.
 #pragma once
 
 #include <cstdint>
@@ -22,24 +24,26 @@
 namespace isoextract::edit {
 
 struct UntangleOptions {
-  std::optional<DataBox> walls;           // as in SmoothOptions
-  std::span<const mesh::HalfSpace> cuts;  // as in SmoothOptions
-  glm::dmat3 to_metric{1.0};              // maps the mesh's coordinates to the space of greatest_move
+  std::optional<DataBox> walls;           // SmoothOptions::walls
+  std::span<const mesh::HalfSpace> cuts;  // SmoothOptions::cuts
+  glm::dmat3 to_metric{1.0};  // maps the mesh's coordinates to the space in which moves are measured: usually voxels
 };
 
 struct UntangleFigures {
-  std::uint64_t pairs_before = 0;  // intersecting pairs of triangles (mesh/self_intersections.hpp)
-  std::uint64_t pairs_after = 0;
-  std::uint64_t flips = 0;  // of edges
-  std::uint64_t moved = 0;  // vertices
-  double greatest_move = 0;
+  std::uint64_t pairs_before = 0;  // intersecting pairs of triangles (mesh/self_intersections.hpp), counted up to 2^20
+  std::uint64_t pairs_after = 0;   // counted up to 2^20
+  bool more_before = false;  // there were more pairs than pairs_before, which is the limit of the search
+  std::uint64_t flips = 0;         // flipped edges
+  std::uint64_t moved = 0;         // moved vertices
+  double greatest_move = 0;        // in the space of UntangleOptions::to_metric
   int rounds = 0;
   StageTime time;
 };
 
-// Flips and moves until no triangles intersect, or for a limited number of rounds. Keeps the order of vertices,
-// attributes and normals; drops edge keys. Changes nothing without intersections. Positions must be finite. The result
-// does not depend on the number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
+// Flips edges and moves vertices until no triangles intersect, at most 40 rounds. Leaves a mesh without intersections
+// unchanged. Otherwise keeps the order of the vertices, their attributes and their old normals, and drops edge keys.
+// Positions must be finite. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or
+// ErrorCode::cancelled.
 [[nodiscard]] Result<UntangleFigures> untangle(mesh::Mesh& mesh, const UntangleOptions& options,
                                                const Context& context);
 

@@ -59,9 +59,9 @@ struct ExtractOptions {
   bool shared_origin = false;  // all regions of one field use one mesh origin, so vertices on a shared face are equal
                                // bit for bit; large fields lose precision (edge_geometry.hpp)
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
-  // Receives the mesh part by part. This needs the CPU, mc or mt, and dense samples, and excludes edge keys; with NaN
-  // samples, it excludes holes and normals. Otherwise, and if the sink declines (MeshSink::begin()), Extraction::mesh
-  // is the mesh. Null: no sink.
+  // Receives the mesh part by part; null: no sink. Works on the CPU for mc and mt with dense samples, without edge
+  // keys. If samples are NaN, it also needs another policy than NanPolicy::hole, and no smooth normals. Otherwise, and
+  // if the sink declines (MeshSink::begin()), the mesh is Extraction::mesh.
   mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;

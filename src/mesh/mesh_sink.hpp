@@ -1,4 +1,4 @@
-// Takes a mesh in parts while it is made, so that no one holds the whole mesh.
+// The interface of a receiver that takes a mesh part by part during extraction. The whole mesh is never in memory.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace isoextract::mesh {
 
-// The properties of a mesh that are known before its arrays.
+// The properties of a mesh that are known before its first part.
 struct MeshShape {
   glm::dvec3 origin{0.0};  // Mesh::origin
   std::uint64_t vertices = 0;
@@ -20,6 +20,7 @@ struct MeshShape {
   bool may_be_open = false;  // the mesh may have boundary edges
 };
 
+// Does not set `may_be_open`: finding boundary edges takes a pass over the triangles.
 [[nodiscard]] inline MeshShape shape_of(const Mesh& mesh) {
   return {.origin = mesh.origin,
           .vertices = mesh.positions.size(),
@@ -33,7 +34,7 @@ struct MeshPart {
   std::span<const glm::vec3> positions;
   std::span<const glm::vec3> normals;  // one per position; or empty
   std::uint64_t first_triangle = 0;
-  std::span<const glm::uvec3> triangles;  // indices of vertices of the whole mesh, also of those in other parts
+  std::span<const glm::uvec3> triangles;  // vertex indices in the whole mesh; the vertices may be in other parts
 };
 
 class MeshSink {
@@ -43,11 +44,11 @@ class MeshSink {
   MeshSink& operator=(const MeshSink&) = delete;
   virtual ~MeshSink() = default;
 
-  // Prepares for a mesh of this shape. Called once, before the first part. Returns false if the caller should make the
-  // mesh as a whole instead.
+  // Prepares for a mesh of this shape. Call once, before the first part. Returns false if the sink declines the mesh:
+  // the caller then makes the whole mesh in memory.
   [[nodiscard]] virtual Result<bool> begin(const MeshShape& shape) = 0;
-  // Takes one part. Called from several threads at once, in any order; the parts of a mesh cover it without overlap.
-  // The arrays are valid only during the call.
+  // Takes one part. Several threads call it at once, in any order. Together the parts cover the mesh, without overlap.
+  // The arrays of the part are valid only during the call.
   [[nodiscard]] virtual Result<void> take(const MeshPart& part) = 0;
 };
 

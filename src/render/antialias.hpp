@@ -1,4 +1,4 @@
-// Draws pictures with several rays per pixel, so that edges of surfaces are smooth.
+// Antialiasing: draws pictures with several rays per pixel.
 #pragma once
 
 #include "base/context.hpp"

@@ -1,9 +1,8 @@
 // A perspective camera in world space, in double, and the view directions of its pixels.
 //
 // View space has the eye at 0 and the axes of OpenGL: x to the right, y up, z backwards. Depth is the distance along
-// the view axis, -z. The point that picture position (x, y) sees at depth d is d * direction_through(x, y), so depth is
-// the parameter of every ray. The distance between two depths on a ray is their difference times the direction's
-// length.
+// the view axis, -z. The ray through picture position (x, y) reaches the point d * direction_through(x, y) at depth d.
+// The length of a ray between two depths is their difference times the length of direction_through().
 //
 // Scenes may have any size, so renderers compute in view coordinates divided by unit(), the distance from eye to target
 // (view_from_world(), clip_from_view()). direction_through() is the same in both. Depths of pictures are in world
@@ -76,8 +75,8 @@ struct PixelBox {
 };
 
 // Projects the 8 corners of `box`, which `map` maps to the world, and returns the rectangle of the pixels that may see
-// the box (docs/papers.md, hybrid ray casting, equation 2). It is the whole picture if only some corners are in front
-// of the near plane, and empty if none is.
+// the box (docs/papers.md, hybrid ray casting, equation 2). Returns the whole picture if some corners are nearer than
+// the near plane, and an empty rectangle if all are.
 [[nodiscard]] PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::Affine& map,
                                  const field::Box& box);
 
@@ -88,9 +87,9 @@ struct ViewAngles {
   double elevation = 20;                // from -90 to 90
   std::optional<double> distance{};     // if unset, far enough to see the whole box
   std::optional<glm::dvec3> look_at{};  // the target in the world; if unset, the center of the box
-  double front = 0;                     // turn of the scene's front, in degrees; added to the azimuth
+  double front = 0;                     // azimuth of the front of the scene, in degrees; added to `azimuth`
 
-  // Returns whether the camera does not depend on the box.
+  // Returns whether distance and target are set, so that the camera does not depend on the box.
   [[nodiscard]] bool is_fixed() const { return distance && look_at; }
 
   friend bool operator==(const ViewAngles&, const ViewAngles&) = default;
@@ -113,17 +112,17 @@ constexpr auto words_of(UpAxis /*type*/) {
 [[nodiscard]] Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                double fovy = Camera::kDefaultFovy);
 
-// Moves the near and far planes so that they enclose the part of `box`, as frame_box() says, in addition to what they
-// enclose now.
+// Extends the depth range from the near to the far plane by the range that frame_box() would choose for `box`.
 void enclose_box(Camera& camera, const field::Box& box);
 
-// Returns the camera of frame_box() but, without a distance, so close that the corners of the box just fit into the
-// picture, with a margin. So the distance depends on the angles.
+// Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest at which the corners of the box
+// fit into the picture, with a margin; it depends on the angles.
 [[nodiscard]] Camera frame_box_closely(const field::Box& box, const ViewAngles& angles, UpAxis up,
                                        const PictureSize& size, double fovy = Camera::kDefaultFovy);
 
-// Returns the camera of frame_box() but, without a distance, so close that the box just fits while it turns around the
-// up axis: the distance depends on the elevation, not on the azimuth. It is never farther away than with frame_box().
+// Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest at which the box fits into the
+// picture while it turns around the up axis. It depends on the elevation, not on the azimuth, and is never longer than
+// that of frame_box().
 [[nodiscard]] Camera frame_turn(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                 double fovy = Camera::kDefaultFovy);
 

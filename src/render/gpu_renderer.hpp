@@ -1,7 +1,8 @@
-// Draws scenes on a GPU, through EGL without a display, by the model and within the tolerance of renderer.hpp.
+// Draws scenes on a GPU through EGL, without a display. Follows the rendering model of renderer.hpp, within its
+// tolerance.
 //
 // The first pass draws opaque surfaces into a framebuffer object, which keeps the nearest triangle of each pixel and
-// its depth. Then it counts and lists, per pixel, the transparent fragments in front of that.
+// its depth. Then it counts and lists, per pixel, the transparent fragments in front of this triangle.
 // The second pass casts one ray per pixel in GLSL (hybrid ray casting, docs/papers.md). It samples the volume, sorts
 // the pixel's list, shades the fragments and composites everything front to back. Pixels outside of the screen bounds
 // of the volume use a shorter program.
@@ -25,8 +26,8 @@ struct GpuRenderOptions {
   // Limit of the device memory for volume, surfaces and picture together; by default three quarters of the device's
   // memory, or no limit if the device does not report its memory.
   std::optional<std::uint64_t> memory_bytes;
-  // Part of this limit for lists of transparent fragments, 8 bytes each; tiles that need more are drawn in smaller
-  // tiles.
+  // The part of memory_bytes for lists of transparent fragments, 8 bytes each; the renderer divides a tile that needs
+  // more into smaller tiles.
   std::uint64_t list_bytes = 256 << 20;
   bool debug = false;  // for tests: fails with ErrorCode::unavailable if the driver reports a problem
 

@@ -15,10 +15,11 @@ struct Picture {
   int width = 0;
   int height = 0;
   Buffer<glm::vec4> color;  // premultiplied red, green, blue, and alpha; not clamped, so highlights exceed 1
-  // Along the view axis in world units, at the first surface or volume step (its middle) behind which at most half of
-  // the light remains. If no step has this property: at the nearest surface, or +infinity without a surface.
+  // Depth along the view axis in world units: of the first surface fragment, or of the middle of the first volume step,
+  // at which the transmittance falls to 1/2 or less. If it stays above 1/2: of the nearest surface; without a surface
+  // +infinity.
   Buffer<float> depth;
-  // Unit normal, in the world and towards the eye, of the surface at that depth; 0 if the depth belongs to no surface.
+  // Unit normal of the surface at that depth, in the world, toward the eye; 0 if no surface lies there.
   Buffer<glm::vec3> normals;
   Reservation memory;  // of the three buffers
 

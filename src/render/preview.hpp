@@ -20,7 +20,7 @@ struct PreviewOptions {
   PictureSize size{960, 720};
   ViewAngles angles;
   UpAxis up = UpAxis::z;
-  // The box to frame, so that all frames share a camera; if unset, the box of the meshes.
+  // The box that the camera frames; if unset, the box of the meshes. Frames of a sequence with one box share a camera.
   std::optional<field::Box> box;
   double fovy = Camera::kDefaultFovy;        // vertical field of view, radians
   glm::dvec4 background = kUsualBackground;  // linear, straight alpha
@@ -28,8 +28,8 @@ struct PreviewOptions {
   std::string unit;  // unit of world lengths, for the scale bar; may be empty
 };
 
-// Draws the surfaces with 2 x 2 samples per pixel, or with one if the doubled size would exceed PictureSize::kMaxSide.
-// Depth and normals are those of the nearest sample. Without a triangle the picture is the background alone, without
+// Draws the surfaces with 2 x 2 rays per pixel, or with one if the doubled size would exceed PictureSize::kMaxSide.
+// Depth and normals are those of the nearest ray. Without a triangle the picture is the background alone, without
 // a scale bar. Fails as Renderer::draw() does and, without PreviewOptions::box, as box_of() does.
 [[nodiscard]] Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOptions& options,
                                             Renderer& renderer, const Context& context);

@@ -38,12 +38,12 @@ constexpr auto words_of(Shading /*type*/) {
 }
 
 // A triangle mesh to draw. Both sides are visible: a normal that points away from the eye's side of the triangle's
-// plane is flipped.
+// plane is flipped for shading.
 //
 // Coverage: a pixel has a fragment of a triangle if the ray through its center hits the triangle between the near and
 // far depths of the camera. On an edge shared by two triangles exactly one of them has the fragment, unless the edge is
-// part of a silhouette (both triangles lie on the same side of it in the picture). A GPU first rounds corners to 1/256
-// of a pixel, so backends may differ at pixels whose centers are that close to an edge.
+// part of a silhouette: there both triangles lie on the same side of it in the picture. A GPU first rounds corners to
+// 1/256 of a pixel, so backends may differ at pixels whose centers are that close to an edge.
 struct Surface {
   const mesh::Mesh* mesh = nullptr;  // not null; outlives the drawing; indices in range
   glm::dvec3 color{0.8, 0.8, 0.8};   // linear light

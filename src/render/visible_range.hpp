@@ -1,4 +1,4 @@
-// Chooses the values that a built-in transfer function shows, so that it shows the object and not the noise around it.
+// Chooses the range of values for a built-in transfer function, to show the object without the noise around it.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace isoextract::render {
 
-// The function is transparent at `low` and covers the values to `high`. With `both_sides` it covers these distances
-// above and below `middle`.
+// The values from `low`, where the function is transparent, to `high`. With `both_sides`, `low` and `high` are
+// distances above and below `middle`.
 struct VisibleRange {
   double low = 0;
   double high = 1;  // above low
@@ -18,21 +18,23 @@ struct VisibleRange {
   double middle = 0;
 };
 
-// Chooses the range by the histogram. `statistics` must be of `field`; percentiles are not needed.
+// Chooses the range from the histogram. `statistics` must be of `field`; percentiles are not needed. There are four
+// cases; the first that applies decides:
 //
-// A level set is visible from 0 inwards. In other fields, the background are the samples up to the iso value t that
-// field::suggest_iso() gives (Otsu's threshold). With their median m and their 1st percentile p, the range begins at
-// min(t, m + 1.3 (m - p)), the upper end of a symmetric noise. It ends at the 99.9th percentile of the samples above,
-// but at most 8 times as far from the beginning as their mean, so that a few large values do not hide the others.
-// Densities over many powers of ten get the range from the least value to 8 times the mean above it. They are fields
-// with 90 % of the samples in one bin of the histogram, and a mean over 3 times as far above the least value as the
-// median.
-//
-// Seismic amplitudes and wave functions have values on both sides of 0, alike and with long tails. Such a field is
-// visible on both sides of its median: from the distance between the quartiles to the 99.9th percentile of distances.
+//   - Level sets: from the least value to 0, or to the greatest value if it is below 0.
+//   - Values on both sides of 0 with similar, long tails, such as seismic amplitudes and wave functions. The range has
+//     both sides of the median: from the distance between the quartiles to the 99.9th percentile of the distances.
+//   - Densities over many powers of ten: over 90 % of the samples are in one bin of the histogram, and the mean is more
+//     than 3 times as far above the least value as the median. The range begins at the least value and ends 8 times as
+//     far above it as the mean.
+//   - All other fields: the background is the samples below the iso value t of field::suggest_iso() (Otsu's threshold).
+//     With their median m and 1st percentile p, the range begins at min(t, m + 1.3 (m - p)), the upper end of a
+//     symmetric noise. It ends at the 99.9th percentile of the samples above that, but at most 8 times as far from the
+//     beginning as their mean, so that a few large values do not hide the others.
 [[nodiscard]] VisibleRange visible_range(const field::ScalarField& field, const field::FieldStatistics& statistics);
 
-// Returns the control points of a built-in function over the range. For a level set, values fall inwards.
+// Returns the control points of a built-in function over the range. For a level set, the function runs from high to low
+// values, because values fall inwards.
 [[nodiscard]] std::vector<ControlPoint> built_in_points(BuiltInTransfer name, const VisibleRange& range,
                                                         field::FieldKind kind);
 

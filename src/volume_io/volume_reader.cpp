@@ -74,7 +74,8 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
     }
   }
   if (options.origin && !(std::isfinite(options.origin->x + options.origin->y + options.origin->z))) {
-    return fail(ErrorCode::usage, "the origin: expected finite numbers");
+    return fail(ErrorCode::usage, fmt::format("the origin: expected finite numbers, found {}, {}, {}",
+                                              options.origin->x, options.origin->y, options.origin->z));
   }
   return {};
 }

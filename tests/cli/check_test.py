@@ -73,7 +73,7 @@ class CheckTest(ProgramTest):
             self.assertEqual((mesh["shells"]["open"], mesh["shells"]["not oriented"]), (0, 0))
             # A slicer needs edges of two triangles, but no fans.
             self.assertNotIn("the mesh is closed, manifold", text)
-            self.assertEqual("surfaces touch at, do not matter to it" in text, name == "vertex")
+            self.assertEqual("surfaces touch at 1 vertex, which slicers accept" in text, name == "vertex")
             # Turned inside out as a whole, it is inside out.
             self.write_obj("turned.obj", vertices, [face[::-1] for face in faces])
             turned = self.convert("check", "turned.obj").text
@@ -181,7 +181,7 @@ class CheckTest(ProgramTest):
 
     def test_usage(self):
         self.write_obj("cube.obj", CUBE, FACES)
-        self.assert_fails(1, self.run_program("check"), "check takes one mesh, found 0")
+        self.assert_fails(1, self.run_program("check"), "expected one mesh, found 0")
         self.assert_fails(1, self.run_program("check", "a.ply", "b.ply"), "found 2: a.ply, b.ply")
         self.assert_fails(1, self.run_program("check", "cube.obj", "--require", "close"), "expected a comma-separated list of closed, ", "'closed'?")
         self.assert_fails(1, self.run_program("check", "cube.obj", "--require", ""), "found ''")

@@ -66,7 +66,7 @@ class SeveralTest(RawTest):
         convert = lambda *more: self.run_program("a.raw", *self.LAYOUT, "--iso", "0", "-o", "no.ply", *more)  # noqa: E731
         self.assert_fails(2, convert("--components", "3"), "found 3 components", "--component K")
         self.assert_fails(2, convert("--components", "2"), "of 2 components")
-        self.assert_fails(1, convert("--planar"), "--planar describes samples of several numbers", "--components N")
+        self.assert_fails(1, convert("--planar"), "--planar needs samples of several components", "--components N")
         self.assert_fails(1, convert("--components", "0"), "a whole number from 1 to 64")
         self.assert_fails(1, self.run_program("a.raw", "--components", "3", "--iso", "0"), "--components describes a raw file")
 

@@ -23,8 +23,8 @@ EDITS = {
 }
 STAGES = {
     "smooth": ["smoothed"], "simplify": ["simplified"], "triangles": ["simplified"], "clip": ["clipped"],
-    "cap": ["clipped"], "largest": ["pieces dropped"], "least": ["pieces dropped"],
-    "all": ["pieces dropped", "smoothed", "simplified"],
+    "cap": ["clipped"], "largest": ["components removed"], "least": ["components removed"],
+    "all": ["components removed", "smoothed", "simplified"],
 }
 
 

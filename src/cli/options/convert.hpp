@@ -168,7 +168,7 @@ struct ConvertFlags : OptionSet {
       parse_attribute,
       "Attribute for the vertices, interpolated. Several times for several attributes. FROM is an attribute of the "
       "particles, another grid of the file (velocity[x], or velocity for all components), another file, or a grid of "
-      "one: FILE.vdb[GRID]; without FROM it has the same NAME. With '?' an input that lacks it is converted without "
+      "another file: FILE.vdb[GRID]; without FROM it has the same NAME. With '?' an input that lacks it is converted without "
       "it. KIND is scalar, color, vector, point or normal; vectors, points and normals turn and scale with the mesh. "
       "Without KIND the file decides, then the name (v, velocity, N, Cd, P, ...). KEY is spacing or origin, for a file "
       "that states none and differs in shape from the input; nodata, in place of --nodata; volume or component, for a "
@@ -222,7 +222,7 @@ struct ConvertFlags : OptionSet {
   Value<std::string> report{everyday(only_convert(OptionGroup::output)), "--report", "FILE", parse_text,
                             "Write a JSON report of the conversion. It has options, input, time and memory of each "
                             "stage, what was left out, and the facts of each mesh, which take time and memory of their "
-                            "own. A conversion that fails has one, too: it says why."};
+                            "own. A failed conversion writes its report, too, with the error."};
   Value<std::string> html{
       only_convert(OptionGroup::output), "--html", "FILE", parse_text,
       "Write a page about the conversion or the sequence. It needs no other file: pictures of at most 12 meshes, a "
@@ -256,8 +256,8 @@ struct ConvertFlags : OptionSet {
       only_convert(OptionGroup::run),
       "--error",
       choices_of_words<field::Interpolation>(),
-      "Measure the distance of the mesh to the isosurface. That of the data, interpolated linearly along each axis "
-      "(trilinear, the default) or smoothly (tricubic); for demo fields also that of the formula.",
+      "Measure the distance of the mesh to the isosurface. The isosurface is that of the data, interpolated linearly "
+      "along each axis (trilinear, the default) or smoothly (tricubic); for demo fields also that of the formula.",
       About::surface,
       IfLeftOut{std::string(word_of(field::Interpolation{}))}};
   Value<convert::Backend> backend{in(OptionGroup::run), "--backend",

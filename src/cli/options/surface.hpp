@@ -168,10 +168,8 @@ struct EditFlags : OptionSet {
       "EDGES",
       parse_repair,
       "Repair a mesh file, before all other edits. Welds vertices of equal positions on boundary edges. Drops "
-      "duplicate "
-      "triangles and those without area. Gives neighbors one winding. Fills holes of up to EDGES edges (default: 100; "
-      "0: "
-      "none). Turns closed shells by their nesting. Reports the count of each step, then what 'check' finds.",
+      "duplicate triangles and those without area. Gives neighbors one winding. Fills holes of up to EDGES edges "
+      "(default: 100; 0: none). Faces closed shells outward, and cavities inward. Reports the count of each step, then what 'check' finds.",
       About::surface | About::edit,
       IfLeftOut{"100"}};
   Value<convert::MinComponentSize> least{
@@ -180,8 +178,8 @@ struct EditFlags : OptionSet {
       "MIN",
       parse_least_piece,
       "Remove components smaller than MIN. MIN counts triangles (100), or is an area or a "
-      "volume: area:40 and volume:5 in voxels, volume:5world in the units of the mesh. A "
-      "body goes together with its cavities; removing a cavity fills it.",
+      "volume: area:40 and volume:5 in voxels, volume:5world in the units of the mesh. "
+      "Removing a body removes its cavities; removing a cavity fills it.",
       About::surface | About::edit};
   Flag fill_cavities{*this, "--fill-cavities", "Remove all cavities, and the bodies inside them.",
                      About::surface | About::edit};
@@ -205,8 +203,8 @@ struct EditFlags : OptionSet {
       "Smooth the surface by N passes of a filter. taubin (the default) and sinc (a windowed sinc) keep its size. "
       "BAND, between 0 and 1 (default: 0.1), is the pass band: a smaller one smooths more. weighted is for particles, "
       "as in 25:weighted: it flattens sheets and bulk, and keeps droplets, whose particles have few neighbors. "
-      "Boundary vertices stay in place, and those of caps in their plane. Reports how far vertices moved and how much "
-      "the volume changed.",
+      "Boundary vertices stay in place, and those of caps in their plane. Reports the largest move and, for closed "
+      "meshes, the change of volume.",
       About::surface | About::edit};
 
   // Returns the edits without a simplification, which plan_edits() adds.

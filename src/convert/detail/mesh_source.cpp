@@ -25,7 +25,7 @@ namespace {
 using mesh_io::MeshFile;
 using mesh_io::MeshPart;
 
-// Returns a field without samples whose world is the coordinates of the file.
+// Returns a field without samples. Its world coordinates are those of the file.
 field::ScalarField frame_of(const MeshFile& file, const std::string& label,
                             const std::optional<ResolvedPlacement>& record) {
   field::ScalarField frame;
@@ -74,8 +74,8 @@ Result<void> adapt_colors(const MeshFile& file, mesh_io::MeshFormat format, cons
                             context);
 }
 
-// Gives the vertices of a PLY the colors of the file's materials, unless they have colors, and tells which materials an
-// output without materials leaves out.
+// For an output format without materials: adds a note about the lost materials. For PLY, also gives the vertices the
+// colors of their materials, unless they have colors already.
 Result<void> adapt_materials(const MeshFile& file, mesh_io::MeshFormat format, const std::string& label,
                              const Context& context, Events& events, mesh::Mesh& mesh) {
   const auto has_material = [](const MeshPart& part) { return part.material.has_value(); };

@@ -1,4 +1,4 @@
-// Surfaces that go to their file while they are made, so that no whole mesh is in memory.
+// Writes a surface to its file during extraction, so that the whole mesh is never in memory.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace isoextract::convert {
 
 class PartwiseOutput final : public mesh::MeshSink {
  public:
-  // `head` returns the mesh without its arrays. The writer must outlive the output.
+  // `head` returns the mesh without vertices, triangles and attributes. The writer must outlive this object.
   using MakeHead = std::function<mesh::Mesh(const mesh::MeshShape& shape)>;
   PartwiseOutput(mesh_io::MeshWriter& writer, MakeHead head) : writer_(writer), head_(std::move(head)) {}
 
@@ -28,7 +28,8 @@ class PartwiseOutput final : public mesh::MeshSink {
 };
 
 // Returns a sink that writes the surface `id` as the only mesh of the writer's file. Returns null if a stage of the job
-// needs the whole mesh. `source`, `all` (the surfaces of the grid) and the writer must outlive the sink.
+// needs the whole mesh, or if the job writes no mesh file. `all` lists the surfaces of the grid. `job`, `source`, `all`
+// and the writer must outlive the sink.
 [[nodiscard]] std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source,
                                                               const SurfaceList& all, const SurfaceId& id,
                                                               mesh_io::MeshWriter& writer);

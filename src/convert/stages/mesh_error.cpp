@@ -229,7 +229,7 @@ Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
   StageReport report = stage.report_on(StageName::error, surface);
   if (surface.id.is_label()) {
     report.notes.push_back(
-        {NoteId::error_not_measured, "no error measurement: labels have no isosurface between the samples"});
+        {NoteId::error_not_measured, "the error is not measured: labels have no isosurface between the samples"});
     return report;
   }
   const Stopwatch watch;

@@ -51,7 +51,7 @@ Result<Figures> component_table(const mesh::Mesh& mesh, const Context& context) 
     return measure_table(mesh, context);
   } catch (const std::bad_alloc&) {
     return tl::unexpected(
-        allocation_error(mesh.name + ": the components of its surface need more memory than there is"));
+        allocation_error(mesh.name + ": the components of its surface need more memory than is available"));
   }
 }
 

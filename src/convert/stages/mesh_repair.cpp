@@ -21,16 +21,16 @@ std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& cho
   std::vector<std::string> steps;
   if (facts.welded > 0) steps.push_back(fmt::format("welded {}", counted(facts.welded, "vertex position")));
   if (facts.without_area > 0) {
-    steps.push_back(fmt::format("removed {} without area", counted(facts.without_area, "triangle")));
+    steps.push_back(fmt::format("removed or repaired {} without area", counted(facts.without_area, "triangle")));
   }
   if (facts.duplicates > 0) steps.push_back(fmt::format("dropped {}", counted(facts.duplicates, "duplicate triangle")));
-  if (facts.turned > 0) steps.push_back(fmt::format("turned {}", counted(facts.turned, "triangle")));
+  if (facts.turned > 0) steps.push_back(fmt::format("flipped {}", counted(facts.turned, "triangle")));
   if (facts.holes_filled > 0) {
     steps.push_back(fmt::format("filled {} with {}", counted(facts.holes_filled, "hole"),
                                 counted(facts.fill_triangles, "triangle")));
   }
   if (facts.components_turned > 0) {
-    steps.push_back(fmt::format("turned {} inside out", counted(facts.components_turned, "component")));
+    steps.push_back(fmt::format("flipped the winding of {}", counted(facts.components_turned, "component")));
   }
   if (steps.empty()) steps.emplace_back("nothing to do");
   if (facts.holes_left > 0) {

@@ -42,9 +42,9 @@ std::string line_of(const edit::UntangleFigures& done, const Surface& surface, c
     moved = fmt::format("{} vertices moved by at most {:.3g} {}", done.moved, done.greatest_move,
                         source.of_meshes ? "typical edge lengths" : "voxels");
   }
-  return fmt::format("untangled{}: {} of {} pairs of intersecting triangles left; {} edges flipped, {} in {} rounds; "
+  return fmt::format("untangled{}: {} of {}{} pairs of intersecting triangles left; {} edges flipped, {} in {} rounds; "
                      "{:.2f} s",
-                     place, done.pairs_after, done.pairs_before, done.flips, moved, done.rounds,
+                     place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, moved, done.rounds,
                      done.time.wall_seconds);
 }
 

@@ -35,7 +35,7 @@ std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts,
     const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
     text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");
   } else {
-    text += fmt::format("; {} vertices of open boundaries stayed in place", facts.border_vertices);
+    text += fmt::format("; {} vertices on boundary edges stayed in place", facts.border_vertices);
   }
   if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
   if (facts.held_vertices > 0) {

@@ -23,17 +23,17 @@ struct Surface {
   IsoChoice asked;
   SurfaceId id;
   mesh::Mesh mesh;
-  std::optional<mesh::MeshShape> taken = {};  // if the file took the mesh part by part; `mesh` is then empty
-  OpenBoundary end = {};
-  bool counts_open_edges = false;                // only counting boundary edges tells whether the mesh is closed
+  std::optional<mesh::MeshShape> taken = {};     // set if the mesh went to its file part by part; `mesh` is then empty
+  OpenBoundary end = {};                         // causes of boundary edges
+  bool counts_open_edges = false;                // only a count of boundary edges tells whether the mesh is closed
   std::optional<Figures> error = {};             // set if it was measured
-  std::optional<Figures> facts = {};             // set if requested; of the mesh before vertices were duplicated
-  StageTime looking = {};                        // time for `facts`
-  std::optional<std::uint64_t> open_edges = {};  // set if counted, before vertices were duplicated
-  std::optional<mesh::Topology> welded = {};     // as readers of the file find it (topology_as_read())
+  std::optional<Figures> facts = {};             // set if requested; measured before shading duplicates vertices
+  StageTime looking = {};                        // time to measure `facts`
+  std::optional<std::uint64_t> open_edges = {};  // set if counted, before shading duplicates vertices
+  std::optional<mesh::Topology> welded = {};     // the topology after a reader welds the file (topology_as_read())
   bool distinct_positions = false;               // no two vertices coincide in a file of float32; false: unknown
-  std::uint64_t label_voxels = 0;                // of a label, in the region
-  double label_volume = 0;                       // of these voxels, in output coordinates
+  std::uint64_t label_voxels = 0;                // voxels of the label in the region
+  double label_volume = 0;                       // volume of these voxels, in output coordinates
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
 
   [[nodiscard]] std::uint64_t vertices() const { return taken ? taken->vertices : mesh.positions.size(); }
@@ -62,22 +62,22 @@ struct StageContext {
 // Returns the options to extract the surface of `source` at an iso value for `job`.
 [[nodiscard]] extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso);
 
-// Returns where the surface that was just extracted has boundary edges.
+// Returns the causes of boundary edges of a newly extracted surface.
 [[nodiscard]] OpenBoundary open_boundary_of(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                                             const Source& source);
 
-// Returns the report of the surface that was just extracted.
+// Returns the report on a newly extracted surface.
 [[nodiscard]] StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                                             const Surface& surface, const StageContext& stage, const StageTime& time);
 
-// Stages of kStages from `first` to `last`.
+// The stages of kStages from `first` to `last`, both included.
 struct StageRange {
   StageName first = kStages.front().name;
   StageName last = kStages.back().name;
 };
 
-// Runs the edits of kStages that are in the range and reports them. Skips shade_surface() for a mesh that is split
-// later, because each body gets its own run of it. Fails as the stages do.
+// Runs the edits of kStages that are in the range, and reports them. Skips shade_surface() if the job splits the mesh
+// into bodies: it then runs for each body. Fails as the stages do.
 [[nodiscard]] Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface,
                                         const StageRange& range = {});
 
@@ -85,7 +85,7 @@ struct StageRange {
 [[nodiscard]] Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events,
                                      Surface& surface);
 
-// Sends the report, unless it is empty, and then its notes; fails if it holds an error.
+// Sends the report, unless it is empty, and then its notes. Fails with the error of the report, if it has one.
 [[nodiscard]] Result<void> tell(const StageReport& report, Events& events);
 
 }  // namespace isoextract::convert

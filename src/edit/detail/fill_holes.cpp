@@ -23,7 +23,7 @@ std::vector<Loop> boundary_loops(std::size_t vertices, const EdgeUses& uses) {
   struct Side {
     std::uint32_t from, to;
   };
-  std::vector<Side> sides;  // those that the triangles at the boundary lack
+  std::vector<Side> sides;  // boundary edges, in the direction of the new triangles
   uses.for_each_edge([&](std::span<const EdgeUse> edge) {
     if (edge.size() == 1) sides.push_back({edge[0].to(), edge[0].from()});
   });
@@ -62,8 +62,8 @@ std::vector<Loop> boundary_loops(std::size_t vertices, const EdgeUses& uses) {
 
 // The least cost of the triangles between two vertices of a loop.
 struct Cost {
-  std::uint32_t bad = 0;  // triangles without area, and edges of the mesh
-  double size = 0;        // area, and a little for the lengths of the new edges
+  std::uint32_t bad = 0;  // triangles without area, plus edges that the mesh has already
+  double size = 0;        // area, plus a small weight for the lengths of the new edges
 
   friend bool operator<(const Cost& a, const Cost& b) { return std::tie(a.bad, a.size) < std::tie(b.bad, b.size); }
   Cost operator+(const Cost& other) const { return {bad + other.bad, size + other.size}; }

@@ -1,4 +1,4 @@
-// Fills the holes of a mesh with triangles between the vertices of their rims.
+// Fills the holes of a mesh with triangles between the vertices of their boundary loops.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,22 @@
 namespace isoextract::edit {
 
 struct FillFigures {
-  std::uint64_t filled = 0;     // loops
-  std::uint64_t triangles = 0;  // added
-  std::uint64_t left = 0;       // loops
-  std::uint64_t too_long = 0;   // of those left
+  std::uint64_t filled = 0;     // loops that got triangles
+  std::uint64_t triangles = 0;  // added triangles
+  std::uint64_t left = 0;       // loops that stay open
+  std::uint64_t too_long = 0;   // loops that stay open because they have more than `most_edges` edges
 };
 
-// Fills each boundary loop of up to `most_edges` edges whose triangles have less than 3/4 of the area of its component.
-// A loop that meets a vertex twice counts as several loops. Of all triangulations of a loop, takes the one with the
-// fewest triangles without area and edges that the mesh has already, then with the least area; short edges decide
-// between nearly equal areas. The triangles must agree in their winding; `uses` are those of the mesh. Takes time with
-// the cube of a loop's edges. Fails with ErrorCode::out_of_memory or cancelled. Throws std::bad_alloc.
+// Fills each boundary loop of up to `most_edges` edges. A loop stays open if its triangles would have 3/4 of the area
+// of its component or more. A loop that meets a vertex twice counts as several loops.
+//
+// Chooses among all triangulations of a loop, by these criteria in this order:
+//   - the fewest triangles without area, plus edges that the mesh has already;
+//   - the least area; short new edges decide between nearly equal areas.
+//
+// `uses` lists the edges of `mesh`. Neighboring triangles must have the same winding: fills only loops that all
+// boundary edges run around in one direction, and counts no others. The time grows with the cube of the edges of a
+// loop. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled. Throws std::bad_alloc.
 [[nodiscard]] Result<FillFigures> fill_holes(mesh::Mesh& mesh, const EdgeUses& uses, std::uint64_t most_edges,
                                              const Context& context);
 

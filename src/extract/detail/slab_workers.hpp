@@ -1,4 +1,4 @@
-// Divides work on slabs, the parts of a volume along z, among threads.
+// Processes the slabs of a volume, its layers of bricks along z, on several threads.
 #pragma once
 
 #include <algorithm>
@@ -16,9 +16,9 @@
 
 namespace isoextract::extract {
 
-// Runs work(slab, worker) for the slabs 0 to slabs - 1, in parallel. make() returns the memory that a thread works in,
-// as a Result; the thread does one slab after another in it. Where make() fails for lack of memory, fewer threads work.
-// Fails as `work` does, as the first make() does, or if cancelled.
+// Calls work(slab, worker) for the slabs 0 to slabs - 1, in parallel. make() returns the buffers of one thread, in a
+// Result; the thread processes one slab after another in them. If a make() after the first fails, fewer threads work.
+// Fails as the first make() does, as `work` does, or with ErrorCode::cancelled.
 template <class Make, class Work>
 [[nodiscard]] Result<void> run_slabs(int slabs, const char* stage, const Context& context, const Make& make,
                                      const Work& work) {

@@ -1,5 +1,5 @@
-// Writers of one mesh whose parts come in any order, from several threads (mesh/mesh_sink.hpp). Each part goes to its
-// place in the file at once. The file has the same bytes as one written from the whole mesh.
+// Writers of a file with one mesh, whose parts come in any order from several threads (mesh/mesh_sink.hpp). take()
+// writes each part to its final offset in the file. The file has the same bytes as one written from the whole mesh.
 #pragma once
 
 #include <memory>
@@ -15,15 +15,15 @@ namespace isoextract::mesh_io {
 
 class PartwiseWriter : public mesh::MeshSink {
  public:
-  // Writes what is known only after the last part. Call once.
+  // Writes the data that depend on all parts: in a GLB the bounds of the positions. Call once, after the last part.
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;
 };
 
-// `head` is the mesh without its arrays; it has no attributes. `head` and the file must outlive the writer.
+// `head` is the mesh without vertices, triangles and attributes. `head` and the file must outlive the writer.
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_ply_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
                                                                        files::OutputFile& file);
-// Declines meshes whose indices have 16 bits: they are small.
+// begin() returns false for a mesh with 16-bit indices, which is small.
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_glb_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
                                                                        files::OutputFile& file);

@@ -159,7 +159,7 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, No
     kept.erase(std::next(last).base());
   }
   if (kept.size() != 3) {
-    return fail(ErrorCode::input, fmt::format("{}: expected 3 dimensions, found {}", file, kept.size()));
+    return fail(ErrorCode::input, fmt::format("{}: expected three spatial axes, found {}", file, kept.size()));
   }
   for (const unsigned axis : dropped)
     notes.push_back({NoteId::axes_dropped, fmt::format("the reader drops axis {}, which has length 1", axis)});

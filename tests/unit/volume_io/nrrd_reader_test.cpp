@@ -280,7 +280,7 @@ TEST(NrrdReaderAxes, RequiresAChoiceForVectorsColorsAndSeries) {
        {"series", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain time\n", samples),
         "because the file has 2 volumes"},
        {"colour image", nrrd("dimension: 3\nsizes: 3 4 5\nkinds: vector domain domain\n", samples),
-        "expected 3 dimensions, found 2"},
+        "expected three spatial axes, found 2"},
        {"two axes of components",
         nrrd("dimension: 5\nsizes: 2 3 3 4 5\nkinds: complex 3-vector domain domain domain\n", samples),
         "found axis 1 (3 values, kind 3-vector) as well"},
@@ -290,8 +290,8 @@ TEST(NrrdReaderAxes, RequiresAChoiceForVectorsColorsAndSeries) {
              "space directions: none (2,0,0) (0,3,0) (0,0,4)\n",
              samples),
         "found 3 components"},
-       {"four dimensions", nrrd("dimension: 4\nsizes: 3 4 5 2\n", samples), "expected 3 dimensions, found 4"},
-       {"image", nrrd("dimension: 2\nsizes: 3 4\n", samples), "expected 3 dimensions, found 2"}});
+       {"four dimensions", nrrd("dimension: 4\nsizes: 3 4 5 2\n", samples), "expected three spatial axes, found 4"},
+       {"image", nrrd("dimension: 2\nsizes: 3 4\n", samples), "expected three spatial axes, found 2"}});
 }
 
 TEST(NrrdReaderBad, NamesUnsupportedTypesAndEncodings) {

@@ -323,7 +323,7 @@ TEST(Series, RejectsNrrdAxesThatAreNotSeries) {
   refused("dimension: 4\nsizes: 4 3 4 5\nkinds: RGBA-color domain domain domain\n", "found 4 components");
   refused("dimension: 5\nsizes: 2 3 4 5 2\nkinds: list domain domain domain time\n", "axis 4 (2 values, kind time)");
   refused("dimension: 4\nsizes: 3 4 4 5\nkinds: domain list domain domain\n", "between them");
-  refused("dimension: 3\nsizes: 12 5 4\nkinds: domain domain time\n", "expected 3 dimensions, found 2");
+  refused("dimension: 3\nsizes: 12 5 4\nkinds: domain domain time\n", "expected three spatial axes, found 2");
 }
 
 }  // namespace

@@ -145,12 +145,12 @@ TEST(VdbGridList, ListsGridsBesideADamagedTransform) {
   const auto grids = volume_io::list_grids((folder / "v.vdb").string(), {}, Context());
   ASSERT_TRUE(grids);
   EXPECT_EQ(grids->at(0).placement_problem, "");
-  expect_in(grids->at(1).placement_problem, "it is damaged: a name has a length of 4294967295 characters");
+  expect_in(grids->at(1).placement_problem, "it is damaged: expected a name of 4294967295 bytes");
   volume_io::ReadOptions options;
   options.grid = "first";
   EXPECT_EQ(std::get<field::SparseSamples>(must_read(folder / "v.vdb", options).samples).active_voxels, 1U);
   options.grid = "second";
-  expect_in(refusal(folder / "v.vdb", options).message, "the VDB file is damaged: a name has a length of 4294967295");
+  expect_in(refusal(folder / "v.vdb", options).message, "the VDB file is damaged: expected a name of 4294967295 bytes");
 }
 
 TEST(VdbGridList, DistinguishesUnsupportedFromDamaged) {

@@ -401,7 +401,7 @@ TEST(VdbReaderLimits, RejectVoxelsTooFarOut) {
     grid->tree().setValue(far, 1.0F);
     const TempFolder folder;
     write_vdb(folder / "v.vdb", {grid});
-    expect_in(refusal(folder / "v.vdb").message, "the limit is 2^29");
+    expect_in(refusal(folder / "v.vdb").message, "expected voxel indices from -2^29 to 2^29 - 1");
   }
 }
 
