@@ -3,6 +3,7 @@
 
 import collections
 import json
+import re
 
 from support import ProgramTest, main, needs_modules, read_glb
 
@@ -125,6 +126,11 @@ class LabelSimplifyTest(ProgramTest):
         self.assertNotIn("separately", self.told)
         pairs, alone = self.check_common_faces(after)
         self.assertEqual(set(pairs), set(pairs_before))
+        changes = {label: after[label].volume() / part.volume() - 1 for label, part in before.items()}
+        most = max(changes, key=lambda label: abs(changes[label]))
+        (told,) = re.findall(r"the volume changed most at label (\d+): ([\d.]+) % (more|less)", self.told)
+        self.assertEqual((int(told[0]), told[2]), (most, "more" if changes[most] > 0 else "less"))
+        self.assertAlmostEqual(float(told[1]), 100 * abs(changes[most]), delta=0.01 * 100 * abs(changes[most]))
         # Each triangle is in its report's sum once for each label.
         triangles = sum(len(p.triangles) for p in after.values())
         self.assertEqual(triangles, sum(pairs.values()) + len(alone))

@@ -304,6 +304,22 @@ StageTime share_of(const StageTime& time, std::uint64_t part, std::uint64_t whol
   return result;
 }
 
+// Returns the line that tells by how much the volume of a label changes most.
+StageReport::Line line_of_volumes(std::span<const HeldLabel> labels, std::span<const double> before) {
+  std::size_t most = 0;
+  double greatest = 0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const double after = mesh::measure_size(labels[i].surface->mesh).volume;
+    const double change = before[i] != 0 ? after / before[i] - 1 : 0;
+    if (std::abs(change) <= std::abs(greatest)) continue;
+    most = i;
+    greatest = change;
+  }
+  if (greatest == 0) return {"no label changed its volume"};
+  return {fmt::format("the volume changed most at {}: {:.3g} % {}", labels[most].surface->id.name(),
+                      100 * std::abs(greatest), greatest > 0 ? "more" : "less")};
+}
+
 }  // namespace
 
 Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage) {
@@ -335,12 +351,14 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
   std::vector<mesh::Mesh*> meshes;
   std::vector<ComponentCount> before;
   std::vector<std::uint64_t> triangles_before;
+  std::vector<double> volumes_before;
   std::uint64_t triangles = 0;
   for (const HeldLabel& label : labels) {
     mesh::Mesh& mesh = label.surface->mesh;
     meshes.push_back(&mesh);
     before.push_back(TRY(count_components(mesh, stage.context)));
     triangles_before.push_back(mesh.triangles.size());
+    volumes_before.push_back(mesh::measure_size(mesh).volume);
     triangles += mesh.triangles.size();
   }
   Simplified whole;
@@ -373,6 +391,8 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
   const bool is_one = labels.size() == 1;
   add_sentences(reports.front(), choice, whole, is_one ? labels.front().surface->id.place() : " " + name,
                 fmt::format("{} {}", stage.source.label, name), stage.source);
+  const bool are_closed = stage.source.clip.empty() || stage.job.surface.cap;
+  if (are_closed) reports.front().lines.push_back(line_of_volumes(labels, volumes_before));
   if (!is_one) {
     reports.front().lines.push_back(
         {fmt::format("simplified {} as one net of {} sheets, each between two labels or a label and none; all meshes "
