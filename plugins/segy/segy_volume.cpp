@@ -168,8 +168,8 @@ class SegyVolume final : public isoextract_plugin::VolumeFile {
     text += survey_.note;
     text += file_.interval_us() > 0 ? "; z is minus the time in ms, or minus the depth in m"
                                     : "; z is minus the number of the sample, as the file states no interval";
-    if (file_.measurement_system() == 1) text += "; lengths are in meters";
-    if (file_.measurement_system() == 2) text += "; lengths are in feet";
+    if (file_.measurement_system() == 1) text += "; x and y are in meters";
+    if (file_.measurement_system() == 2) text += "; x and y are in feet";
     return text;
   }
 

@@ -76,7 +76,7 @@ class SegyTest(WrittenVolumes):
                 self.assertAlmostEqual(found, wanted, places=6)
         self.assertIn("grid axes are samples, crosslines, inlines", run.err)
         self.assertIn("fitted within 0; inlines are 30.14963, crosslines 40.1995 apart", run.err.replace("e-", "E"))
-        self.assertIn("lengths are in feet", run.err)
+        self.assertIn("x and y are in feet", run.err)
 
     def test_without_coordinates_line_numbers_place_them(self):
         self.write(5)
