@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/parallel.hpp"
 #include "mesh/distance_bound.hpp"
@@ -19,8 +20,8 @@ constexpr std::size_t kSheetGrain = 64;
 class DistanceProof {
  public:
   DistanceProof(CollapseState& state, std::span<const CollapseLog> logs, const DistanceProofOptions& options,
-                const Context& context)
-      : state_(state), logs_(logs), options_(options), context_(context), known_old_(state.corners.size()) {
+                ProvenDistances& proven, const Context& context)
+      : state_(state), logs_(logs), options_(options), context_(context), proven_(proven) {
     limits_.tolerance = 0;
     limits_.enough = options.enough;
     limits_.refuse = options.enough;
@@ -29,11 +30,19 @@ class DistanceProof {
 
   Result<Proof> run() {
     Proof proof;
-    std::vector<std::uint32_t> all(state_.corners.size());
-    for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
-    std::vector<std::uint32_t> new_in_doubt = all;
-    std::vector<std::uint32_t> old_in_doubt = std::move(all);
-    for (;;) {
+    std::vector<std::uint32_t> new_in_doubt;
+    std::vector<std::uint32_t> old_in_doubt;
+    covers_all_ = proven_.original.empty();
+    if (covers_all_) {
+      proven_.original.resize(state_.corners.size());
+      new_in_doubt.resize(state_.corners.size());
+      std::iota(new_in_doubt.begin(), new_in_doubt.end(), 0U);
+      old_in_doubt = new_in_doubt;
+    } else {
+      find_doubts(proven_.restored, new_in_doubt, old_in_doubt);
+    }
+    proven_.restored.clear();
+    for (;; covers_all_ = false) {
       TRY(context_.check());
       ++proof.passes;
       context_.progress().begin("measuring the simplified mesh", new_in_doubt.size() + old_in_doubt.size());
@@ -48,12 +57,14 @@ class DistanceProof {
       }
       if (options_.once) break;
       find_doubts(changed, new_in_doubt, old_in_doubt);
+      proven_.restored.insert(proven_.restored.end(), changed.begin(), changed.end());
     }
-    for (std::uint32_t t = 0; t < known_old_.size(); ++t) {
+    const std::vector<DistanceBounds>& original = proven_.original;
+    for (std::uint32_t t = 0; t < original.size(); ++t) {
       const DistanceBounds now =
           state_.gone[t] == 0 && state_.changed_by[t] != kNone ? state_.known[t] : DistanceBounds();
-      proof.lower = std::max({proof.lower, now.lower, known_old_[t].lower});
-      proof.upper = std::max({proof.upper, now.upper, known_old_[t].upper});
+      proof.lower = std::max({proof.lower, now.lower, original[t].lower});
+      proof.upper = std::max({proof.upper, now.upper, original[t].upper});
     }
     return proof;
   }
@@ -74,10 +85,9 @@ class DistanceProof {
     });
     if (context_.cancelled()) return {};
     // Later passes need only the triangles near changes: nearer ones elsewhere can only lower the distance.
-    const bool first = old_in_doubt.size() == state_.corners.size();
     const std::vector<char> left_out = marked([&](std::uint32_t t) {
       return state_.gone[t] != 0 ||
-             (!first && !in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
+             (!covers_all_ && !in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
     });
     const SheetTrees trees(state_.positions, state_.corners, left_out, state_.sheets);
     const std::vector<std::uint32_t> slots = trees.slots(left_out.size());
@@ -91,14 +101,14 @@ class DistanceProof {
       const std::uint32_t sheet = state_.sheet(t);
       const mesh::TriangleTree* const tree = trees.find(sheet);
       if (tree == nullptr) return;  // nothing of the sheet has changed near it
-      known_old_[t] = {};
+      proven_.original[t] = {};
       if (state_.is_original(t)) return;
       const glm::uvec3& c = state_.original[t];
       const auto slot_near = [&](std::uint32_t v) {
         return near[v] != kNone && state_.sheet(near[v]) == sheet ? slots[near[v]] : 0;
       };
       const mesh::TriangleBound found = bound(c, *tree, std::array{slot_near(c.x), slot_near(c.y), slot_near(c.z)});
-      known_old_[t] = {first ? found.lower : 0, found.upper};
+      proven_.original[t] = {covers_all_ ? found.lower : 0, found.upper};
       if (good(found)) return;
       const std::uint32_t nearest = trees.triangle(sheet, found.slot);
       wrong[new_in_doubt.size() + i] = state_.changed_by[nearest] == kNone ? t : nearest;
@@ -207,7 +217,8 @@ class DistanceProof {
   const DistanceProofOptions& options_;
   const Context& context_;
   mesh::DistanceLimits limits_;
-  std::vector<DistanceBounds> known_old_;
+  ProvenDistances& proven_;
+  bool covers_all_ = true;  // the pass measures the whole mesh
   std::vector<Cell> doubtful_;
 };
 
@@ -247,8 +258,8 @@ void bound_by_sheet(const CollapseState& state, const SheetTrees& trees, const m
 }  // namespace
 
 Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
-                             const DistanceProofOptions& options, const Context& context) {
-  return DistanceProof(state, logs, options, context).run();
+                             const DistanceProofOptions& options, ProvenDistances& proven, const Context& context) {
+  return DistanceProof(state, logs, options, proven, context).run();
 }
 
 Result<Proof> measure_distance(const CollapseState& state, const Context& context) {

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/context.hpp"
 #include "edit/detail/collapse_state.hpp"
@@ -14,10 +16,16 @@
 namespace isoextract::edit {
 
 // Undoes the last collapse of one of two intersecting triangles until all pairs left are of the original mesh, or were
-// counted as such by the guard. Returns the number of undone collapses. `logs` are sorted by `first`; `name` is that of
-// the mesh, for messages. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or
-// ErrorCode::cancelled.
-[[nodiscard]] Result<std::uint64_t> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
-                                                       const std::string& name, const Context& context);
+// counted as such by the guard. Looks at all triangles, or, with `restored`, only at pairs of the triangles in it: those
+// that came back since the last check. Returns the triangles that came back by the undone collapses, and the number of
+// these. `logs` are sorted by `first`; `name` is that of the mesh, for messages. The result does not depend on the
+// number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
+struct UndoneIntersections {
+  std::uint64_t collapses = 0;
+  std::vector<RestoredTriangle> restored;
+};
+[[nodiscard]] Result<UndoneIntersections> undo_intersections(
+    CollapseState& state, std::span<const CollapseLog> logs,
+    std::optional<std::span<const RestoredTriangle>> restored, const std::string& name, const Context& context);
 
 }  // namespace isoextract::edit
