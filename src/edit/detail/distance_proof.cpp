@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "base/hash.hpp"
 #include "base/parallel.hpp"
 #include "mesh/distance_bound.hpp"
 #include "mesh/metrics.hpp"
@@ -160,23 +162,32 @@ class DistanceProof {
 
   using Cell = std::array<std::int64_t, 3>;
 
-  template <class Body>
-  void for_cells(const std::array<glm::dvec3, 3>& triangle, double gap, const Body& body) const {
+  // Calls visit(cell) for the cells that the triangle's box, enlarged by `gap`, meets, until it returns true. Returns
+  // whether it did.
+  template <class Visit>
+  bool any_cell(const std::array<glm::dvec3, 3>& triangle, double gap, const Visit& visit) const {
     const auto& [a, b, c] = triangle;
     const glm::i64vec3 low(glm::floor((glm::min(a, glm::min(b, c)) - gap) / options_.cell_size));
     const glm::i64vec3 high(glm::floor((glm::max(a, glm::max(b, c)) + gap) / options_.cell_size));
     for (std::int64_t z = low.z; z <= high.z; ++z) {
       for (std::int64_t y = low.y; y <= high.y; ++y) {
-        for (std::int64_t x = low.x; x <= high.x; ++x) body(Cell{z, y, x});
+        for (std::int64_t x = low.x; x <= high.x; ++x) {
+          if (visit(Cell{z, y, x})) return true;
+        }
       }
     }
+    return false;
   }
 
+  [[nodiscard]] std::size_t bit_of(const Cell& cell) const {
+    return hash_coordinates(static_cast<std::uint32_t>(cell[2]), static_cast<std::uint32_t>(cell[1]),
+                            static_cast<std::uint32_t>(cell[0])) &
+           (maybe_doubtful_.size() - 1);
+  }
   [[nodiscard]] bool in_doubtful_cell(const std::array<glm::dvec3, 3>& triangle, double gap) const {
-    bool found = false;
-    for_cells(triangle, gap,
-              [&](const Cell& cell) { found = found || std::binary_search(doubtful_.begin(), doubtful_.end(), cell); });
-    return found;
+    return any_cell(triangle, gap, [&](const Cell& cell) {
+      return maybe_doubtful_[bit_of(cell)] && std::binary_search(doubtful_.begin(), doubtful_.end(), cell);
+    });
   }
 
   // Returns 1 or 0 for each triangle: whether `holds`.
@@ -198,12 +209,18 @@ class DistanceProof {
     doubtful_.clear();
     for (const RestoredTriangle& put_back : changed) {
       new_in_doubt.push_back(put_back.triangle);
-      for_cells(corners(put_back.corners), options_.enough, [&](const Cell& cell) { doubtful_.push_back(cell); });
+      any_cell(corners(put_back.corners), options_.enough, [&](const Cell& cell) {
+        doubtful_.push_back(cell);
+        return false;
+      });
     }
     std::sort(new_in_doubt.begin(), new_in_doubt.end());
     new_in_doubt.erase(std::unique(new_in_doubt.begin(), new_in_doubt.end()), new_in_doubt.end());
     std::sort(doubtful_.begin(), doubtful_.end());
     doubtful_.erase(std::unique(doubtful_.begin(), doubtful_.end()), doubtful_.end());
+    constexpr std::size_t kBitsOfCell = 16;
+    maybe_doubtful_.assign(std::bit_ceil(kBitsOfCell * doubtful_.size() + 1), false);
+    for (const Cell& cell : doubtful_) maybe_doubtful_[bit_of(cell)] = true;
     const std::vector<char> near =
         marked([&](std::uint32_t t) { return in_doubtful_cell(corners(state_.original[t]), 0); });
     old_in_doubt.clear();
@@ -219,7 +236,8 @@ class DistanceProof {
   mesh::DistanceLimits limits_;
   ProvenDistances& proven_;
   bool covers_all_ = true;  // the pass measures the whole mesh
-  std::vector<Cell> doubtful_;
+  std::vector<Cell> doubtful_;         // sorted
+  std::vector<bool> maybe_doubtful_;   // by a hash of the cell: spares most searches in doubtful_
 };
 
 // Bounds all changed triangles, each within its sheet, in the order of the triangles.
