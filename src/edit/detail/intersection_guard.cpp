@@ -56,7 +56,9 @@ void IntersectionGuard::find_near(std::span<const std::uint32_t> around, std::sp
   for (const std::uint32_t t : around) looked_[t] = look_;
   near_.clear();
   tree_.for_each_near(box, [&](std::uint32_t t) {
-    if (counts_[t] != 0 && looked_[t] != look_ && box.meets(box_of(corners_[t]))) near_.push_back(t);
+    if (counts_[t] == 0 || looked_[t] == look_) return;
+    const mesh::FloatBox own = box_of(corners_[t]);
+    if (box.meets(own)) near_.push_back({t, own, placed(corners_[t])});
   });
 }
 
@@ -67,9 +69,10 @@ bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<
     const Corners& corners = changed[i].corners;
     const mesh::FloatBox box = box_of(corners);
     const mesh::PlacedTriangle triangle = placed(corners);
-    for (const std::uint32_t t : near_) {
-      if (!box.meets(box_of(corners_[t])) || !mesh::find_overlap(triangle, placed(corners_[t])).meet) continue;
-      met_.push_back({i, t});
+    const mesh::PlaneFilter plane(triangle);
+    for (const Near& near : near_) {
+      if (!box.meets(near.box) || plane.is_apart(near.placed)) continue;
+      if (mesh::find_overlap(triangle, near.placed).meet) met_.push_back({i, near.triangle});
     }
     for (std::uint32_t j = 0; j < i; ++j) {
       if (meet(corners, changed[j].corners)) met_.push_back({i, changed[j].triangle});
