@@ -20,6 +20,14 @@ struct Polygon {
   std::size_t count = 0;
   std::uint32_t hint = 0;
 
+  Polygon() {}  // NOLINT(*-member-init,*-use-equals-default): leaves the corners unset, which would take time
+  // Copies the corners that are there.
+  Polygon(const Polygon& other) : count(other.count), hint(other.hint) {  // NOLINT(*-member-init)
+    std::copy_n(other.corners.begin(), count, corners.begin());
+  }
+  Polygon& operator=(const Polygon&) = delete;
+  ~Polygon() = default;
+
   [[nodiscard]] std::span<const glm::dvec3> points() const { return {corners.data(), count}; }
   void add(const glm::dvec3& corner) { corners[count++] = corner; }
   [[nodiscard]] glm::dvec3 center() const {
@@ -121,9 +129,9 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
   for (std::size_t parts = 0; !waiting.empty(); ++parts) {
     const Polygon polygon = waiting.back();
     waiting.pop_back();
-    double to_hint = std::numeric_limits<double>::infinity();
     if (limits.enough > 0) {  // then the triangle of the hint may be close enough already
-      to_hint = std::sqrt(tree.max_distance_squared(polygon.hint, polygon.points()));
+      const double enough_squared = limits.enough * limits.enough;
+      const double to_hint = std::sqrt(tree.max_distance_squared(polygon.hint, polygon.points(), enough_squared));
       if (to_hint <= limits.enough) {
         if (parts == 0) bound.slot = polygon.hint;
         bound.upper = std::max(bound.upper, to_hint);
@@ -140,8 +148,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.nearest = nearest.point;
       lower = std::max(lower, distance);
     }
-    const bool by_hint = nearest.slot == polygon.hint && std::isfinite(to_hint);
-    const double to_triangle = by_hint ? to_hint : std::sqrt(tree.max_distance_squared(nearest.slot, polygon.points()));
+    const double to_triangle = std::sqrt(tree.max_distance_squared(nearest.slot, polygon.points()));
     double radius = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
       const glm::dvec3 way = polygon.corners[i] - center;

@@ -175,27 +175,34 @@ TriangleTree::Nearest TriangleTree::nearest_on_triangle(std::uint32_t slot, cons
   return found;
 }
 
-double TriangleTree::max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points) const {
+double TriangleTree::max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points,
+                                          double enough_squared) const {
   const Corners& corners = corners_[slot];
   const ClosestPointTriangle triangle(corners.a, corners.b, corners.c);
   double farthest = 0;
-  for (const glm::dvec3& p : points) farthest = std::max(farthest, triangle.distance_squared(p));
+  for (const glm::dvec3& p : points) {
+    farthest = std::max(farthest, triangle.distance_squared(p));
+    if (farthest > enough_squared) break;
+  }
   return farthest;
 }
 
-void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const {
+void TriangleTree::search(std::size_t leaf, const BoxFilter& filter, const glm::dvec3& p, std::size_t known,
+                          Nearest& best) const {
   const std::size_t last = tree_.end_slot(tree_.leaf(leaf));
+  float limit = BoxFilter::limit(best.distance_squared);
   for (std::size_t slot = tree_.first_slot(tree_.leaf(leaf)); slot < last; ++slot) {
-    const Corners& t = corners_[slot];
-    if (!(mesh::distance_squared(box_around(t.a, t.b, t.c), p) < best.distance_squared)) continue;
+    if (slot == known || filter.is_triangle_beyond(&corners_[slot].a, limit)) continue;
     const Nearest found = nearest_on_triangle(static_cast<std::uint32_t>(slot), p);
-    if (found.distance_squared < best.distance_squared) best = found;
+    if (!(found.distance_squared < best.distance_squared)) continue;
+    best = found;
+    limit = BoxFilter::limit(best.distance_squared);
   }
 }
 
 // Searches below a node whose box may contain a closer point, the nearer child first.
-void TriangleTree::search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p,
-                                double enough_squared, Nearest& best) const {
+void TriangleTree::search_below(std::size_t node, double node_distance_squared, const BoxFilter& filter,
+                                const glm::dvec3& p, double enough_squared, Nearest& best) const {
   struct Entry {
     std::size_t node;
     double distance_squared;
@@ -204,19 +211,25 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
   std::array<Entry, kMostLevels + 1> waiting;
   std::size_t count = 0;
   const std::size_t first_leaf = tree_.leaves() - 1;
+  float limit = BoxFilter::limit(best.distance_squared);
+  const auto bounded = [&](std::size_t child) {
+    const bool is_beyond = filter.is_beyond(tree_.box(child), limit);
+    return Entry{child, is_beyond ? std::numeric_limits<double>::infinity() : bound_squared(child, p)};
+  };
   Entry entry{node, node_distance_squared};
   for (;;) {
     if (best.distance_squared <= enough_squared) return;
     if (entry.distance_squared < best.distance_squared) {
       if (entry.node < first_leaf) {
-        Entry near{2 * entry.node + 1, bound_squared(2 * entry.node + 1, p)};
-        Entry far{2 * entry.node + 2, bound_squared(2 * entry.node + 2, p)};
+        Entry near = bounded(2 * entry.node + 1);
+        Entry far = bounded(2 * entry.node + 2);
         if (far.distance_squared < near.distance_squared) std::swap(near, far);
-        waiting[count++] = far;
+        if (far.distance_squared < best.distance_squared) waiting[count++] = far;
         entry = near;
         continue;
       }
-      search(entry.node - first_leaf, p, best);
+      search(entry.node - first_leaf, filter, p, tree_.numbers().size(), best);
+      limit = BoxFilter::limit(best.distance_squared);
     }
     if (count == 0) return;
     entry = waiting[--count];
@@ -226,15 +239,19 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
 // Searches from the leaf of the hint upwards. Siblings on the way are mostly too far to be searched.
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared) const {
   Nearest best = nearest_on_triangle(hint, p);
+  if (best.distance_squared <= enough_squared) return best;
   const std::size_t leaf = tree_.leaf_of(hint);
   std::size_t node = tree_.leaf(leaf).index();
-  if (best.distance_squared <= enough_squared) return best;
-  search(leaf, p, best);
-  while (node > 0 && best.distance_squared > enough_squared) {
+  const BoxFilter filter(p);
+  search(leaf, filter, p, hint, best);
+  float limit = BoxFilter::limit(best.distance_squared);
+  for (; node > 0 && best.distance_squared > enough_squared; node = (node - 1) / 2) {
     const std::size_t sibling = ((node - 1) ^ 1U) + 1;
+    if (filter.is_beyond(tree_.box(sibling), limit)) continue;
     const double squared = bound_squared(sibling, p);
-    if (squared < best.distance_squared) search_below(sibling, squared, p, enough_squared, best);
-    node = (node - 1) / 2;
+    if (!(squared < best.distance_squared)) continue;
+    search_below(sibling, squared, filter, p, enough_squared, best);
+    limit = BoxFilter::limit(best.distance_squared);
   }
   return best;
 }
