@@ -109,10 +109,13 @@ class DistanceProof {
       const auto slot_near = [&](std::uint32_t v) {
         return near[v] != kNone && state_.sheet(near[v]) == sheet ? slots[near[v]] : 0;
       };
-      const mesh::TriangleBound found = bound(c, *tree, std::array{slot_near(c.x), slot_near(c.y), slot_near(c.z)});
+      const std::array near_slots{slot_near(c.x), slot_near(c.y), slot_near(c.z)};
+      const mesh::TriangleBound found = bound(c, *tree, near_slots);
       proven_.original[t] = {covers_all_ ? found.lower : 0, found.upper};
       if (good(found)) return;
-      const std::uint32_t nearest = trees.triangle(sheet, found.slot);
+      const auto& [a, b, d] = corners(c);
+      const std::uint32_t nearest =
+          trees.triangle(sheet, tree->nearest((a + b + d) / 3.0, near_slots.front()).slot);
       wrong[new_in_doubt.size() + i] = state_.changed_by[nearest] == kNone ? t : nearest;
     });
     std::erase(wrong, kNone);
@@ -133,25 +136,24 @@ class DistanceProof {
   [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
                                           std::span<const std::uint32_t> near) const {
     const auto places = corners(t);
-    std::uint32_t hint = near.front();
-    double least = std::numeric_limits<double>::infinity();
+    const double enough_squared = limits_.enough * limits_.enough;
+    std::array<std::uint32_t, 3> slots{};  // without duplicates
+    std::size_t count = 0;
     for (const std::uint32_t slot : near) {
-      const double farthest = tree.max_distance_squared(slot, places);
-      if (farthest >= least) continue;
-      least = farthest;
-      hint = slot;
-    }
-    if (least <= limits_.enough * limits_.enough) {
+      if (std::find(slots.begin(), slots.begin() + count, slot) != slots.begin() + count) continue;
+      slots[count++] = slot;
+      const double farthest = tree.max_distance_squared(slot, places, enough_squared);
+      if (farthest > enough_squared) continue;
       mesh::TriangleBound found;
-      found.upper = std::sqrt(least);
-      found.slot = hint;
+      found.upper = std::sqrt(farthest);
+      found.slot = slot;
       return found;
     }
     mesh::DistanceLimits limits = limits_;
     const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
                          (options_.cell_size * options_.cell_size);
     limits.max_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
-    return mesh::bound_distance(places, tree, limits, 0, hint);
+    return mesh::bound_distance(places, tree, limits, 0, slots.front(), {slots.data(), count});
   }
 
   [[nodiscard]] bool good(const mesh::TriangleBound& bound) const { return bound.upper <= options_.enough; }
