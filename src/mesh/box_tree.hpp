@@ -13,6 +13,7 @@
 
 #include "base/buffer.hpp"
 #include "base/parallel.hpp"
+#include "mesh/float4.hpp"
 
 namespace isoextract::mesh {
 
@@ -38,6 +39,31 @@ struct FloatBox {
 [[nodiscard]] inline FloatBox box_around(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
 }
+
+// A box to find those that meet it, four lanes at a time.
+class BoxQuery {
+ public:
+  explicit BoxQuery(const FloatBox& box)
+      : low_{box.min.x, box.min.y, box.min.z, -std::numeric_limits<float>::infinity()},
+        high_{box.max.x, box.max.y, box.max.z, std::numeric_limits<float>::infinity()} {}
+
+  // Returns what FloatBox::meets() returns. The last lanes hold coordinates that always pass.
+  [[nodiscard]] bool meets(const FloatBox& other) const {
+    static_assert(sizeof(FloatBox) == 6 * sizeof(float));
+    const Float4 low = load4(&other.min.x);
+    const Float4 last = load4(&other.min.z);
+    const Float4 high{last[1], last[2], last[3], last[0]};
+    const auto apart = (low > high_) | (low_ > high);
+    std::array<std::uint64_t, 2> bits;
+    static_assert(sizeof(bits) == sizeof(apart));
+    std::memcpy(bits.data(), &apart, sizeof(bits));
+    return (bits[0] | bits[1]) == 0;
+  }
+
+ private:
+  Float4 low_;
+  Float4 high_;
+};
 
 class BoxTree {
  public:
@@ -132,9 +158,10 @@ void BoxTree::for_each_near(const FloatBox& near, const Visit& visit) const {
   std::array<Node, kMostLevels> waiting;
   std::size_t count = 0;
   waiting[count++] = {0, 0};
+  const BoxQuery query(near);
   while (count > 0) {
     const Node node = waiting[--count];
-    if (!near.meets(boxes_[node.index()])) continue;
+    if (!query.meets(boxes_[node.index()])) continue;
     if (node.level < depth_) {
       waiting[count++] = node.child(1);
       waiting[count++] = node.child(0);

@@ -1,0 +1,21 @@
+// Four floats at a time, with the vectors that GCC and Clang have for every machine.
+#pragma once
+
+#include <cstring>
+
+namespace isoextract::mesh {
+
+using Float4 = float __attribute__((vector_size(16)));
+
+// Reads four floats that follow each other in memory.
+[[nodiscard]] inline Float4 load4(const float* from) {
+  Float4 lanes;
+  std::memcpy(&lanes, from, sizeof(lanes));
+  return lanes;
+}
+
+// Where a lane of one operand is NaN, these return the lane of b.
+[[nodiscard]] inline Float4 min4(const Float4& a, const Float4& b) { return a < b ? a : b; }
+[[nodiscard]] inline Float4 max4(const Float4& a, const Float4& b) { return a > b ? a : b; }
+
+}  // namespace isoextract::mesh
