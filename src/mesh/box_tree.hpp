@@ -47,12 +47,22 @@ class BoxQuery {
       : low_{box.min.x, box.min.y, box.min.z, -std::numeric_limits<float>::infinity()},
         high_{box.max.x, box.max.y, box.max.z, std::numeric_limits<float>::infinity()} {}
 
-  // Returns what FloatBox::meets() returns. The last lanes hold coordinates that always pass.
+  // Returns what FloatBox::meets() returns.
   [[nodiscard]] bool meets(const FloatBox& other) const {
     static_assert(sizeof(FloatBox) == 6 * sizeof(float));
-    const Float4 low = load4(&other.min.x);
-    const Float4 last = load4(&other.min.z);
-    const Float4 high{last[1], last[2], last[3], last[0]};
+    return meets(load4(&other.min.x), last_three(load4(&other.min.z)));
+  }
+  // The other box is that of a triangle, whose corners follow each other in memory.
+  [[nodiscard]] bool meets_triangle(const glm::vec3* corners) const {
+    const Float4 a = load4(&corners[0].x);
+    const Float4 b = load4(&corners[1].x);
+    const Float4 c = last_three(load4(&corners[1].z));
+    return meets(min4(min4(a, b), c), max4(max4(a, b), c));
+  }
+
+ private:
+  // The last lanes hold coordinates that pass.
+  [[nodiscard]] bool meets(const Float4& low, const Float4& high) const {
     const auto apart = (low > high_) | (low_ > high);
     std::array<std::uint64_t, 2> bits;
     static_assert(sizeof(bits) == sizeof(apart));
@@ -60,7 +70,6 @@ class BoxQuery {
     return (bits[0] | bits[1]) == 0;
   }
 
- private:
   Float4 low_;
   Float4 high_;
 };

@@ -14,6 +14,9 @@ using Float4 = float __attribute__((vector_size(16)));
   return lanes;
 }
 
+// Returns the last three lanes first: reads the last of several vec3 without reading beyond it.
+[[nodiscard]] inline Float4 last_three(const Float4& v) { return Float4{v[1], v[2], v[3], v[0]}; }
+
 // Where a lane of one operand is NaN, these return the lane of b.
 [[nodiscard]] inline Float4 min4(const Float4& a, const Float4& b) { return a < b ? a : b; }
 [[nodiscard]] inline Float4 max4(const Float4& a, const Float4& b) { return a > b ? a : b; }

@@ -46,19 +46,27 @@ class PlaneFilter {
   // Returns true only if find_overlap() finds that the triangles do not meet: the corners of q that they do not share
   // are all on one side of the plane.
   [[nodiscard]] bool is_apart(const PlacedTriangle& q) const {
-    int sides = 0;  // bit 0: a corner above, bit 1: below
-    for (const glm::dvec3& corner : q.corners) {
-      if (corner == corners_[0] || corner == corners_[1] || corner == corners_[2]) continue;
-      const glm::dvec3 way = corner - corners_[0];
+    std::array<int, 3> sides;  // 0: too near to tell
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::dvec3 way = q.corners[i] - corners_[0];
       const double height = glm::dot(normal_, way);
       const double rounding = glm::dot(rounding_, glm::abs(way));
-      if (!(std::abs(height) > rounding)) return false;
-      sides |= height > 0 ? 1 : 2;
+      sides[i] = (height > rounding ? 1 : 0) - (height < -rounding ? 1 : 0);
     }
-    return sides == 1 || sides == 2;
+    int side = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (sides[i] == 0 && !is_corner(q.corners[i])) return false;
+      if (sides[i] * side < 0) return false;
+      side += sides[i];
+    }
+    return side != 0;
   }
 
  private:
+  [[nodiscard]] bool is_corner(const glm::dvec3& p) const {
+    return p == corners_[0] || p == corners_[1] || p == corners_[2];
+  }
+
   std::array<glm::dvec3, 3> corners_;
   glm::dvec3 normal_;
   glm::dvec3 rounding_;  // of each product with `normal_`, relative to the other factor

@@ -45,8 +45,6 @@ class BoxFilter {
  private:
   static constexpr float kRounding = 3e-7F;  // more than a float rounds, relative to the number
 
-  [[nodiscard]] static Float4 last_three(const Float4& v) { return Float4{v[1], v[2], v[3], v[0]}; }
-
   // A number that is not finite in float makes a lane NaN, which counts as 0.
   [[nodiscard]] bool is_beyond(const Float4& low, const Float4& high, float limit) const {
     const Float4 away = max4(max4(low - high_, low_ - high), Float4{});
