@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <new>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -85,10 +84,9 @@ class Simplifier {
   // Returns the number of undone collapses. `restored` are the triangles that came back since the last call and the last
   // round; then holds those that this call brought back.
   Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored) {
-    std::optional<std::span<const RestoredTriangle>> unchecked;
-    if (only_restored_unchecked_) unchecked = restored;
-    UndoneIntersections undone = TRY(undo_intersections(state_, logs_, unchecked, mesh_.name, context_));
-    only_restored_unchecked_ = true;
+    UndoneIntersections undone =
+        TRY(undo_intersections(state_, logs_, restored, !patches_are_checked_, mesh_.name, context_));
+    patches_are_checked_ = true;
     restored = std::move(undone.restored);
     facts_.untangled_collapses += undone.collapses;
     if (undone.collapses > 0) {
@@ -96,11 +94,6 @@ class Simplifier {
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
     }
     return undone.collapses;
-  }
-  Result<void> undo_new_intersections_after_round() {
-    std::vector<RestoredTriangle> restored;
-    TRY(undo_new_intersections(restored));
-    return {};
   }
 
   // Adds the figures of a proof or measurement.
@@ -178,7 +171,8 @@ class Simplifier {
       // Keeps the number of triangles in a patch.
       size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
     }
-    TRY(undo_new_intersections_after_round());
+    std::vector<RestoredTriangle> restored;
+    TRY(undo_new_intersections(restored));
     TRY(cheapest(enough));
     return replace_worst(enough);
   }
@@ -217,7 +211,7 @@ class Simplifier {
       drop_restored_samples(state_);
       for (const std::uint32_t vertex : proof.refused) refused_[vertex] = 1;
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
-      TRY(undo_new_intersections_after_round());
+      TRY(undo_new_intersections(proven.restored));
       context_.progress().begin("simplifying", left_ - options_.triangles);
       TRY(cheapest(enough));
     }
@@ -284,7 +278,7 @@ class Simplifier {
     });
     TRY(context_.check());
     numbers_ += triangles.size();
-    only_restored_unchecked_ = false;
+    patches_are_checked_ = false;
     for (CollapseLog& log : logs) {
       facts_.collapses += log.collapses.size();
       facts_.refused_collapses += log.refused;
@@ -394,7 +388,7 @@ class Simplifier {
   std::vector<std::uint32_t> patch_of_;
   std::vector<CollapseLog> logs_;
   std::uint64_t numbers_ = 0;  // collapses numbered so far
-  bool only_restored_unchecked_ = false;  // undo_intersections() has seen all else
+  bool patches_are_checked_ = false;  // for intersections; a round needs a new check
   std::size_t left_;
   double farthest_squared_ = 0;  // largest squared distance of samples and new triangles
 };

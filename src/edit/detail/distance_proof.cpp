@@ -57,9 +57,9 @@ class DistanceProof {
         if (options_.once) proof.refused.push_back(find_collapse(state_.changed_by[t], logs_).vertex);
         proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
       }
+      proven_.restored.insert(proven_.restored.end(), changed.begin(), changed.end());
       if (options_.once) break;
       find_doubts(changed, new_in_doubt, old_in_doubt);
-      proven_.restored.insert(proven_.restored.end(), changed.begin(), changed.end());
     }
     const std::vector<DistanceBounds>& original = proven_.original;
     for (std::uint32_t t = 0; t < original.size(); ++t) {

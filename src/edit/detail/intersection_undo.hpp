@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,17 +14,18 @@
 
 namespace isoextract::edit {
 
-// Undoes the last collapse of one of two intersecting triangles until all pairs left are of the original mesh, or were
-// counted as such by the guard. Looks at all triangles, or, with `restored`, only at pairs of the triangles in it: those
-// that came back since the last check. Returns the triangles that came back by the undone collapses, and the number of
-// these. `logs` are sorted by `first`; `name` is that of the mesh, for messages. The result does not depend on the
-// number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
 struct UndoneIntersections {
   std::uint64_t collapses = 0;
-  std::vector<RestoredTriangle> restored;
+  std::vector<RestoredTriangle> restored;  // triangles that these brought back
 };
-[[nodiscard]] Result<UndoneIntersections> undo_intersections(
-    CollapseState& state, std::span<const CollapseLog> logs,
-    std::optional<std::span<const RestoredTriangle>> restored, const std::string& name, const Context& context);
+
+// Undoes the last collapse of one of two intersecting triangles until all pairs left are of the original mesh, or were
+// counted as such by the guard. `restored` are the triangles that undone collapses brought back since the last check or,
+// if `is_first`, at all since edges were collapsed. Without `is_first`, looks only at their pairs. `logs` are sorted by
+// `first`; `name` is that of the mesh, for messages. The result does not depend on the number of threads. Fails with
+// ErrorCode::out_of_memory or ErrorCode::cancelled.
+[[nodiscard]] Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
+                                                             std::span<const RestoredTriangle> restored, bool is_first,
+                                                             const std::string& name, const Context& context);
 
 }  // namespace isoextract::edit
