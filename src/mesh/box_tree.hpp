@@ -63,11 +63,7 @@ class BoxQuery {
  private:
   // The last lanes hold coordinates that pass.
   [[nodiscard]] bool meets(const Float4& low, const Float4& high) const {
-    const auto apart = (low > high_) | (low_ > high);
-    std::array<std::uint64_t, 2> bits;
-    static_assert(sizeof(bits) == sizeof(apart));
-    std::memcpy(bits.data(), &apart, sizeof(bits));
-    return (bits[0] | bits[1]) == 0;
+    return !any4((low > high_) | (low_ > high));
   }
 
   Float4 low_;

@@ -7,6 +7,7 @@
 
 #include "base/parallel.hpp"
 #include "mesh/closest_point.hpp"
+#include "mesh/detail/box_filter.hpp"
 
 namespace isoextract::mesh {
 namespace {

@@ -15,9 +15,10 @@
 
 #include "base/buffer.hpp"
 #include "mesh/box_tree.hpp"
-#include "mesh/detail/box_filter.hpp"
 
 namespace isoextract::mesh {
+
+class BoxFilter;  // detail/box_filter.hpp
 
 class TriangleTree {
  public:

@@ -58,7 +58,7 @@ void IntersectionGuard::find_near(std::span<const std::uint32_t> around, std::sp
   const mesh::BoxQuery query(box);
   tree_.for_each_near(box, [&](std::uint32_t t) {
     if (counts_[t] == 0 || looked_[t] == look_ || !query.meets_triangle(corners_[t].data())) return;
-    near_.push_back({t, box_of(corners_[t]), placed(corners_[t])});
+    near_.push_back({t, box_of(corners_[t]), mesh::CornerLanes(corners_[t])});
   });
 }
 
@@ -69,14 +69,15 @@ bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<
     const Corners& corners = changed[i].corners;
     const mesh::BoxQuery box(box_of(corners));
     const mesh::PlacedTriangle triangle = placed(corners);
-    const mesh::PlaneFilter plane(triangle);
+    const mesh::CornerLanes lanes(corners);
+    const mesh::PlaneFilter plane(corners);
     for (const Near& near : near_) {
-      if (!box.meets(near.box) || plane.is_apart(near.placed)) continue;
-      if (mesh::PlaneFilter(near.placed).is_apart(triangle)) continue;
-      if (mesh::find_overlap(triangle, near.placed).meet) met_.push_back({i, near.triangle});
+      if (!box.meets(near.box) || plane.is_apart(near.corners)) continue;
+      if (mesh::PlaneFilter(corners_[near.triangle]).is_apart(lanes)) continue;
+      if (mesh::find_overlap(triangle, placed(corners_[near.triangle])).meet) met_.push_back({i, near.triangle});
     }
     for (std::uint32_t j = 0; j < i; ++j) {
-      if (plane.is_apart(placed(changed[j].corners))) continue;
+      if (plane.is_apart(mesh::CornerLanes(changed[j].corners))) continue;
       if (meet(corners, changed[j].corners)) met_.push_back({i, changed[j].triangle});
     }
   }

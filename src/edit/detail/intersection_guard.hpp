@@ -48,7 +48,7 @@ class IntersectionGuard {
   struct Near {
     std::uint32_t triangle;
     mesh::FloatBox box;
-    mesh::PlacedTriangle placed;
+    mesh::CornerLanes corners;
   };
 
   [[nodiscard]] static std::vector<Corners> corners_of(const CollapseState& state,

@@ -14,8 +14,7 @@ class BoxFilter {
  public:
   explicit BoxFilter(const glm::dvec3& p) {
     const Float4 at{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 0};
-    const Float4 size = at < 0 ? -at : at;
-    const Float4 rounding = size * kRounding + std::numeric_limits<float>::min();
+    const Float4 rounding = magnitude4(at) * kRounding + std::numeric_limits<float>::min();
     low_ = at - rounding;
     high_ = at + rounding;
     low_[3] = -std::numeric_limits<float>::infinity();
