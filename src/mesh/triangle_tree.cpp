@@ -15,14 +15,6 @@ namespace {
 constexpr double kAxisOne = 32767;
 constexpr double kSlabRounding = 1e-12;  // relative to the coordinates; more than double arithmetic causes
 
-double distance_squared(const FloatBox& box, const glm::dvec3& p) {
-  const auto outside = [](double low, double at, double high) { return std::max(std::max(low - at, at - high), 0.0); };
-  const double x = outside(static_cast<double>(box.min.x), p.x, static_cast<double>(box.max.x));
-  const double y = outside(static_cast<double>(box.min.y), p.y, static_cast<double>(box.max.y));
-  const double z = outside(static_cast<double>(box.min.z), p.z, static_cast<double>(box.max.z));
-  return x * x + y * y + z * z;
-}
-
 BoxTree tree_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
   Buffer<BoxTree::Item> items(triangles.size());
   for_each_index(triangles.size(), [&](std::size_t t) {
@@ -142,8 +134,8 @@ std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& no
   return slabs;
 }
 
-double TriangleTree::bound_squared(std::size_t node, const glm::dvec3& p) const {
-  const double by_box = mesh::distance_squared(tree_.box(node), p);
+double TriangleTree::bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const {
+  const double by_box = filter.bound(tree_.box(node));
   if (node >= slabs_.size()) return by_box;
   const double across = std::max(slabs_[node][0].distance(p), slabs_[node][1].distance(p));
   return std::max(by_box, across * across);
@@ -153,10 +145,11 @@ std::size_t TriangleTree::count_leaves_within(const glm::dvec3& p, double square
   const std::size_t first_leaf = tree_.leaves() - 1;
   std::size_t leaves = 0;
   std::vector<std::size_t> waiting{0};
+  const BoxFilter filter(p);
   while (!waiting.empty()) {
     const std::size_t node = waiting.back();
     waiting.pop_back();
-    if (bound_squared(node, p) > squared) continue;
+    if (bound_squared(node, filter, p) > squared) continue;
     if (node >= first_leaf) {
       ++leaves;
     } else {
@@ -191,13 +184,10 @@ double TriangleTree::max_distance_squared(std::uint32_t slot, std::span<const gl
 void TriangleTree::search(std::size_t leaf, const BoxFilter& filter, const glm::dvec3& p, std::size_t known,
                           Nearest& best) const {
   const std::size_t last = tree_.end_slot(tree_.leaf(leaf));
-  float limit = BoxFilter::limit(best.distance_squared);
   for (std::size_t slot = tree_.first_slot(tree_.leaf(leaf)); slot < last; ++slot) {
-    if (slot == known || filter.is_triangle_beyond(&corners_[slot].a, limit)) continue;
+    if (slot == known || !(filter.bound_of_triangle(&corners_[slot].a) < best.distance_squared)) continue;
     const Nearest found = nearest_on_triangle(static_cast<std::uint32_t>(slot), p);
-    if (!(found.distance_squared < best.distance_squared)) continue;
-    best = found;
-    limit = BoxFilter::limit(best.distance_squared);
+    if (found.distance_squared < best.distance_squared) best = found;
   }
 }
 
@@ -212,25 +202,19 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
   std::array<Entry, kMostLevels + 1> waiting;
   std::size_t count = 0;
   const std::size_t first_leaf = tree_.leaves() - 1;
-  float limit = BoxFilter::limit(best.distance_squared);
-  const auto bounded = [&](std::size_t child) {
-    const bool is_beyond = filter.is_beyond(tree_.box(child), limit);
-    return Entry{child, is_beyond ? std::numeric_limits<double>::infinity() : bound_squared(child, p)};
-  };
   Entry entry{node, node_distance_squared};
   for (;;) {
     if (best.distance_squared <= enough_squared) return;
     if (entry.distance_squared < best.distance_squared) {
       if (entry.node < first_leaf) {
-        Entry near = bounded(2 * entry.node + 1);
-        Entry far = bounded(2 * entry.node + 2);
+        Entry near{2 * entry.node + 1, bound_squared(2 * entry.node + 1, filter, p)};
+        Entry far{2 * entry.node + 2, bound_squared(2 * entry.node + 2, filter, p)};
         if (far.distance_squared < near.distance_squared) std::swap(near, far);
         if (far.distance_squared < best.distance_squared) waiting[count++] = far;
         entry = near;
         continue;
       }
       search(entry.node - first_leaf, filter, p, tree_.numbers().size(), best);
-      limit = BoxFilter::limit(best.distance_squared);
     }
     if (count == 0) return;
     entry = waiting[--count];
@@ -245,14 +229,10 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t h
   std::size_t node = tree_.leaf(leaf).index();
   const BoxFilter filter(p);
   search(leaf, filter, p, hint, best);
-  float limit = BoxFilter::limit(best.distance_squared);
   for (; node > 0 && best.distance_squared > enough_squared; node = (node - 1) / 2) {
     const std::size_t sibling = ((node - 1) ^ 1U) + 1;
-    if (filter.is_beyond(tree_.box(sibling), limit)) continue;
-    const double squared = bound_squared(sibling, p);
-    if (!(squared < best.distance_squared)) continue;
-    search_below(sibling, squared, filter, p, enough_squared, best);
-    limit = BoxFilter::limit(best.distance_squared);
+    const double squared = bound_squared(sibling, filter, p);
+    if (squared < best.distance_squared) search_below(sibling, squared, filter, p, enough_squared, best);
   }
   return best;
 }

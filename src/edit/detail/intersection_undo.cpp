@@ -23,14 +23,19 @@ using ChangedTriangle = std::pair<std::uint32_t, std::uint32_t>;  // the last co
 using TrianglePair = std::array<std::uint32_t, 2>;
 using FoundPairs = tbb::enumerable_thread_specific<std::vector<TrianglePair>>;
 
-mesh::PlacedTriangle placed(const CollapseState& state, std::uint32_t t) {
+std::array<glm::vec3, 3> corners_of(const CollapseState& state, std::uint32_t t) {
   const glm::uvec3& c = state.corners[t];
-  return {{glm::dvec3(state.stored[c.x]), glm::dvec3(state.stored[c.y]), glm::dvec3(state.stored[c.z])}};
+  return {state.stored[c.x], state.stored[c.y], state.stored[c.z]};
+}
+
+mesh::PlacedTriangle placed(const CollapseState& state, std::uint32_t t) {
+  const auto [a, b, c] = corners_of(state, t);
+  return {{glm::dvec3(a), glm::dvec3(b), glm::dvec3(c)}};
 }
 
 mesh::FloatBox box_of(const CollapseState& state, std::uint32_t t) {
-  const glm::uvec3& c = state.corners[t];
-  return mesh::box_around(state.stored[c.x], state.stored[c.y], state.stored[c.z]);
+  const auto [a, b, c] = corners_of(state, t);
+  return mesh::box_around(a, b, c);
 }
 
 bool has_area(const mesh::PlacedTriangle& t) {
@@ -41,6 +46,7 @@ bool has_area(const mesh::PlacedTriangle& t) {
 bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
   if (state.tangled[a] != 0 && state.tangled[b] != 0) return false;
   if (state.changed_by[a] == kNone && state.changed_by[b] == kNone) return false;
+  if (mesh::PlaneFilter(corners_of(state, a)).is_apart(mesh::CornerLanes(corners_of(state, b)))) return false;
   const mesh::PlacedTriangle p = placed(state, a);
   const mesh::PlacedTriangle q = placed(state, b);
   return mesh::find_overlap(p, q).meet && has_area(p) && has_area(q) && !std::ranges::is_permutation(p.corners, q.corners);
