@@ -114,8 +114,7 @@ class DistanceProof {
       proven_.original[t] = {covers_all_ ? found.lower : 0, found.upper};
       if (good(found)) return;
       const auto& [a, b, d] = corners(c);
-      const std::uint32_t nearest =
-          trees.triangle(sheet, tree->nearest((a + b + d) / 3.0, near_slots.front()).slot);
+      const std::uint32_t nearest = trees.triangle(sheet, tree->nearest((a + b + d) / 3.0, near_slots.front()).slot);
       wrong[new_in_doubt.size() + i] = state_.changed_by[nearest] == kNone ? t : nearest;
     });
     std::erase(wrong, kNone);
@@ -163,14 +162,16 @@ class DistanceProof {
   }
 
   using Cell = std::array<std::int64_t, 3>;
+  static constexpr int kWideShift = 2;
+  static constexpr double kWide = 1 << kWideShift;
 
   // Calls visit(cell) for the cells that the triangle's box, enlarged by `gap`, meets, until it returns true. Returns
   // whether it did.
   template <class Visit>
-  bool any_cell(const std::array<glm::dvec3, 3>& triangle, double gap, const Visit& visit) const {
+  static bool any_cell(const std::array<glm::dvec3, 3>& triangle, double gap, double cell_size, const Visit& visit) {
     const auto& [a, b, c] = triangle;
-    const glm::i64vec3 low(glm::floor((glm::min(a, glm::min(b, c)) - gap) / options_.cell_size));
-    const glm::i64vec3 high(glm::floor((glm::max(a, glm::max(b, c)) + gap) / options_.cell_size));
+    const glm::i64vec3 low(glm::floor((glm::min(a, glm::min(b, c)) - gap) / cell_size));
+    const glm::i64vec3 high(glm::floor((glm::max(a, glm::max(b, c)) + gap) / cell_size));
     for (std::int64_t z = low.z; z <= high.z; ++z) {
       for (std::int64_t y = low.y; y <= high.y; ++y) {
         for (std::int64_t x = low.x; x <= high.x; ++x) {
@@ -181,14 +182,30 @@ class DistanceProof {
     return false;
   }
 
-  [[nodiscard]] std::size_t bit_of(const Cell& cell) const {
-    return hash_coordinates(static_cast<std::uint32_t>(cell[2]), static_cast<std::uint32_t>(cell[1]),
-                            static_cast<std::uint32_t>(cell[0])) &
-           (maybe_doubtful_.size() - 1);
-  }
+  // A set of cells by a hash: may hold more, but never misses one.
+  class CellBits {
+   public:
+    void clear(std::size_t cells) {
+      constexpr std::size_t kBitsOfCell = 16;
+      bits_.assign(std::bit_ceil(kBitsOfCell * cells + 1), false);
+    }
+    void add(const Cell& cell) { bits_[bit_of(cell)] = true; }
+    [[nodiscard]] bool may_hold(const Cell& cell) const { return bits_[bit_of(cell)]; }
+
+   private:
+    [[nodiscard]] std::size_t bit_of(const Cell& cell) const {
+      return hash_coordinates(static_cast<std::uint64_t>(cell[2]), static_cast<std::uint64_t>(cell[1]),
+                              static_cast<std::uint64_t>(cell[0])) &
+             (bits_.size() - 1);
+    }
+    std::vector<bool> bits_;
+  };
+
   [[nodiscard]] bool in_doubtful_cell(const std::array<glm::dvec3, 3>& triangle, double gap) const {
-    return any_cell(triangle, gap, [&](const Cell& cell) {
-      return maybe_doubtful_[bit_of(cell)] && std::binary_search(doubtful_.begin(), doubtful_.end(), cell);
+    const auto may_hold_wide = [&](const Cell& cell) { return wide_doubtful_.may_hold(cell); };
+    if (!any_cell(triangle, gap, kWide * options_.cell_size, may_hold_wide)) return false;
+    return any_cell(triangle, gap, options_.cell_size, [&](const Cell& cell) {
+      return maybe_doubtful_.may_hold(cell) && std::binary_search(doubtful_.begin(), doubtful_.end(), cell);
     });
   }
 
@@ -211,7 +228,7 @@ class DistanceProof {
     doubtful_.clear();
     for (const RestoredTriangle& put_back : changed) {
       new_in_doubt.push_back(put_back.triangle);
-      any_cell(corners(put_back.corners), options_.enough, [&](const Cell& cell) {
+      any_cell(corners(put_back.corners), options_.enough, options_.cell_size, [&](const Cell& cell) {
         doubtful_.push_back(cell);
         return false;
       });
@@ -220,9 +237,13 @@ class DistanceProof {
     new_in_doubt.erase(std::unique(new_in_doubt.begin(), new_in_doubt.end()), new_in_doubt.end());
     std::sort(doubtful_.begin(), doubtful_.end());
     doubtful_.erase(std::unique(doubtful_.begin(), doubtful_.end()), doubtful_.end());
-    constexpr std::size_t kBitsOfCell = 16;
-    maybe_doubtful_.assign(std::bit_ceil(kBitsOfCell * doubtful_.size() + 1), false);
-    for (const Cell& cell : doubtful_) maybe_doubtful_[bit_of(cell)] = true;
+    maybe_doubtful_.clear(doubtful_.size());
+    wide_doubtful_.clear(doubtful_.size());
+    for (const Cell& cell : doubtful_) {
+      maybe_doubtful_.add(cell);
+      // The shift rounds down, as the floor of coordinates does.
+      wide_doubtful_.add({cell[0] >> kWideShift, cell[1] >> kWideShift, cell[2] >> kWideShift});
+    }
     const std::vector<char> near =
         marked([&](std::uint32_t t) { return in_doubtful_cell(corners(state_.original[t]), 0); });
     old_in_doubt.clear();
@@ -237,9 +258,10 @@ class DistanceProof {
   const Context& context_;
   mesh::DistanceLimits limits_;
   ProvenDistances& proven_;
-  bool covers_all_ = true;  // the pass measures the whole mesh
-  std::vector<Cell> doubtful_;         // sorted
-  std::vector<bool> maybe_doubtful_;   // by a hash of the cell: spares most searches in doubtful_
+  bool covers_all_ = true;      // the pass measures the whole mesh
+  std::vector<Cell> doubtful_;  // sorted
+  CellBits maybe_doubtful_;     // spares most searches in doubtful_
+  CellBits wide_doubtful_;      // of cells that are kWide times as wide: spares most looks at their parts
 };
 
 // Bounds all changed triangles, each within its sheet, in the order of the triangles.
