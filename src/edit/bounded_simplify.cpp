@@ -44,13 +44,16 @@ class Simplifier {
     const double enough = options_.max_distance - slack_;
     if (!(enough > 0) || left_ <= options_.triangles) return CollapsedSheets();
     TRY(options_.triangles > 0 ? collapse_to_count(enough) : within(enough));
-    // Undoing for one reason can make the other one hold again. It ends, as every time fewer collapses are left.
+    // Undoing for one reason can make the other one hold again. It ends, as every time fewer collapses are left. Each
+    // looks again only near what the other one brought back.
+    ProvenDistances proven;
     do {
       facts_.distance_lower = 0;
       facts_.distance_upper = std::numeric_limits<double>::infinity();
       if (!std::isfinite(enough)) continue;
-      TRY(look(prove_distance(state_, logs_, proof_options(enough), context_)));
-    } while (TRY(undo_new_intersections()) > 0);
+      TRY(look(prove_distance(state_, logs_, proof_options(enough), proven, context_)));
+    } while (TRY(undo_new_intersections(proven.restored)) > 0);
+    proven = {};
     if (options_.triangles > 0) {
       TRY(look(measure_distance(state_, context_)));
     }
@@ -78,15 +81,19 @@ class Simplifier {
   }
 
  private:
-  // Returns the number of undone collapses.
-  Result<std::uint64_t> undo_new_intersections() {
-    const std::uint64_t undone = TRY(undo_intersections(state_, logs_, mesh_.name, context_));
-    facts_.untangled_collapses += undone;
-    if (undone > 0) {
+  // Returns the number of undone collapses. `restored` are the triangles that came back since the last call and the last
+  // round; then holds those that this call brought back.
+  Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored) {
+    UndoneIntersections undone =
+        TRY(undo_intersections(state_, logs_, restored, !patches_are_checked_, mesh_.name, context_));
+    patches_are_checked_ = true;
+    restored = std::move(undone.restored);
+    facts_.untangled_collapses += undone.collapses;
+    if (undone.collapses > 0) {
       drop_restored_samples(state_);
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
     }
-    return undone;
+    return undone.collapses;
   }
 
   // Adds the figures of a proof or measurement.
@@ -164,7 +171,8 @@ class Simplifier {
       // Keeps the number of triangles in a patch.
       size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
     }
-    TRY(undo_new_intersections());
+    std::vector<RestoredTriangle> restored;
+    TRY(undo_new_intersections(restored));
     TRY(cheapest(enough));
     return replace_worst(enough);
   }
@@ -195,14 +203,15 @@ class Simplifier {
     for (int time = 0; time < kTimes && left_ <= options_.triangles && distance < enough; ++time) {
       DistanceProofOptions look = proof_options(distance);
       look.once = true;
-      const auto proof = TRY(prove_distance(state_, logs_, look, context_));
+      ProvenDistances proven;
+      const auto proof = TRY(prove_distance(state_, logs_, look, proven, context_));
       if (proof.undone == 0) break;
       facts_.undone_collapses += proof.undone;
       ++facts_.passes;
       drop_restored_samples(state_);
       for (const std::uint32_t vertex : proof.refused) refused_[vertex] = 1;
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
-      TRY(undo_new_intersections());
+      TRY(undo_new_intersections(proven.restored));
       context_.progress().begin("simplifying", left_ - options_.triangles);
       TRY(cheapest(enough));
     }
@@ -269,6 +278,7 @@ class Simplifier {
     });
     TRY(context_.check());
     numbers_ += triangles.size();
+    patches_are_checked_ = false;
     for (CollapseLog& log : logs) {
       facts_.collapses += log.collapses.size();
       facts_.refused_collapses += log.refused;
@@ -378,6 +388,7 @@ class Simplifier {
   std::vector<std::uint32_t> patch_of_;
   std::vector<CollapseLog> logs_;
   std::uint64_t numbers_ = 0;  // collapses numbered so far
+  bool patches_are_checked_ = false;  // for intersections; a round needs a new check
   std::size_t left_;
   double farthest_squared_ = 0;  // largest squared distance of samples and new triangles
 };

@@ -13,6 +13,7 @@
 
 #include "base/buffer.hpp"
 #include "base/parallel.hpp"
+#include "mesh/float4.hpp"
 
 namespace isoextract::mesh {
 
@@ -38,6 +39,36 @@ struct FloatBox {
 [[nodiscard]] inline FloatBox box_around(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
 }
+
+// A box to find those that meet it, four lanes at a time.
+class BoxQuery {
+ public:
+  explicit BoxQuery(const FloatBox& box)
+      : low_{box.min.x, box.min.y, box.min.z, -std::numeric_limits<float>::infinity()},
+        high_{box.max.x, box.max.y, box.max.z, std::numeric_limits<float>::infinity()} {}
+
+  // Returns what FloatBox::meets() returns.
+  [[nodiscard]] bool meets(const FloatBox& other) const {
+    static_assert(sizeof(FloatBox) == 6 * sizeof(float));
+    return meets(load4(&other.min.x), last_three(load4(&other.min.z)));
+  }
+  // The other box is that of a triangle, whose corners follow each other in memory.
+  [[nodiscard]] bool meets_triangle(const glm::vec3* corners) const {
+    const Float4 a = load4(&corners[0].x);
+    const Float4 b = load4(&corners[1].x);
+    const Float4 c = last_three(load4(&corners[1].z));
+    return meets(min4(min4(a, b), c), max4(max4(a, b), c));
+  }
+
+ private:
+  // The last lanes hold coordinates that pass.
+  [[nodiscard]] bool meets(const Float4& low, const Float4& high) const {
+    return !any4((low > high_) | (low_ > high));
+  }
+
+  Float4 low_;
+  Float4 high_;
+};
 
 class BoxTree {
  public:
@@ -132,9 +163,10 @@ void BoxTree::for_each_near(const FloatBox& near, const Visit& visit) const {
   std::array<Node, kMostLevels> waiting;
   std::size_t count = 0;
   waiting[count++] = {0, 0};
+  const BoxQuery query(near);
   while (count > 0) {
     const Node node = waiting[--count];
-    if (!near.meets(boxes_[node.index()])) continue;
+    if (!query.meets(boxes_[node.index()])) continue;
     if (node.level < depth_) {
       waiting[count++] = node.child(1);
       waiting[count++] = node.child(0);

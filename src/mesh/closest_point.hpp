@@ -31,10 +31,11 @@ class ClosestPointTriangle {
         ac_(c - a),
         b_squared_(glm::dot(ab_, ab_)),
         c_squared_(glm::dot(ac_, ac_)),
-        between_(glm::dot(ab_, ac_)) {}
+        between_(glm::dot(ab_, ac_)),
+        needle_(is_needle()) {}
 
   [[nodiscard]] glm::dvec3 closest(const glm::dvec3& p) const {
-    return is_needle() ? closest_on_needle(p) : closest_by_region(p);
+    return needle_ ? closest_on_needle(p) : closest_by_region(p);
   }
 
   [[nodiscard]] double distance_squared(const glm::dvec3& p) const {
@@ -102,6 +103,7 @@ class ClosestPointTriangle {
   glm::dvec3 a_, b_, c_;
   glm::dvec3 ab_, ac_;
   double b_squared_, c_squared_, between_;
+  bool needle_;
 };
 
 }  // namespace isoextract::mesh

@@ -20,6 +20,14 @@ struct Polygon {
   std::size_t count = 0;
   std::uint32_t hint = 0;
 
+  Polygon() {}  // NOLINT(*-member-init,*-use-equals-default): leaves the corners unset, which would take time
+  // Copies the corners that are there.
+  Polygon(const Polygon& other) : count(other.count), hint(other.hint) {  // NOLINT(*-member-init)
+    std::copy_n(other.corners.begin(), count, corners.begin());
+  }
+  Polygon& operator=(const Polygon&) = delete;
+  ~Polygon() = default;
+
   [[nodiscard]] std::span<const glm::dvec3> points() const { return {corners.data(), count}; }
   void add(const glm::dvec3& corner) { corners[count++] = corner; }
   [[nodiscard]] glm::dvec3 center() const {
@@ -108,27 +116,52 @@ std::array<Polygon, 2> halve_corners(const Polygon& polygon) {
   return parts;
 }
 
+// Cuts the polygon along the side of the triangle that it reaches farthest beyond, or in the middle.
+std::array<Polygon, 2> cut_at(const Polygon& polygon, const std::optional<Plane>& side) {
+  if (polygon.count >= Polygon::kManyCorners) return halve_corners(polygon);
+  return cut(polygon, side ? *side : longest_edge_cut(polygon));
+}
+
 }  // namespace
 
 TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const TriangleTree& tree,
-                             const DistanceLimits& limits, double known, std::uint32_t hint) {
+                             const DistanceLimits& limits, double known, std::uint32_t hint,
+                             std::span<const std::uint32_t> others) {
   TriangleBound bound;
   double lower = known;
   std::size_t leaves = 0;
   std::vector<Polygon> waiting(1);
   for (const glm::dvec3& corner : corners) waiting[0].add(corner);
   waiting[0].hint = hint;
+  const auto add_parts = [&](const std::array<Polygon, 2>& cut_parts, std::uint32_t near) {
+    for (const Polygon& part : cut_parts) {
+      if (part.count < 3) continue;
+      waiting.push_back(part);
+      waiting.back().hint = near;
+    }
+  };
+  // Returns whether one of the triangles that may be near is close enough to the polygon already.
+  const double enough_squared = limits.enough * limits.enough;
+  const auto is_accepted = [&](const Polygon& polygon, std::uint32_t slot) {
+    const double to_slot = tree.max_distance_squared(slot, polygon.points(), enough_squared);
+    if (!(to_slot <= enough_squared)) return false;
+    bound.upper = std::max(bound.upper, std::sqrt(to_slot));
+    return true;
+  };
   for (std::size_t parts = 0; !waiting.empty(); ++parts) {
     const Polygon polygon = waiting.back();
     waiting.pop_back();
-    double to_hint = std::numeric_limits<double>::infinity();
-    if (limits.enough > 0) {  // then the triangle of the hint may be close enough already
-      to_hint = std::sqrt(tree.max_distance_squared(polygon.hint, polygon.points()));
-      if (to_hint <= limits.enough) {
-        if (parts == 0) bound.slot = polygon.hint;
-        bound.upper = std::max(bound.upper, to_hint);
+    if (parts == 0 && !others.empty()) {
+      bound.slot = hint;
+      if (const auto side = side_to_cut(polygon, tree.corners(hint))) {
+        add_parts(cut_at(polygon, side), hint);
         continue;
       }
+    } else if (limits.enough > 0) {
+      if (parts == 0) bound.slot = hint;
+      if (is_accepted(polygon, polygon.hint)) continue;
+      const auto is_near = [&](std::uint32_t slot) { return slot != polygon.hint && is_accepted(polygon, slot); };
+      if (std::ranges::any_of(others, is_near)) continue;
     }
     const glm::dvec3 center = polygon.center();
     const TriangleTree::Nearest nearest = tree.nearest(center, polygon.hint);
@@ -140,8 +173,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.nearest = nearest.point;
       lower = std::max(lower, distance);
     }
-    const bool by_hint = nearest.slot == polygon.hint && std::isfinite(to_hint);
-    const double to_triangle = by_hint ? to_hint : std::sqrt(tree.max_distance_squared(nearest.slot, polygon.points()));
+    const double to_triangle = std::sqrt(tree.max_distance_squared(nearest.slot, polygon.points()));
     double radius = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
       const glm::dvec3 way = polygon.corners[i] - center;
@@ -167,14 +199,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.unfinished = true;
       continue;
     }
-    const auto side = side_to_cut(polygon, tree.corners(nearest.slot));
-    auto cut_parts = polygon.count >= Polygon::kManyCorners ? halve_corners(polygon)
-                                                            : cut(polygon, side ? *side : longest_edge_cut(polygon));
-    for (Polygon& part : cut_parts) {
-      if (part.count < 3) continue;
-      part.hint = nearest.slot;
-      waiting.push_back(part);
-    }
+    add_parts(cut_at(polygon, side_to_cut(polygon, tree.corners(nearest.slot))), nearest.slot);
   }
   bound.upper = std::max(bound.upper, bound.lower);
   return bound;

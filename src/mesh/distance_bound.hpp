@@ -9,7 +9,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
+#include <span>
 
 #include <glm/glm.hpp>
 
@@ -46,11 +48,14 @@ struct TriangleBound {
 
 // Bounds the distance of a triangle from the surface in `tree`. `known` is a distance already found at another
 // triangle, or 0: an upper end up to limits.accepted_upper(known) is accepted, however wide the interval. `hint` is a
-// slot of the tree, preferably near.
+// slot of the tree, preferably near. `others` are slots that may be near parts of the triangle, if it is known that
+// neither they nor the hint are within limits.enough of all of it: they save searches, and the lower end of the interval
+// may be lower.
 //
 // Computes in double and ignores rounding: about 1e-16 of the coordinates, up to 1e-8 of the size of an almost
 // degenerate triangle.
 [[nodiscard]] TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const TriangleTree& tree,
-                                           const DistanceLimits& limits, double known, std::uint32_t hint);
+                                           const DistanceLimits& limits, double known, std::uint32_t hint,
+                                           std::span<const std::uint32_t> others = {});
 
 }  // namespace isoextract::mesh

@@ -7,20 +7,13 @@
 
 #include "base/parallel.hpp"
 #include "mesh/closest_point.hpp"
+#include "mesh/detail/box_filter.hpp"
 
 namespace isoextract::mesh {
 namespace {
 
 constexpr double kAxisOne = 32767;
 constexpr double kSlabRounding = 1e-12;  // relative to the coordinates; more than double arithmetic causes
-
-double distance_squared(const FloatBox& box, const glm::dvec3& p) {
-  const auto outside = [](double low, double at, double high) { return std::max(std::max(low - at, at - high), 0.0); };
-  const double x = outside(static_cast<double>(box.min.x), p.x, static_cast<double>(box.max.x));
-  const double y = outside(static_cast<double>(box.min.y), p.y, static_cast<double>(box.max.y));
-  const double z = outside(static_cast<double>(box.min.z), p.z, static_cast<double>(box.max.z));
-  return x * x + y * y + z * z;
-}
 
 BoxTree tree_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
   Buffer<BoxTree::Item> items(triangles.size());
@@ -141,8 +134,8 @@ std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& no
   return slabs;
 }
 
-double TriangleTree::bound_squared(std::size_t node, const glm::dvec3& p) const {
-  const double by_box = mesh::distance_squared(tree_.box(node), p);
+double TriangleTree::bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const {
+  const double by_box = filter.bound(tree_.box(node));
   if (node >= slabs_.size()) return by_box;
   const double across = std::max(slabs_[node][0].distance(p), slabs_[node][1].distance(p));
   return std::max(by_box, across * across);
@@ -152,10 +145,11 @@ std::size_t TriangleTree::count_leaves_within(const glm::dvec3& p, double square
   const std::size_t first_leaf = tree_.leaves() - 1;
   std::size_t leaves = 0;
   std::vector<std::size_t> waiting{0};
+  const BoxFilter filter(p);
   while (!waiting.empty()) {
     const std::size_t node = waiting.back();
     waiting.pop_back();
-    if (bound_squared(node, p) > squared) continue;
+    if (bound_squared(node, filter, p) > squared) continue;
     if (node >= first_leaf) {
       ++leaves;
     } else {
@@ -175,27 +169,31 @@ TriangleTree::Nearest TriangleTree::nearest_on_triangle(std::uint32_t slot, cons
   return found;
 }
 
-double TriangleTree::max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points) const {
+double TriangleTree::max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points,
+                                          double enough_squared) const {
   const Corners& corners = corners_[slot];
   const ClosestPointTriangle triangle(corners.a, corners.b, corners.c);
   double farthest = 0;
-  for (const glm::dvec3& p : points) farthest = std::max(farthest, triangle.distance_squared(p));
+  for (const glm::dvec3& p : points) {
+    farthest = std::max(farthest, triangle.distance_squared(p));
+    if (farthest > enough_squared) break;
+  }
   return farthest;
 }
 
-void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const {
+void TriangleTree::search(std::size_t leaf, const BoxFilter& filter, const glm::dvec3& p, std::size_t known,
+                          Nearest& best) const {
   const std::size_t last = tree_.end_slot(tree_.leaf(leaf));
   for (std::size_t slot = tree_.first_slot(tree_.leaf(leaf)); slot < last; ++slot) {
-    const Corners& t = corners_[slot];
-    if (!(mesh::distance_squared(box_around(t.a, t.b, t.c), p) < best.distance_squared)) continue;
+    if (slot == known || !(filter.bound_of_triangle(&corners_[slot].a) < best.distance_squared)) continue;
     const Nearest found = nearest_on_triangle(static_cast<std::uint32_t>(slot), p);
     if (found.distance_squared < best.distance_squared) best = found;
   }
 }
 
 // Searches below a node whose box may contain a closer point, the nearer child first.
-void TriangleTree::search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p,
-                                double enough_squared, Nearest& best) const {
+void TriangleTree::search_below(std::size_t node, double node_distance_squared, const BoxFilter& filter,
+                                const glm::dvec3& p, double enough_squared, Nearest& best) const {
   struct Entry {
     std::size_t node;
     double distance_squared;
@@ -209,14 +207,14 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
     if (best.distance_squared <= enough_squared) return;
     if (entry.distance_squared < best.distance_squared) {
       if (entry.node < first_leaf) {
-        Entry near{2 * entry.node + 1, bound_squared(2 * entry.node + 1, p)};
-        Entry far{2 * entry.node + 2, bound_squared(2 * entry.node + 2, p)};
+        Entry near{2 * entry.node + 1, bound_squared(2 * entry.node + 1, filter, p)};
+        Entry far{2 * entry.node + 2, bound_squared(2 * entry.node + 2, filter, p)};
         if (far.distance_squared < near.distance_squared) std::swap(near, far);
-        waiting[count++] = far;
+        if (far.distance_squared < best.distance_squared) waiting[count++] = far;
         entry = near;
         continue;
       }
-      search(entry.node - first_leaf, p, best);
+      search(entry.node - first_leaf, filter, p, tree_.numbers().size(), best);
     }
     if (count == 0) return;
     entry = waiting[--count];
@@ -226,15 +224,15 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
 // Searches from the leaf of the hint upwards. Siblings on the way are mostly too far to be searched.
 TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared) const {
   Nearest best = nearest_on_triangle(hint, p);
+  if (best.distance_squared <= enough_squared) return best;
   const std::size_t leaf = tree_.leaf_of(hint);
   std::size_t node = tree_.leaf(leaf).index();
-  if (best.distance_squared <= enough_squared) return best;
-  search(leaf, p, best);
-  while (node > 0 && best.distance_squared > enough_squared) {
+  const BoxFilter filter(p);
+  search(leaf, filter, p, hint, best);
+  for (; node > 0 && best.distance_squared > enough_squared; node = (node - 1) / 2) {
     const std::size_t sibling = ((node - 1) ^ 1U) + 1;
-    const double squared = bound_squared(sibling, p);
-    if (squared < best.distance_squared) search_below(sibling, squared, p, enough_squared, best);
-    node = (node - 1) / 2;
+    const double squared = bound_squared(sibling, filter, p);
+    if (squared < best.distance_squared) search_below(sibling, squared, filter, p, enough_squared, best);
   }
   return best;
 }

@@ -18,6 +18,8 @@
 
 namespace isoextract::mesh {
 
+class BoxFilter;  // detail/box_filter.hpp
+
 class TriangleTree {
  public:
   struct Corners {
@@ -48,8 +50,11 @@ class TriangleTree {
   // Returns the closest point of one triangle.
   [[nodiscard]] Nearest nearest_on_triangle(std::uint32_t slot, const glm::dvec3& p) const;
 
-  // Returns the greatest squared distance of the points to one triangle.
-  [[nodiscard]] double max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points) const;
+  // Returns the greatest squared distance of the points to one triangle; or, if that is above `enough_squared`, any of
+  // the squared distances above it.
+  [[nodiscard]] double max_distance_squared(
+      std::uint32_t slot, std::span<const glm::dvec3> points,
+      double enough_squared = std::numeric_limits<double>::infinity()) const;
 
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
   // Returns the index in the constructor's `triangles` of the triangle in a slot.
@@ -70,14 +75,15 @@ class TriangleTree {
     [[nodiscard]] double distance(const glm::dvec3& p) const;
   };
 
-  void search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p, double enough_squared,
-                    Nearest& best) const;
-  void search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const;
+  void search_below(std::size_t node, double node_distance_squared, const BoxFilter& filter, const glm::dvec3& p,
+                    double enough_squared, Nearest& best) const;
+  // Searches the triangles of a leaf except the one in slot `known`.
+  void search(std::size_t leaf, const BoxFilter& filter, const glm::dvec3& p, std::size_t known, Nearest& best) const;
   [[nodiscard]] bool boxes_are_loose() const;
   void make_slabs();
   [[nodiscard]] std::array<Slab, 2> slabs_of(const BoxTree::Node& node) const;
   // Returns a lower bound for the squared distance of p to the node's triangles.
-  [[nodiscard]] double bound_squared(std::size_t node, const glm::dvec3& p) const;
+  [[nodiscard]] double bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const;
 
   BoxTree tree_;
   Buffer<Corners> corners_;            // by slot

@@ -4,14 +4,6 @@
 #include <iterator>
 
 namespace isoextract::edit {
-namespace {
-
-const CollapseLog& log_of(std::uint32_t collapse, std::span<const CollapseLog> logs) {
-  return *std::prev(std::upper_bound(logs.begin(), logs.end(), collapse,
-                                     [](std::uint32_t n, const CollapseLog& log) { return n < log.first; }));
-}
-
-}  // namespace
 
 CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const glm::vec3> stored_places,
                              std::span<const glm::uvec3> triangles, const Sheets& sheets_of_triangles)
@@ -29,8 +21,13 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
       original_trees(places, triangles, gone, sheets_of_triangles),
       original_slot(original_trees.slots(triangles.size())) {}
 
+const CollapseLog& find_log(std::uint32_t collapse, std::span<const CollapseLog> logs) {
+  return *std::prev(std::upper_bound(logs.begin(), logs.end(), collapse,
+                                     [](std::uint32_t n, const CollapseLog& log) { return n < log.first; }));
+}
+
 const Collapse& find_collapse(std::uint32_t collapse, std::span<const CollapseLog> logs) {
-  const CollapseLog& log = log_of(collapse, logs);
+  const CollapseLog& log = find_log(collapse, logs);
   return log.collapses[collapse - log.first];
 }
 
@@ -58,7 +55,7 @@ std::size_t undo_collapse(std::uint32_t collapse, CollapseState& state, std::spa
   std::vector<std::uint32_t> waiting{collapse};
   while (!waiting.empty()) {
     const std::uint32_t number = waiting.back();
-    const CollapseLog& log = log_of(number, logs);
+    const CollapseLog& log = find_log(number, logs);
     const Collapse& done = log.collapses[number - log.first];
     const std::span records(log.records.data() + done.first_record, done.records);
     const auto later = std::find_if(records.begin(), records.end(), [&](const CollapseLog::Record& record) {

@@ -92,6 +92,9 @@ struct RestoredTriangle {
   glm::uvec3 corners;
 };
 
+// Returns the log that holds a collapse. `logs` are sorted by `first`.
+[[nodiscard]] const CollapseLog& find_log(std::uint32_t collapse, std::span<const CollapseLog> logs);
+
 // Returns the collapse with a number. `logs` are sorted by `first`.
 [[nodiscard]] const Collapse& find_collapse(std::uint32_t collapse, std::span<const CollapseLog> logs);
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
+#include "base/hash.hpp"
 #include "base/parallel.hpp"
 #include "mesh/distance_bound.hpp"
 #include "mesh/metrics.hpp"
@@ -19,8 +22,8 @@ constexpr std::size_t kSheetGrain = 64;
 class DistanceProof {
  public:
   DistanceProof(CollapseState& state, std::span<const CollapseLog> logs, const DistanceProofOptions& options,
-                const Context& context)
-      : state_(state), logs_(logs), options_(options), context_(context), known_old_(state.corners.size()) {
+                ProvenDistances& proven, const Context& context)
+      : state_(state), logs_(logs), options_(options), context_(context), proven_(proven) {
     limits_.tolerance = 0;
     limits_.enough = options.enough;
     limits_.refuse = options.enough;
@@ -29,11 +32,19 @@ class DistanceProof {
 
   Result<Proof> run() {
     Proof proof;
-    std::vector<std::uint32_t> all(state_.corners.size());
-    for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
-    std::vector<std::uint32_t> new_in_doubt = all;
-    std::vector<std::uint32_t> old_in_doubt = std::move(all);
-    for (;;) {
+    std::vector<std::uint32_t> new_in_doubt;
+    std::vector<std::uint32_t> old_in_doubt;
+    covers_all_ = proven_.original.empty();
+    if (covers_all_) {
+      proven_.original.resize(state_.corners.size());
+      new_in_doubt.resize(state_.corners.size());
+      std::iota(new_in_doubt.begin(), new_in_doubt.end(), 0U);
+      old_in_doubt = new_in_doubt;
+    } else {
+      find_doubts(proven_.restored, new_in_doubt, old_in_doubt);
+    }
+    proven_.restored.clear();
+    for (;; covers_all_ = false) {
       TRY(context_.check());
       ++proof.passes;
       context_.progress().begin("measuring the simplified mesh", new_in_doubt.size() + old_in_doubt.size());
@@ -46,14 +57,16 @@ class DistanceProof {
         if (options_.once) proof.refused.push_back(find_collapse(state_.changed_by[t], logs_).vertex);
         proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
       }
+      proven_.restored.insert(proven_.restored.end(), changed.begin(), changed.end());
       if (options_.once) break;
       find_doubts(changed, new_in_doubt, old_in_doubt);
     }
-    for (std::uint32_t t = 0; t < known_old_.size(); ++t) {
+    const std::vector<DistanceBounds>& original = proven_.original;
+    for (std::uint32_t t = 0; t < original.size(); ++t) {
       const DistanceBounds now =
           state_.gone[t] == 0 && state_.changed_by[t] != kNone ? state_.known[t] : DistanceBounds();
-      proof.lower = std::max({proof.lower, now.lower, known_old_[t].lower});
-      proof.upper = std::max({proof.upper, now.upper, known_old_[t].upper});
+      proof.lower = std::max({proof.lower, now.lower, original[t].lower});
+      proof.upper = std::max({proof.upper, now.upper, original[t].upper});
     }
     return proof;
   }
@@ -74,10 +87,9 @@ class DistanceProof {
     });
     if (context_.cancelled()) return {};
     // Later passes need only the triangles near changes: nearer ones elsewhere can only lower the distance.
-    const bool first = old_in_doubt.size() == state_.corners.size();
     const std::vector<char> left_out = marked([&](std::uint32_t t) {
       return state_.gone[t] != 0 ||
-             (!first && !in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
+             (!covers_all_ && !in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
     });
     const SheetTrees trees(state_.positions, state_.corners, left_out, state_.sheets);
     const std::vector<std::uint32_t> slots = trees.slots(left_out.size());
@@ -91,16 +103,18 @@ class DistanceProof {
       const std::uint32_t sheet = state_.sheet(t);
       const mesh::TriangleTree* const tree = trees.find(sheet);
       if (tree == nullptr) return;  // nothing of the sheet has changed near it
-      known_old_[t] = {};
+      proven_.original[t] = {};
       if (state_.is_original(t)) return;
       const glm::uvec3& c = state_.original[t];
       const auto slot_near = [&](std::uint32_t v) {
         return near[v] != kNone && state_.sheet(near[v]) == sheet ? slots[near[v]] : 0;
       };
-      const mesh::TriangleBound found = bound(c, *tree, std::array{slot_near(c.x), slot_near(c.y), slot_near(c.z)});
-      known_old_[t] = {first ? found.lower : 0, found.upper};
+      const std::array near_slots{slot_near(c.x), slot_near(c.y), slot_near(c.z)};
+      const mesh::TriangleBound found = bound(c, *tree, near_slots);
+      proven_.original[t] = {covers_all_ ? found.lower : 0, found.upper};
       if (good(found)) return;
-      const std::uint32_t nearest = trees.triangle(sheet, found.slot);
+      const auto& [a, b, d] = corners(c);
+      const std::uint32_t nearest = trees.triangle(sheet, tree->nearest((a + b + d) / 3.0, near_slots.front()).slot);
       wrong[new_in_doubt.size() + i] = state_.changed_by[nearest] == kNone ? t : nearest;
     });
     std::erase(wrong, kNone);
@@ -121,25 +135,24 @@ class DistanceProof {
   [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
                                           std::span<const std::uint32_t> near) const {
     const auto places = corners(t);
-    std::uint32_t hint = near.front();
-    double least = std::numeric_limits<double>::infinity();
+    const double enough_squared = limits_.enough * limits_.enough;
+    std::array<std::uint32_t, 3> slots{};  // without duplicates
+    std::size_t count = 0;
     for (const std::uint32_t slot : near) {
-      const double farthest = tree.max_distance_squared(slot, places);
-      if (farthest >= least) continue;
-      least = farthest;
-      hint = slot;
-    }
-    if (least <= limits_.enough * limits_.enough) {
+      if (std::find(slots.begin(), slots.begin() + count, slot) != slots.begin() + count) continue;
+      slots[count++] = slot;
+      const double farthest = tree.max_distance_squared(slot, places, enough_squared);
+      if (farthest > enough_squared) continue;
       mesh::TriangleBound found;
-      found.upper = std::sqrt(least);
-      found.slot = hint;
+      found.upper = std::sqrt(farthest);
+      found.slot = slot;
       return found;
     }
     mesh::DistanceLimits limits = limits_;
     const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
                          (options_.cell_size * options_.cell_size);
     limits.max_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
-    return mesh::bound_distance(places, tree, limits, 0, hint);
+    return mesh::bound_distance(places, tree, limits, 0, slots.front(), {slots.data(), count});
   }
 
   [[nodiscard]] bool good(const mesh::TriangleBound& bound) const { return bound.upper <= options_.enough; }
@@ -149,24 +162,51 @@ class DistanceProof {
   }
 
   using Cell = std::array<std::int64_t, 3>;
+  static constexpr int kWideShift = 2;
+  static constexpr double kWide = 1 << kWideShift;
 
-  template <class Body>
-  void for_cells(const std::array<glm::dvec3, 3>& triangle, double gap, const Body& body) const {
+  // Calls visit(cell) for the cells that the triangle's box, enlarged by `gap`, meets, until it returns true. Returns
+  // whether it did.
+  template <class Visit>
+  static bool any_cell(const std::array<glm::dvec3, 3>& triangle, double gap, double cell_size, const Visit& visit) {
     const auto& [a, b, c] = triangle;
-    const glm::i64vec3 low(glm::floor((glm::min(a, glm::min(b, c)) - gap) / options_.cell_size));
-    const glm::i64vec3 high(glm::floor((glm::max(a, glm::max(b, c)) + gap) / options_.cell_size));
+    const glm::i64vec3 low(glm::floor((glm::min(a, glm::min(b, c)) - gap) / cell_size));
+    const glm::i64vec3 high(glm::floor((glm::max(a, glm::max(b, c)) + gap) / cell_size));
     for (std::int64_t z = low.z; z <= high.z; ++z) {
       for (std::int64_t y = low.y; y <= high.y; ++y) {
-        for (std::int64_t x = low.x; x <= high.x; ++x) body(Cell{z, y, x});
+        for (std::int64_t x = low.x; x <= high.x; ++x) {
+          if (visit(Cell{z, y, x})) return true;
+        }
       }
     }
+    return false;
   }
 
+  // A set of cells by a hash: may hold more, but never misses one.
+  class CellBits {
+   public:
+    void clear(std::size_t cells) {
+      constexpr std::size_t kBitsOfCell = 16;
+      bits_.assign(std::bit_ceil(kBitsOfCell * cells + 1), false);
+    }
+    void add(const Cell& cell) { bits_[bit_of(cell)] = true; }
+    [[nodiscard]] bool may_hold(const Cell& cell) const { return bits_[bit_of(cell)]; }
+
+   private:
+    [[nodiscard]] std::size_t bit_of(const Cell& cell) const {
+      return hash_coordinates(static_cast<std::uint64_t>(cell[2]), static_cast<std::uint64_t>(cell[1]),
+                              static_cast<std::uint64_t>(cell[0])) &
+             (bits_.size() - 1);
+    }
+    std::vector<bool> bits_;
+  };
+
   [[nodiscard]] bool in_doubtful_cell(const std::array<glm::dvec3, 3>& triangle, double gap) const {
-    bool found = false;
-    for_cells(triangle, gap,
-              [&](const Cell& cell) { found = found || std::binary_search(doubtful_.begin(), doubtful_.end(), cell); });
-    return found;
+    const auto may_hold_wide = [&](const Cell& cell) { return wide_doubtful_.may_hold(cell); };
+    if (!any_cell(triangle, gap, kWide * options_.cell_size, may_hold_wide)) return false;
+    return any_cell(triangle, gap, options_.cell_size, [&](const Cell& cell) {
+      return maybe_doubtful_.may_hold(cell) && std::binary_search(doubtful_.begin(), doubtful_.end(), cell);
+    });
   }
 
   // Returns 1 or 0 for each triangle: whether `holds`.
@@ -188,12 +228,22 @@ class DistanceProof {
     doubtful_.clear();
     for (const RestoredTriangle& put_back : changed) {
       new_in_doubt.push_back(put_back.triangle);
-      for_cells(corners(put_back.corners), options_.enough, [&](const Cell& cell) { doubtful_.push_back(cell); });
+      any_cell(corners(put_back.corners), options_.enough, options_.cell_size, [&](const Cell& cell) {
+        doubtful_.push_back(cell);
+        return false;
+      });
     }
     std::sort(new_in_doubt.begin(), new_in_doubt.end());
     new_in_doubt.erase(std::unique(new_in_doubt.begin(), new_in_doubt.end()), new_in_doubt.end());
     std::sort(doubtful_.begin(), doubtful_.end());
     doubtful_.erase(std::unique(doubtful_.begin(), doubtful_.end()), doubtful_.end());
+    maybe_doubtful_.clear(doubtful_.size());
+    wide_doubtful_.clear(doubtful_.size());
+    for (const Cell& cell : doubtful_) {
+      maybe_doubtful_.add(cell);
+      // The shift rounds down, as the floor of coordinates does.
+      wide_doubtful_.add({cell[0] >> kWideShift, cell[1] >> kWideShift, cell[2] >> kWideShift});
+    }
     const std::vector<char> near =
         marked([&](std::uint32_t t) { return in_doubtful_cell(corners(state_.original[t]), 0); });
     old_in_doubt.clear();
@@ -207,8 +257,11 @@ class DistanceProof {
   const DistanceProofOptions& options_;
   const Context& context_;
   mesh::DistanceLimits limits_;
-  std::vector<DistanceBounds> known_old_;
-  std::vector<Cell> doubtful_;
+  ProvenDistances& proven_;
+  bool covers_all_ = true;      // the pass measures the whole mesh
+  std::vector<Cell> doubtful_;  // sorted
+  CellBits maybe_doubtful_;     // spares most searches in doubtful_
+  CellBits wide_doubtful_;      // of cells that are kWide times as wide: spares most looks at their parts
 };
 
 // Bounds all changed triangles, each within its sheet, in the order of the triangles.
@@ -247,8 +300,8 @@ void bound_by_sheet(const CollapseState& state, const SheetTrees& trees, const m
 }  // namespace
 
 Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
-                             const DistanceProofOptions& options, const Context& context) {
-  return DistanceProof(state, logs, options, context).run();
+                             const DistanceProofOptions& options, ProvenDistances& proven, const Context& context) {
+  return DistanceProof(state, logs, options, proven, context).run();
 }
 
 Result<Proof> measure_distance(const CollapseState& state, const Context& context) {

@@ -31,14 +31,22 @@ struct Proof {
   int passes = 0;  // measurements; the first covers the whole mesh
 };
 
+// What a proof found. A later proof of the same state then measures only what undone collapses changed.
+struct ProvenDistances {
+  std::vector<DistanceBounds> original;    // of each original triangle to the simplified mesh; empty: none measured yet
+  std::vector<RestoredTriangle> restored;  // by collapses undone after the proof, or by the proof itself
+};
+
 // Bytes for each triangle of the original mesh, without the state and the trees.
 inline constexpr std::uint64_t kProofTriangleBytes =
     sizeof(DistanceBounds) + 8 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
 
-// Undoes collapses in `state` until the distance is proven. The result does not depend on the number of threads. Fails
-// if the context is cancelled.
+// Undoes collapses in `state` until the distance is proven. The result does not depend on the number of threads. Takes
+// up an earlier proof if `proven` holds one: no edge may have been collapsed since, and `proven.restored` must list the
+// triangles restored since. Sets both members of `proven`. Fails if the context is cancelled.
 [[nodiscard]] Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
-                                           const DistanceProofOptions& options, const Context& context);
+                                           const DistanceProofOptions& options, ProvenDistances& proven,
+                                           const Context& context);
 
 // Bytes that measure_distance() uses for each triangle and each vertex, without the state and the trees.
 inline constexpr std::uint64_t kMeasureTriangleBytes =

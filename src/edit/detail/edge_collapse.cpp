@@ -28,6 +28,7 @@ class PatchCollapse : private PatchMesh {
         guard_(state, patch) {
     log_.first = first;
     version_.assign(vertices_.size(), 0);
+    cheapest_.resize(vertices_.size());
     sum_quadrics();
   }
 
@@ -53,6 +54,15 @@ class PatchCollapse : private PatchMesh {
     std::uint32_t to;                               // kNone: not chosen yet, `cost` is a lower bound
     bool operator<(const Candidate& other) const {  // std::priority_queue has the greatest on top
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
+    }
+  };
+  // The target of a vertex that costs least.
+  struct Target {
+    double cost = std::numeric_limits<double>::infinity();
+    std::uint32_t vertex = kNone;
+
+    void add(const Target& other) {
+      if (other.cost < cost) *this = other;
     }
   };
   struct Near {
@@ -101,9 +111,23 @@ class PatchCollapse : private PatchMesh {
     ++version_[v];
     if (fixed_[v] != 0) return;
     look_around(v, pushed_);
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t to : pushed_.neighbors) least = std::min(least, least_cost(v, to));
-    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone});
+    cheapest_[v] = {};
+    for (const std::uint32_t to : pushed_.neighbors) cheapest_[v].add({least_cost(v, to), to});
+    queue(v);
+  }
+
+  // Does what push() does for a neighbor of `to`, after `removed` has collapsed to it.
+  void push_neighbor(std::uint32_t v, std::uint32_t removed, std::uint32_t to) {
+    Target& cheapest = cheapest_[v];
+    if (cheapest.vertex == kNone || cheapest.vertex == removed || cheapest.vertex == to) return push(v);
+    ++version_[v];
+    if (fixed_[v] != 0) return;
+    cheapest.add({least_cost(v, to), to});
+    queue(v);
+  }
+
+  void queue(std::uint32_t v) {
+    if (cheapest_[v].cost <= limit_squared_) queue_.push({cheapest_[v].cost, v, version_[v], kNone});
   }
 
   void try_to_remove(const Candidate& candidate) {
@@ -408,7 +432,7 @@ class PatchCollapse : private PatchMesh {
     quadrics_[to].add(quadrics_[v]);
     push(to);
     look_around(to, ring_);
-    for (const std::uint32_t neighbor : ring_.neighbors) push(neighbor);
+    for (const std::uint32_t neighbor : ring_.neighbors) push_neighbor(neighbor, v, to);
   }
 
   void keep_samples() {
@@ -438,6 +462,7 @@ class PatchCollapse : private PatchMesh {
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // counts changes around a vertex; candidates with an older version are void
+  std::vector<Target> cheapest_;  // when the vertex was pushed
   std::priority_queue<Candidate> queue_;
   Ring ring_;
   Ring pushed_;

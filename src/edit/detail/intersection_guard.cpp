@@ -55,8 +55,10 @@ void IntersectionGuard::find_near(std::span<const std::uint32_t> around, std::sp
   ++look_;
   for (const std::uint32_t t : around) looked_[t] = look_;
   near_.clear();
+  const mesh::BoxQuery query(box);
   tree_.for_each_near(box, [&](std::uint32_t t) {
-    if (counts_[t] != 0 && looked_[t] != look_ && box.meets(box_of(corners_[t]))) near_.push_back(t);
+    if (counts_[t] == 0 || looked_[t] == look_ || !query.meets_triangle(corners_[t].data())) return;
+    near_.push_back({t, box_of(corners_[t]), mesh::CornerLanes(corners_[t])});
   });
 }
 
@@ -65,13 +67,17 @@ bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<
   met_.clear();
   for (std::uint32_t i = 0; i < changed.size(); ++i) {
     const Corners& corners = changed[i].corners;
-    const mesh::FloatBox box = box_of(corners);
+    const mesh::BoxQuery box(box_of(corners));
     const mesh::PlacedTriangle triangle = placed(corners);
-    for (const std::uint32_t t : near_) {
-      if (!box.meets(box_of(corners_[t])) || !mesh::find_overlap(triangle, placed(corners_[t])).meet) continue;
-      met_.push_back({i, t});
+    const mesh::CornerLanes lanes(corners);
+    const mesh::PlaneFilter plane(corners);
+    for (const Near& near : near_) {
+      if (!box.meets(near.box) || plane.is_apart(near.corners)) continue;
+      if (mesh::PlaneFilter(corners_[near.triangle]).is_apart(lanes)) continue;
+      if (mesh::find_overlap(triangle, placed(corners_[near.triangle])).meet) met_.push_back({i, near.triangle});
     }
     for (std::uint32_t j = 0; j < i; ++j) {
+      if (plane.is_apart(mesh::CornerLanes(changed[j].corners))) continue;
       if (meet(corners, changed[j].corners)) met_.push_back({i, changed[j].triangle});
     }
   }

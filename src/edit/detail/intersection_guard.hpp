@@ -44,6 +44,13 @@ class IntersectionGuard {
   void replace(std::span<const std::uint32_t> around, std::span<const Changed> changed);
 
  private:
+  // A triangle near the changed ones.
+  struct Near {
+    std::uint32_t triangle;
+    mesh::FloatBox box;
+    mesh::CornerLanes corners;
+  };
+
   [[nodiscard]] static std::vector<Corners> corners_of(const CollapseState& state,
                                                        std::span<const std::uint32_t> patch);
   [[nodiscard]] static mesh::BoxTree tree_of(std::span<const Corners> corners);
@@ -62,7 +69,7 @@ class IntersectionGuard {
   std::vector<std::uint32_t> slots_;   // the tree's slot of each triangle
   std::vector<std::uint32_t> looked_;  // the last look in which the triangle was around the vertex
   std::uint32_t look_ = 0;
-  std::vector<std::uint32_t> near_;
+  std::vector<Near> near_;
   std::vector<std::array<std::uint32_t, 2>> met_;  // pairs: number in `changed`, triangle of the patch
 };
 

@@ -1,12 +1,17 @@
 #include "mesh/box_tree.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <random>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "mesh/detail/box_filter.hpp"
 
 namespace isoextract::mesh {
 namespace {
@@ -27,6 +32,53 @@ BoxTree tree_of(const std::vector<FloatBox>& boxes, std::span<const std::uint32_
   Buffer<BoxTree::Item> items(boxes.size());
   for (std::uint32_t i = 0; i < boxes.size(); ++i) items[i] = {boxes[i].center(), i};
   return {items.span(), [&](std::uint32_t i) { return boxes[i]; }, groups};
+}
+
+TEST(BoxQuery, AgreesWithBoxes) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> at(0, 3);  // so that boxes often touch
+  int met = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::array<glm::vec3, 6> p;
+    for (glm::vec3& corner : p) corner = 0.1F * glm::vec3(at(random), at(random), at(random));
+    const FloatBox a = box_around(p[0], p[1], p[2]);
+    const FloatBox b = box_around(p[3], p[4], p[5]);
+    ASSERT_EQ(BoxQuery(a).meets(b), a.meets(b));
+    ASSERT_EQ(BoxQuery(a).meets_triangle(&p[3]), a.meets(b));
+    met += a.meets(b) ? 1 : 0;
+  }
+  EXPECT_GT(met, 2000);
+  EXPECT_LT(met, 18000);
+}
+
+// Of random scale and place, also beyond the range of float.
+TEST(BoxFilter, BoundsDistancesFromBelow) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> part(-1, 1);
+  std::uniform_real_distribution<double> power(-44, 40);
+  int far = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const double scale = std::pow(10.0, power(random));
+    const double place = i % 2 == 0 ? 0 : std::pow(10.0, power(random));
+    const auto point = [&] { return scale * glm::dvec3(part(random), part(random), part(random)) + place; };
+    std::array<glm::vec3, 3> corners;
+    for (glm::vec3& corner : corners) {
+      corner = glm::vec3(glm::clamp(point(), -double{std::numeric_limits<float>::max()},
+                                    double{std::numeric_limits<float>::max()}));
+    }
+    const FloatBox box = box_around(corners[0], corners[1], corners[2]);
+    const glm::dvec3 p = point();
+    const glm::dvec3 away = glm::max(glm::max(glm::dvec3(box.min) - p, p - glm::dvec3(box.max)), 0.0);
+    const double squared = glm::dot(away, away);
+    const double bound = BoxFilter(p).bound(box);
+    ASSERT_LE(bound, squared) << i;
+    ASSERT_EQ(BoxFilter(p).bound_of_triangle(corners.data()), bound);
+    const bool is_usual = scale > 1e-10 && scale < 1e10 && place < 1e3 * scale;
+    if (!is_usual || !(squared > 0.01 * scale * scale)) continue;
+    ++far;
+    EXPECT_GT(bound, 0.9 * squared);
+  }
+  EXPECT_GT(far, 1000);
 }
 
 TEST(BoxTree, FindsAllItemsNear) {

@@ -120,6 +120,7 @@ Mesh flat_grid(unsigned n, const glm::vec3& right, const glm::vec3& up) {
 
 TEST(TriangleOverlapTest, MatchesRationalArithmetic) {
   std::map<std::pair<std::size_t, bool>, int> seen;  // shared corners, and whether they meet
+  std::array<int, 3> rejected{};  // by the plane of the first triangle, by shared corners
   for (const int size : {1, 2, 3, 8}) {
     const auto triangles = random_triangles(900, size, static_cast<unsigned>(size));
     for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -137,6 +138,12 @@ TEST(TriangleOverlapTest, MatchesRationalArithmetic) {
         const TriangleOverlap found = find_overlap(placed(p), placed(q));
         ASSERT_EQ(found.meet, expected) << "size " << size << ", triangles " << i << " and " << j;
         ASSERT_EQ(find_overlap(placed(q), placed(p)).meet, expected);
+        const auto corners = [](const WholeTriangle& t) {
+          return std::array{glm::vec3(t[0]), glm::vec3(t[1]), glm::vec3(t[2])};
+        };
+        const bool is_rejected = PlaneFilter(corners(p)).is_apart(CornerLanes(corners(q)));
+        ASSERT_FALSE(is_rejected && expected) << "size " << size << ", triangles " << i << " and " << j;
+        rejected[shared] += is_rejected ? 1 : 0;
         if (found.meet) {
           ASSERT_EQ(found.neighbors, shared > 0);
           bool flat = true;
@@ -154,6 +161,7 @@ TEST(TriangleOverlapTest, MatchesRationalArithmetic) {
   for (const std::size_t shared : {0U, 1U, 2U}) {
     EXPECT_GT((seen[{shared, false}]), 100) << shared;
     EXPECT_GT((seen[{shared, true}]), 100) << shared;
+    EXPECT_GT(rejected[shared], (seen[{shared, false}]) / 4) << shared;
   }
 }
 

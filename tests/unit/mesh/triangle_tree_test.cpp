@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh/distance_bound.hpp"
+
 namespace isoextract::mesh {
 namespace {
 
@@ -69,22 +71,71 @@ TEST(TriangleTreeTest, WorkDoesNotGrowWithFanSize) {
   EXPECT_LT(leaves[1], leaves[0] * 5 / 2);
 }
 
-TEST(TriangleTreeTest, RegularSurfaceNeedsNoSlabs) {
+struct Surface {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
-  constexpr unsigned kSide = 60;
-  for (unsigned i = 0; i < kSide * kSide; ++i) {
-    const auto x = static_cast<float>(i % kSide);
-    const auto y = static_cast<float>(i / kSide);
-    positions.emplace_back(x, y, std::sin(x / 9) + 0.3F * y);
+};
+
+Surface wavy_surface(unsigned side, float steps) {
+  Surface surface;
+  for (unsigned i = 0; i < side * side; ++i) {
+    const auto x = static_cast<float>(i % side) * steps;
+    const auto y = static_cast<float>(i / side) * steps;
+    surface.positions.emplace_back(x, y, std::sin(x / 9) + 0.3F * y);
   }
-  for (unsigned y = 0; y + 1 < kSide; ++y) {
-    for (unsigned x = 0; x + 1 < kSide; ++x) {
-      const unsigned v = y * kSide + x;
-      triangles.insert(triangles.end(), {{v, v + 1, v + kSide + 1}, {v, v + kSide + 1, v + kSide}});
+  for (unsigned y = 0; y + 1 < side; ++y) {
+    for (unsigned x = 0; x + 1 < side; ++x) {
+      const unsigned v = y * side + x;
+      surface.triangles.insert(surface.triangles.end(), {{v, v + 1, v + side + 1}, {v, v + side + 1, v + side}});
     }
   }
-  EXPECT_FALSE(TriangleTree(positions, triangles).has_slabs());
+  return surface;
+}
+
+TEST(TriangleTreeTest, RegularSurfaceNeedsNoSlabs) {
+  const Surface surface = wavy_surface(60, 1);
+  EXPECT_FALSE(TriangleTree(surface.positions, surface.triangles).has_slabs());
+}
+
+TEST(TriangleTreeTest, FindsNearestPointFromAnyHint) {
+  const Surface surface = wavy_surface(30, 1);
+  const TriangleTree tree(surface.positions, surface.triangles);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> at(-10, 40);
+  for (int i = 0; i < 300; ++i) {
+    const glm::dvec3 p(at(random), at(random), i % 3 == 0 ? at(random) : std::sin(at(random) / 9));
+    double expected = std::numeric_limits<double>::infinity();
+    for (std::uint32_t slot = 0; slot < tree.size(); ++slot) {
+      expected = std::min(expected, tree.nearest_on_triangle(slot, p).distance_squared);
+    }
+    EXPECT_EQ(tree.nearest(p, static_cast<std::uint32_t>(random() % tree.size())).distance_squared, expected);
+  }
+}
+
+// A coarse surface above a fine one: each large triangle has many small ones below.
+TEST(BoundDistance, OtherSlotsOnlySaveWork) {
+  const Surface fine = wavy_surface(60, 1);
+  const Surface coarse = wavy_surface(12, 5);
+  const TriangleTree tree(fine.positions, fine.triangles);
+  DistanceLimits limits{.tolerance = 0, .floor = 1e-4};
+  std::mt19937 random(7);
+  int near = 0;
+  for (const glm::uvec3& t : coarse.triangles) {
+    const std::array<glm::dvec3, 3> corners{coarse.positions[t.x], coarse.positions[t.y], coarse.positions[t.z]};
+    const TriangleBound exact = bound_distance(corners, tree, limits, 0, 0);
+    std::array<std::uint32_t, 3> slots{};
+    for (std::size_t i = 0; i < 3; ++i) slots[i] = tree.nearest(corners[i], 0).slot;
+    for (const double enough : {0.5 * exact.upper, 0.9 * exact.upper, 1.1 * exact.upper}) {
+      DistanceLimits until = limits;
+      until.enough = until.refuse = enough;
+      const TriangleBound found = bound_distance(corners, tree, until, 0, slots[0], slots);
+      EXPECT_GE(found.upper, exact.lower);
+      EXPECT_LE(found.lower, exact.upper);
+      EXPECT_EQ(found.upper <= enough, exact.upper <= enough);
+      near += found.upper <= enough ? 1 : 0;
+    }
+  }
+  EXPECT_GT(near, 100);
 }
 
 }  // namespace
