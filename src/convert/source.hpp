@@ -12,6 +12,7 @@
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
 #include "convert/iso_values.hpp"
+#include "convert/mask_layers.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/particle_source.hpp"
 #include "mesh/half_space.hpp"
@@ -104,7 +105,8 @@ struct SourceUse {
   bool is_in_meters = false;                              // whether the output's format is glTF, which prescribes them
   // For mesh files: the format of the output, a glTF for pictures.
   mesh_io::MeshFormat mesh_format = mesh_io::MeshFormat::glb;
-  bool meshes_apart = true;  // each mesh of the file is a surface, else all together are one
+  const MaskLayers* masks = nullptr;  // of SourceOptions::masks; read.volume is then the layer
+  bool meshes_apart = true;           // each mesh of the file is a surface, else all together are one
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 

@@ -18,6 +18,10 @@ void select(const std::string& text, const LabelAppearance& looks, const std::st
   if (!selection) return;  // a job's selections are valid
   std::erase_if(chosen.labels,
                 [&](std::int64_t label) { return !selection->contains(label, looks.given_name(label)); });
+  // A term may be meant for labels of another layer.
+  for (const field::LabelName& other : looks.of_other_layers()) {
+    static_cast<void>(selection->contains(other.label, other.name));
+  }
   std::vector<std::string> unmatched = selection->unmatched();
   if (unmatched.empty()) return;
   for (std::string& term : unmatched) term = fmt::format("'{}'", printable(term));

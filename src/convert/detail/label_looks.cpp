@@ -1,6 +1,7 @@
 #include "convert/detail/label_looks.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 #include <unordered_set>
 
@@ -60,6 +61,12 @@ std::string LabelAppearance::name(const std::string& field, std::int64_t label) 
 std::string LabelAppearance::given_name(std::int64_t label) const {
   const field::LabelName* entry = find(label);
   return entry != nullptr ? entry->name : std::string();
+}
+
+std::vector<field::LabelName> LabelAppearance::of_other_layers() const {
+  std::vector<field::LabelName> others;
+  std::ranges::copy_if(labels_, std::back_inserter(others), [&](const auto& entry) { return !is_here(entry); });
+  return others;
 }
 
 std::optional<Note> LabelAppearance::note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
