@@ -113,6 +113,7 @@ Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, 
   TRY(faces.list_faces(grid, labels, context, what));
   TRY(context.check());
   TRY(faces.join_shells(grid, labels, context, what));
+  faces.sides_ = Buffer<std::uint16_t>();
   return faces;
 }
 
