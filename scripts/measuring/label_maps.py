@@ -2,6 +2,7 @@
 
     label_maps.py head CH2.nii.gz FILE.npy   five labels by the values of a head
     label_maps.py ball RADIUS FILE.npy       a ball as label 1
+    label_maps.py cells SIDE N TYPE FILE.npy the cells of N random points in a cube, as labels of a type
     label_maps.py vtk FILE.npy FILTER RUNS   its surfaces by a filter of VTK; times, triangles and area as JSON
     label_maps.py meet FILE.npy PATTERN      of PLY files by label: the triangles that two of them have in common
 """
@@ -30,6 +31,18 @@ def ball(radius):
     side = 2 * radius + 8
     z, y, x = np.mgrid[:side, :side, :side] - (side - 1) / 2 + 0.137
     return (x * x + y * y + z * z < radius * radius).astype(np.uint8)
+
+
+def cells(side, count, kind):
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(np.random.default_rng(1).random((count, 3)) * side)
+    ids = np.arange(1, count + 1).astype(kind)
+    if np.dtype(kind).itemsize == 8:
+        ids = np.random.default_rng(5).integers(10 ** 17, 9 * 10 ** 18, count).astype(kind)
+    y, x = (axis.ravel() for axis in np.mgrid[:side, :side])
+    slices = (tree.query(np.stack([np.full(x.size, z), y, x], 1))[1] for z in range(side))
+    return np.stack([ids[nearest].reshape(side, side) for nearest in slices])
 
 
 def area_of(points, triangles):
@@ -110,6 +123,8 @@ def main(what, *arguments):
         np.save(arguments[1], head(arguments[0]))
     elif what == "ball":
         np.save(arguments[1], ball(int(arguments[0])))
+    elif what == "cells":
+        np.save(arguments[3], cells(int(arguments[0]), int(arguments[1]), arguments[2]))
     elif what == "vtk":
         print(json.dumps(by_vtk(np.load(arguments[0]), arguments[1], int(arguments[2]))))
     else:

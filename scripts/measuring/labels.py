@@ -2,6 +2,9 @@
 
 import json
 import math
+import os
+import subprocess
+import time
 
 from measuring import programs, record
 from measuring.tables import median, number, table
@@ -66,16 +69,66 @@ def balls(setting):
     return rows
 
 
+def used_by(command):
+    """Processor time, time and memory of a program that must succeed."""
+    words = [str(word) for word in command]
+    begin = time.perf_counter()
+    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        raise programs.Failed(f"{programs.shown(words)} ended with {process.returncode}")
+    return {"cpu_s": usage.ru_utime + usage.ru_stime, "wall_s": time.perf_counter() - begin, "peak_mib": usage.ru_maxrss / 1024}
+
+
+def cells(setting, maps=((64, 4096, "u2"), (256, 3000, "u4"), (256, 3000, "u8"))):
+    """What thousands of labels take, with reading and writing."""
+    rows = []
+    path = setting.folder / "cells.npy"
+    for side, count, kind in maps[:1] if setting.quick else maps:
+        script("cells", side, count, kind, path)
+        for output in ("{label}.ply", "cells.glb"):
+            used = used_by([setting.isoextract, path, "--labels", "all", "-o", setting.folder / output, "-q"])
+            rows.append({"side": side, "labels": count, "type": kind, "output": output, **used})
+            for old in setting.folder.glob("[0-9]*.ply"):
+                old.unlink()
+    return rows
+
+
 def measure(setting):
     measured = record.Record(NAME, setting.isoextract, setting.quick)
     rounds = 1 if setting.quick else 5
     rows, meet, versions = head(setting, rounds)
-    figures = {"rounds": rounds, "head": rows, "meet": meet, "balls": balls(setting)}
+    figures = {"rounds": rounds, "head": rows, "meet": meet, "balls": balls(setting), "cells": cells(setting)}
     commands = ["label_maps.py head ch2.nii.gz head.npy",
                 f"isoextract head.npy --labels {LABELS} -o 'part_{{iso}}.ply' --report report.json",
                 "label_maps.py meet head.npy 'part_{iso}.ply'", f"label_maps.py vtk head.npy edges+sinc {rounds}",
                 "label_maps.py ball 20 ball.npy", "isoextract ball.npy --labels 1 -o mesh.ply --report report.json"]
     return measured.finish([record.cores()], versions, commands, figures)
+
+
+def cells_text(figures):
+    """The section about many labels; beside an earlier program if the record has one."""
+    if "cells" not in figures:
+        return ""
+    named = {"u2": "u16", "u4": "u32", "u8": "u64"}
+    runs = [*([figures["cells_before"]] if "cells_before" in figures else []), {"name": "", "rows": figures["cells"]}]
+    of = [f", {run['name']}" if run["name"] else "" for run in runs]
+    times = table(["map", "labels:", "output", *(f"processor time{name}, s:" for name in of), *(f"peak{name}, MiB:" for name in of)],
+                  [[f"{row['side']}³, {named[row['type']]}", number(row["labels"]),
+                    "a file each" if "{" in row["output"] else "one GLB",
+                    *(f"{run['rows'][n]['cpu_s']:.2f}" for run in runs),
+                    *(number(round(run["rows"][n]["peak_mib"])) for run in runs)]
+                   for n, row in enumerate(figures["cells"])])
+    where = f"\n\n{figures['cells_where']}" if "cells_where" in figures else ""
+    return f"""
+## Thousands of labels
+
+The cells of random points (Voronoi) in a cube, `--labels all`: the whole program with reading and writing, once each, on two
+threads. Processor time is that of user and system.
+
+{times}{where}
+"""
 
 
 def page(measured):
@@ -108,4 +161,4 @@ Area and volume, as parts of the true ones, of a ball that is a label. Steps bet
 radius.
 
 {sizes}
-"""
+{cells_text(figures)}"""

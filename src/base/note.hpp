@@ -54,6 +54,7 @@ enum class NoteId {
   labels_small,
   labels_unmatched,
   level_set_interpolated,
+  masks_overlap,
   means_not_possible,  // the volume is too large to resample by averages, so the program interpolates
   nan_attribute,
   nan_samples,
@@ -145,6 +146,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::labels_small, "labels-small"},
       Word{NoteId::labels_unmatched, "labels-unmatched"},
       Word{NoteId::level_set_interpolated, "level-set-interpolated"},
+      Word{NoteId::masks_overlap, "masks-overlap"},
       Word{NoteId::means_not_possible, "means-not-possible"},
       Word{NoteId::nan_attribute, "nan-attribute"},
       Word{NoteId::nan_samples, "nan-samples"},

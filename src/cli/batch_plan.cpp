@@ -265,7 +265,7 @@ std::string name_after_shard(const batch::Shard& shard, ConvertFlags& flags) {
 
 bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
-  if (inputs.empty()) return false;
+  if (inputs.empty() || flags.masks) return false;
   if (inputs.size() > 1 || wants_all_volumes(flags) || flags.batch.any_set()) return true;
   if (flags.heightfield && volume_io::is_slice_stack(inputs.front(), Context())) return true;
   return is_frame_pattern(inputs.front());

@@ -11,6 +11,7 @@
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/height_plan.hpp"
+#include "cli/mask_plan.hpp"
 #include "cli/mesh_plan.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
@@ -224,7 +225,10 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   ConvertFlags flags = given;
   TRY(take_heights(flags));
   const Context context(plan_memory(flags.input.memory_limit));
-  TRY(take_mesh(flags, inputs.front(), context));
+  TRY(take_masks(flags));
+  Notes found_notes;
+  const auto masks = TRY(flags.masks ? find_masks(inputs, found_notes) : std::vector<std::string>());
+  if (masks.empty()) TRY(take_mesh(flags, inputs.front(), context));
   const std::string labels_note = TRY(set_default_labels(flags, inputs.front(), context));
   TRY(take_labels(flags));
   auto note = TRY(makes_surfaces(flags) ? set_default_iso(flags, inputs.front(), context) : std::string());
@@ -232,14 +236,17 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (!plan) return plan;
   if (!note.empty()) plan->notes.push_back({NoteId::iso_chosen, std::move(note)});
   if (!labels_note.empty()) plan->notes.push_back({NoteId::iso_chosen, labels_note});
+  plan->notes.insert(plan->notes.end(), found_notes.begin(), found_notes.end());
   plan->job.source.input = inputs.front();
-  TRY(plan_found_table(flags.labels, inputs.front(), context, plan->notes, plan->job));
+  plan->job.source.masks = masks;
+  if (masks.empty()) TRY(plan_found_table(flags.labels, inputs.front(), context, plan->notes, plan->job));
   const mesh_io::MeshFormatInfo& format = mesh_io::mesh_format_info(plan->job.meshes().format);
   TRY(check_output_name(flags, format));
-  const auto found = TRY(batch::find_frames(inputs, std::nullopt, flags.heightfield));
-  const std::int64_t number = found.frames.front().number;
-  batch::OutputSource source{number,     inputs.front(), flags.input.grid().value_or(""),
-                             flags.isos, true,           flags.input.more_grids()};
+  std::int64_t number = 1;
+  if (masks.empty()) number = TRY(batch::find_frames(inputs, std::nullopt, flags.heightfield)).frames.front().number;
+  const std::string named_after = masks.empty() ? inputs.front() : name_of_masks(masks);
+  batch::OutputSource source{number,     named_after, flags.input.grid().value_or(""),
+                             flags.isos, true,        flags.input.more_grids()};
   TRY(find_steps(flags, plan->job.source, context, {&source, 1}));
   std::optional<batch::OutputTemplate> report;
   if (plan->report) {

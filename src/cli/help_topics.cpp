@@ -130,9 +130,12 @@ HelpTopic masks_topic() {
         {{"isoextract mask.nii.gz --labels 1 -o mask.stl", "a smooth closed surface; --labels 255 if 255 is inside"},
          {"isoextract mask.nii.gz --labels 1 --relax 100 -o smooth.stl", "smoother, and takes longer"},
          {"isoextract mask.nii.gz --labels 1 --method voxels -o steps.stl", "the voxels as they are"}}},
-       {"Thin parts shrink when they are relaxed; a note tells the volume if it changes by more than 5 %. --relax 0 "
-        "moves nothing.",
-        {}}}};
+       {"Many masks of one grid, one file each, become the meshes of one file with --masks. Each mesh has the name of "
+        "its file. Neighbors meet without gaps; masks that overlap keep all their voxels.",
+        {{"isoextract segmentations --masks -o organs.glb", "all masks of the folder"},
+         {"isoextract heart.nii.gz aorta.nii.gz --masks -o chest.glb", "these masks"},
+         {"isoextract segmentations --masks --labels 'kidney*' -o '{name}.stl'", "some of them, a file each"},
+         {"isoextract info segmentations --masks", "voxels, volume and bounds of each mask"}}}}};
 }
 
 HelpTopic exit_codes_topic() {

@@ -13,11 +13,13 @@
 #include "cli/batch_plan.hpp"
 #include "cli/info_report.hpp"
 #include "cli/info_sequence.hpp"
+#include "cli/mask_plan.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/wrong_file_kind.hpp"
 #include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
+#include "convert/mask_layers.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/source.hpp"
 #include "extract/edge_geometry.hpp"
@@ -45,8 +47,15 @@ std::string example_command(const InfoPlan& plan, const std::string& input, cons
   // With --nodata such samples are outside by default.
   if (has_nan && !plan.read.no_data) arguments += " --nan outside";
   if (const auto up = convert::up_axis_of(creator)) arguments += fmt::format(" --up {}", word_of(*up));
-  return fmt::format("isoextract {}{} {} -o {}", shell_quoted(input), arguments, surfaces,
-                     shell_quoted(batch::template_of(batch::stem_of(input)) + ".glb"));
+  std::vector<std::string> inputs{shell_quoted(input)};
+  std::string stem = batch::stem_of(input);
+  if (!plan.masks.empty()) {
+    inputs.clear();
+    for (const std::string& mask : plan.inputs) inputs.push_back(shell_quoted(mask));
+    stem = name_of_masks(plan.masks);
+  }
+  return fmt::format("isoextract {}{} {} -o {}", fmt::join(inputs, " "), arguments, surfaces,
+                     shell_quoted(batch::template_of(stem) + ".glb"));
 }
 
 // Returns whether float32 can tell all vertices apart at the field's placement.
@@ -175,6 +184,37 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   return report;
 }
 
+// Keeps the notes of reading masks.
+class MaskNotes final : public convert::Events {
+ public:
+  void note(const Note& note) override { notes.push_back(note); }
+
+  Notes notes;
+};
+
+// Returns the report on all masks as one input.
+InputReport look_at_masks(const InfoPlan& plan, const Messages& messages) {
+  InputReport report;
+  report.input = plan.inputs.front();
+  const Context context{plan.memory};
+  const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
+  MaskNotes events;
+  const auto masks = convert::MaskLayers::read(plan.masks, plan.read, context, events);
+  auto first = masks ? masks->layer(0, context) : tl::unexpected(masks.error());
+  if (!first) {
+    report.error = add_volume_file_hint(std::move(first.error()), report.input);
+    return report;
+  }
+  FieldReport field;
+  field.field = std::move(*first);
+  field.field.notes = std::move(events.notes);
+  field.statistics = field::measure_statistics(field.field, &context.progress());
+  field.suggestion = field::suggest_iso(field.field, field.statistics);
+  field.labels = report_masks(*masks);
+  report.field = report_of(plan, report.input, {}, std::move(field));
+  return report;
+}
+
 void tell_notes(const InputReport& report, const Messages& messages) {
   if (report.field) {
     for (const Note& note : report.field->field.notes) messages.note(note);
@@ -191,11 +231,16 @@ class InfoPage {
 
   void add_input(const std::string& input) {
     const Stopwatch watch;
-    const InputReport report = look_at(plan_, input, messages_);
+    const InputReport report = plan_.masks.empty() ? look_at(plan_, input, messages_) : look_at_masks(plan_, messages_);
     take_error(report);
     tell_notes(report, messages_);
     tell_time(input, watch);
     add(report, report.error.has_value());
+  }
+
+  void add_masks() {
+    for (const Note& note : plan_.notes) messages_.note(note);
+    add_input(plan_.inputs.front());
   }
 
   // Adds all frames of a sequence, with a full report of the first readable one.
@@ -301,7 +346,8 @@ class InfoPage {
 // Reports on every input that it can read. Prints errors; returns the exit code of the first.
 Result<int> run_info(const InfoPlan& plan, const Messages& messages) {
   InfoPage page(plan, messages);
-  for (const std::string& input : plan.inputs) {
+  if (!plan.masks.empty()) page.add_masks();
+  for (const std::string& input : plan.masks.empty() ? plan.inputs : std::vector<std::string>()) {
     plan.frames || is_frame_pattern(input) ? page.add_sequence(input) : page.add_input(input);
   }
   const std::optional<Error> failure = page.print();

@@ -66,7 +66,7 @@ void add_creator(NamedLines& lines, std::string_view creator) {
 }
 
 void add_grids(NamedLines& lines, const InputReport& report) {
-  if (report.particles || (report.grids.size() == 1 && report.field)) return;
+  if (report.particles || (report.grids.size() <= 1 && report.field)) return;  // masks list no grids
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
   for (const volume_io::GridInfo& grid : report.grids) name_width = std::max(name_width, grid.label.size());

@@ -32,6 +32,10 @@ double volume_of(const field::LabelFigures& label, const field::ScalarField& fie
 // Returns "binary mask: 0 and 255", "label map: 3 labels, background 0".
 std::string content_text(const LabelReport& report) {
   const std::vector<field::LabelFigures>& labels = report.map.labels;
+  if (report.layers > 0) {
+    return fmt::format("masks: {} with voxels, in {} layer{}", labels.size(), report.layers,
+                       report.layers == 1 ? "" : "s");
+  }
   if (report.map.kind == field::LabelMapKind::binary_mask) {
     return report.map.background ? fmt::format("binary mask: 0 and {}", labels.front().label)
            : labels.size() > 1   ? fmt::format("binary mask: {} and {}", labels.front().label, labels.back().label)
@@ -103,7 +107,7 @@ std::optional<LabelReport> report_labels(const std::string& input, std::optional
                                          const Context& context, field::ScalarField& field) {
   auto map = field::measure_label_map(field, &context.progress());
   if (!map) return std::nullopt;
-  LabelReport report{std::move(*map), {}, {}};
+  LabelReport report{.map = std::move(*map), .names = {}, .table = {}};
   const auto is_here = [&](const field::LabelName& name) { return !name.layer || name.layer == volume.value_or(0); };
   std::ranges::copy_if(field.labels, std::back_inserter(report.names), is_here);
   if (!field.labels.empty()) return report;
@@ -111,6 +115,14 @@ std::optional<LabelReport> report_labels(const std::string& input, std::optional
     report.names = found->table.entries();
     report.table = std::move(found->path);
   }
+  return report;
+}
+
+std::optional<LabelReport> report_masks(const convert::MaskLayers& masks) {
+  if (masks.figures().empty()) return std::nullopt;
+  LabelReport report{.map = {}, .names = masks.names(), .layers = masks.layers().size(), .table = {}};
+  report.map.labels = masks.figures();
+  report.map.faces = masks.faces();
   return report;
 }
 
@@ -140,7 +152,8 @@ std::string surfaces_text(const LabelReport& report) {
 }
 
 convert::Json json_of(const LabelReport& report, const field::ScalarField& field) {
-  convert::Json json{{"kind", word_of(report.map.kind)}, {"equal_neighbors", report.map.equal_share}};
+  convert::Json json{{"kind", word_of(report.map.kind)}};
+  json["equal_neighbors"] = report.layers > 0 ? convert::Json(nullptr) : convert::Json(report.map.equal_share);
   json["background"] = report.map.background ? json_of(*report.map.background, field) : convert::Json(nullptr);
   json["names_from"] = report.table.empty() ? convert::Json(nullptr) : convert::Json(report.table);
   json["labels"] = convert::Json::array();

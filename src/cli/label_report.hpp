@@ -9,6 +9,7 @@
 #include "base/context.hpp"
 #include "cli/layout.hpp"
 #include "convert/json_type.hpp"
+#include "convert/mask_layers.hpp"
 #include "field/label_map.hpp"
 #include "field/scalar_field.hpp"
 
@@ -17,6 +18,7 @@ namespace isoextract::cli {
 struct LabelReport {
   field::LabelMap map;
   std::vector<field::LabelName> names;  // of the described volume, in ascending order of label
+  std::size_t layers = 0;               // of masks: the number of label maps that hold them; else 0
   std::string table;                    // path of the table beside the file that has the names; may be empty
 
   // Returns the entry with the name and color of a label, or null.
@@ -27,6 +29,9 @@ struct LabelReport {
 // names from the field for `volume`, else from a table beside the input; adds a note to the field if that is unusable.
 [[nodiscard]] std::optional<LabelReport> report_labels(const std::string& input, std::optional<std::int64_t> volume,
                                                        const Context& context, field::ScalarField& field);
+
+// Returns the labels of masks; nothing if no mask has a voxel.
+[[nodiscard]] std::optional<LabelReport> report_masks(const convert::MaskLayers& masks);
 
 // Adds what the field is, and the first labels with voxels, volume, bounds and names.
 void add_label_map(NamedLines& lines, const LabelReport& report, const field::ScalarField& field);

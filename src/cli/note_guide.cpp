@@ -99,6 +99,8 @@ constexpr std::array kGuide{
               "A written level set has interpolated values and the narrow band of the input, which is too narrow for "
               "other programs if its voxels are larger.",
               "Give one number to --voxel-size, and no --kernel: the level set gets a band of three voxels."},
+    NoteGuide{masks_overlap, "Some voxels belong to more than one of the masks.",
+              "None: each mask has a closed mesh of all its voxels, and meshes of overlapping masks overlap."},
     NoteGuide{means_not_possible,
               "The volume is too large for resampling by averages, so isoextract interpolates, which can miss detail.",
               "Choose a finer --resolution, or resample in several steps."},

@@ -9,6 +9,7 @@
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "cli/batch_plan.hpp"
+#include "cli/mask_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "field/demo_field.hpp"
@@ -241,7 +242,12 @@ Result<InfoPlan> plan_info(const InfoFlags& flags) {
   auto read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, std::nullopt));
   plan.inputs = flags.input.inputs;
-  if (!flags.frames) join_slices(plan.inputs);
+  if (!flags.frames && !flags.masks) join_slices(plan.inputs);
+  if (flags.masks) {
+    TRY(check_mask_input(flags.input, flags.masks));
+    TRY(refuse_both(flags.masks, flags.frames, "masks are no sequence"));
+    plan.masks = TRY(find_masks(plan.inputs, plan.notes));
+  }
   plan.frames = flags.frames;
   plan.read = std::move(read);
   plan.particles = std::move(particles);

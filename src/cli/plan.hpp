@@ -52,7 +52,9 @@ struct InfoPlan {
   std::optional<batch::FrameRange> frames;  // for a sequence
   volume_io::ReadOptions read;
   convert::ParticleOptions particles;
-  bool has_radius_of_each_frame = false;     // --radius auto:each
+  bool has_radius_of_each_frame = false;  // --radius auto:each
+  std::vector<std::string> masks;         // with --masks: the files of the masks, which all inputs together are
+  Notes notes;
   std::vector<std::string> input_arguments;  // the input options as given, for the example command
   bool json = false;
 };

@@ -29,6 +29,7 @@
 #include "convert/detail/several_grids.hpp"
 #include "convert/detail/skipped_surfaces.hpp"
 #include "convert/detail/surface_maker.hpp"
+#include "convert/mask_layers.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
@@ -71,6 +72,9 @@ class Conversion {
       }
     }
     TRY(check_grids(job_.source, context_));
+    if (!job_.source.masks.empty()) {
+      masks_ = TRY(MaskLayers::read(job_.source.masks, job_.source.read, context_, events_));
+    }
     for (const OutputFileJob& output : job_.outputs) {
       TRY(write(output));
       ++output_;
@@ -103,6 +107,7 @@ class Conversion {
     source_ = Source();  // releases its memory before the next grid is read
     SourceUse use = use_of(job_);
     use.isos = isos_of(job_, grid);
+    use.masks = masks_ ? &*masks_ : nullptr;
     if (wants_source()) use.only_iso.reset();
     use.outside_region = wants_source();
     use.is_in_meters &= collector_ == nullptr || collector_->becomes_file;
@@ -136,7 +141,9 @@ class Conversion {
     std::vector<SkippedSurfaces> skipped;
     bool in_pieces = false;
     for (const std::optional<std::string>& grid : grids_of(job_.source, output)) {
-      const auto volumes = TRY(volumes_of(with_grid(job_.source, grid), isos_of(job_, grid), context_));
+      const auto volumes =
+          TRY(masks_ ? masks_->layers() : volumes_of(with_grid(job_.source, grid), isos_of(job_, grid), context_));
+      is_layered_ = volumes.size() > 1;
       for (const std::optional<std::int64_t> volume : volumes) {
         TRY(open_grid(grid, volume));
         if (job_.writes<FieldFileOptions>() != nullptr) return write_samples(output);
@@ -153,6 +160,9 @@ class Conversion {
       }
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
+    if (is_layered_ && !in_pieces && job_.empty == EmptyPolicy::error) {
+      return tl::unexpected(no_label(source_.label, job_.surface.background, source_.field.labels.size()));
+    }
     // A surface split into bodies has one file for each body, so `output` itself names no file.
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
@@ -291,7 +301,8 @@ class Conversion {
     chosen_ = TRY(
         choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, job_.empty, source_.label));
     for (const Note& note : chosen_.notes) events_.note(note);
-    if (!chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
+    // Of several layers, some may have none of the labels.
+    if (is_layered_ || !chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
     if (source_.empty) return tl::unexpected(empty_source(source_));
     return tl::unexpected(no_label(source_.label, job_.surface.background, labels_->labels().size()));
   }
@@ -427,6 +438,8 @@ class Conversion {
   using OpenedVolume = std::pair<std::optional<std::string>, std::optional<std::int64_t>>;
   std::optional<OpenedVolume> opened_;
   std::optional<std::int64_t> layer_;           // the volume, if the job takes each layer of a label map
+  bool is_layered_ = false;                     // the grid has several layers
+  std::optional<MaskLayers> masks_;             // if the job has masks
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
   ChosenLabels chosen_;                         // of labels_
   std::unordered_set<std::string> told_;        // notes about files

@@ -153,6 +153,7 @@ Json JobJson::of_job(const ConversionJob& job) {
   const auto add = [&](const char* name, const auto& member) { json[name] = of(member); };
   add("input", job.source.input);
   add("mesh_input", job.source.mesh);
+  add("masks", job.source.masks);
   add("input_format", job.source.read.format);
   add("grid", job.source.read.grid);
   add("more_grids", job.source.more_grids);

@@ -123,8 +123,11 @@ struct FilterStep {
 
 // The input, the part of it that is wanted, and its placement.
 struct SourceOptions {
-  std::string input;            // a path, "-" for standard input, or demo:NAME
-  bool mesh = false;            // the input is a mesh file; only `clip` and `placement` then have an effect
+  std::string input;  // a path, "-" for standard input, or demo:NAME
+  bool mesh = false;  // the input is a mesh file; only `clip` and `placement` then have an effect
+  // The files of masks, one mesh each, which together are the input (convert/mask_layers.hpp). read.volume is unset
+  // then.
+  std::vector<std::string> masks;
   volume_io::ReadOptions read;  // for particles: the format, the point grid, and `volume` as the number of a frame
   // Further grids of the input. Their surfaces follow those of read.grid, with the same iso values, placement and
   // filters, in outputs without OutputFileJob::grid. Volumes only.

@@ -49,10 +49,19 @@ Format particle_format(const std::string& id) {
   return found == formats.end() ? Format() : Format(*found);
 }
 
+Result<std::vector<std::filesystem::path>> list_mask_files(const SourceOptions& options, const Context& context) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& mask : options.masks) {
+    const auto of_mask = TRY(volume_io::list_input_files(mask, options.read, context));
+    files.insert(files.end(), of_mask.begin(), of_mask.end());
+  }
+  return files;
+}
+
 }  // namespace
 
 Result<bool> is_particles(const SourceOptions& options, const Context& context) {
-  if (options.read.flat || options.mesh) return false;
+  if (options.read.flat || options.mesh || !options.masks.empty()) return false;
   const bool expected = options.particles.expected;
   const auto volume = TRY(volume_io::is_certainly_volume(options.input, options.read, context));
   if (volume && !expected && options.read.format) return false;
@@ -82,7 +91,8 @@ Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions
   if (options.mesh) return list_mesh_files(options.input, context);
   const auto particles = TRY(is_particles(options, context));
   if (particles) return std::vector<std::filesystem::path>{options.input};
-  auto files = volume_io::list_input_files(options.input, options.read, context);
+  auto files = options.masks.empty() ? volume_io::list_input_files(options.input, options.read, context)
+                                     : list_mask_files(options, context);
   if (!files) return files;
   auto more = attribute_files(options, context);
   if (!more) return more;
@@ -100,6 +110,12 @@ Result<std::vector<files::FilePart>> list_source_parts(const SourceOptions& opti
   if (particles) {
     auto part = TRY(particle_io::find_frame_part(options.input, particle_read_options(options), context));
     return std::vector{std::move(part)};
+  }
+  if (!options.masks.empty()) {
+    std::vector<files::FilePart> whole;
+    const auto masks = TRY(list_mask_files(options, context));
+    for (const std::filesystem::path& file : masks) whole.push_back({file, {}});
+    return whole;
   }
   auto parts = volume_io::list_input_parts(options.input, options.read, context);
   if (!parts) return parts;

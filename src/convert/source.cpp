@@ -23,7 +23,6 @@
 #include "convert/stages/mesh_clip.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
-#include "files/unpacked_files.hpp"
 #include "points/neighbor_counts.hpp"
 #include "points/region.hpp"
 #include "points/simulation_box.hpp"
@@ -145,8 +144,8 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   read.sampling = options.voxel_size;
   read.label_ids = std::ranges::any_of(use.isos, &IsoChoice::is_label);
   if (needs_region_only(options, use)) read.region = options.roi;
-  auto field = TRY(read_field(options.input, read, context, events));
-  source.field = std::move(field);
+  source.field = TRY(use.masks != nullptr ? use.masks->layer(read.volume.value_or(0), context)
+                                          : read_field(options.input, read, context, events));
   StageReport facts = report_on(StageName::read, field_label(source.field));
   facts.work = reading_facts(source.field, options.more_grids.size());
   if (!facts.work.empty()) events.end(facts);
@@ -182,12 +181,6 @@ void tell_missing(const std::vector<MissingAttribute>& missing, const std::strin
     report.entries.push_back({{Key::attribute, attribute.choice.name}});
     events.end(report);
   }
-}
-
-// Returns the file name without .gz and without its extension.
-std::string stem_of_file(const std::string& input) {
-  const std::filesystem::path name = files::name_without_packing(std::filesystem::path(input).filename());
-  return name.stem().string();
 }
 
 // Runs two stages: reads particles, and makes a field from them.

@@ -12,6 +12,7 @@
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
 #include "convert/iso_values.hpp"
+#include "convert/mask_layers.hpp"
 #include "convert/particle_choice.hpp"
 #include "convert/particle_source.hpp"
 #include "mesh/half_space.hpp"
@@ -105,6 +106,7 @@ struct SourceUse {
   bool is_in_meters = false;                              // the output's format is glTF, which prescribes meters
   // For mesh files: the format of the output; glb if the output is a picture.
   mesh_io::MeshFormat mesh_format = mesh_io::MeshFormat::glb;
+  const MaskLayers* masks = nullptr;  // of SourceOptions::masks; read.volume is then the layer
   bool meshes_apart = true;  // true: each mesh of a mesh file is a surface; false: the whole file is one surface
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);

@@ -70,6 +70,14 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
   return {};
 }
 
+// Meshes of a GLB that are larger together are written as they come, although that doubles the bytes written.
+constexpr std::uint64_t kMostHeldBytes = std::uint64_t{64} << 20;
+
+// Returns the size of a mesh without its attributes.
+std::uint64_t array_bytes(const mesh::Mesh& mesh) {
+  return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes();
+}
+
 // Writes PLY or STL, which hold one mesh.
 class OneMeshWriter final : public FormatWriter {
  public:
@@ -162,6 +170,7 @@ struct MeshWriter::State {
   Context context;
   bool holds = false;            // holds all meshes until finish()
   std::vector<mesh::Mesh> held;  // the meshes, if it holds them
+  std::uint64_t held_bytes = 0;  // of these
   std::size_t count = 0;         // number of meshes added
   std::optional<files::OutputFile> file;
   std::optional<files::OutputFile> binary;  // the .bin of .gltf
@@ -181,6 +190,7 @@ struct MeshWriter::State {
   [[nodiscard]] Result<void> open_file();
   [[nodiscard]] Result<void> open();
   [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
+  [[nodiscard]] Result<void> write_held();
   [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
   [[nodiscard]] std::string left_out_note() const;
 };
@@ -239,6 +249,16 @@ Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
   return added;
 }
 
+// Writes the meshes of a GLB that it held until now, and holds no others.
+Result<void> MeshWriter::State::write_held() {
+  TRY(open_file());
+  format = make_moving_glb_writer(options, context, *file);
+  holds = false;
+  for (mesh::Mesh& mesh : held) TRY(write(std::exchange(mesh, {})));
+  held.clear();
+  return {};
+}
+
 std::string MeshWriter::State::left_out_note() const {
   return fmt::format("{} cannot store vertex attributes: the writer omits {}; {} store attributes",
                      mesh_format_info(options.format).name, fmt::join(left_out, ", "),
@@ -290,6 +310,10 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
     if (state.options.packing.optimize_order) {
       TRY(optimize_order(mesh, state.context));
     }
+    const bool may_move = state.options.format == MeshFormat::glb && !state.options.packing.packs() &&
+                          !state.options.hash_files && !files::is_stream(state.path);
+    state.held_bytes += array_bytes(mesh);
+    if (state.holds && may_move && !state.held.empty() && state.held_bytes > kMostHeldBytes) TRY(state.write_held());
     if (!state.holds) return state.write(mesh);
     state.held.push_back(std::move(mesh));
     return {};

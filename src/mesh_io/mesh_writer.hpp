@@ -91,8 +91,8 @@ struct MeshWriteResult {
 // first mesh. finish() gives the file its name; a writer destroyed without finish() leaves no file behind.
 //
 // Formats with MeshFormatInfo::writes_each_mesh_at_once write each mesh in add() and free it. The others hold all
-// meshes until finish(): a GLB begins with the offsets of all its data, and a temporary file would double the bytes
-// written.
+// meshes until finish(): a GLB begins with the offsets of all its data. Beyond 64 MiB, a GLB of several unpacked
+// meshes, without a hash, gets the data of each mesh in add(), and finish() moves all of it behind the JSON.
 // Standard output, pipes and devices must receive no bytes if a later surface fails, so the writer also holds the
 // meshes for them. It holds them, too, if it quantizes positions and packing.box is unset: it needs the box of all.
 class MeshWriter {

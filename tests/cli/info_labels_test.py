@@ -288,13 +288,17 @@ class InfoLabelsTest(ProgramTest):
     def test_the_commands_of_the_help_work(self):
         self.write_nifti(cells(30, 12, 7) * ball(30, 14), "seg.nii.gz")
         self.write_nifti(ball(30, 11), "mask.nii.gz")
-        for topic, count in (("labels", 4), ("masks", 3)):
+        (self.folder / "segmentations").mkdir()
+        for name in ("heart.nii.gz", "aorta.nii.gz", "segmentations/kidney_left.nii.gz", "segmentations/liver.nii.gz"):
+            self.write_nifti(ball(30, 5 + len(name) % 7), name)
+        for topic, count in (("labels", 4), ("masks", 7)):
             commands = re.findall(r"^  (isoextract .*)$", self.convert("help", topic).text, re.M)
             self.assertEqual(len(commands), count)
             for command in commands:
                 self.run_command(command)
         made = set(self.files())
-        self.assertTrue({"organs.glb", "small.glb", "organ_1.stl", "organ_4.stl", "mask.stl", "smooth.stl", "steps.stl"} <= made, made)
+        self.assertTrue({"organs.glb", "small.glb", "organ_1.stl", "organ_4.stl", "mask.stl", "smooth.stl", "steps.stl", "chest.glb",
+                         "kidney_left.stl"} <= made, made)
 
 
 if __name__ == "__main__":

@@ -74,6 +74,12 @@ struct ConvertFlags : OptionSet {
   InputFlags input{*this, of_ == Of::convert
                               ? InputUse{"INPUT", "Volumes, particles or mesh files to convert", true}
                               : InputUse{"INPUT", "Volume or particles the mesh was made from", false, 1}};
+  Flag masks{
+      only_convert(OptionGroup::input), "--masks",
+      "Make one label map of masks, one file each. Inputs are files or one folder, all on one grid: samples are 0 "
+      "outside and one other value inside. Each mask becomes a mesh named after its file. Neighbors meet without "
+      "gaps; overlapping masks keep all their voxels. --labels chooses some by name.",
+      About::surface};
   ParticleFlags particles{*this};
 
   IsoOption isos{

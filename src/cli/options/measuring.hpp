@@ -20,6 +20,11 @@ struct InfoFlags : OptionSet {
   InfoFlags();
 
   InputFlags input{*this, {"INPUT...", "Volumes or particles; patterns or folders of sequences"}};
+  Flag masks{
+      in(OptionGroup::input), "--masks",
+      "Make one label map of masks, one file each. Inputs are files or one folder, all on one grid: samples are 0 "
+      "outside and one other value inside. Each mask becomes a mesh named after its file. Neighbors meet without "
+      "gaps; overlapping masks keep all their voxels."};
   FramesOption frames{in(OptionGroup::input), "Frames of a sequence to read, such as 1-240x20. Default: all."};
   ParticleFlags particles{*this};
   JsonFlag json{in(OptionGroup::output), "Report as JSON: an array with one entry for each input."};

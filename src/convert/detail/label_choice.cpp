@@ -38,6 +38,10 @@ Result<void> select(const std::string& text, const LabelAppearance& looks, Empty
   if (!selection) return {};  // a job's selections are valid
   std::erase_if(chosen.labels,
                 [&](std::int64_t label) { return !selection->contains(label, looks.given_name(label)); });
+  // A term may be meant for labels of another layer.
+  for (const field::LabelName& other : looks.of_other_layers()) {
+    static_cast<void>(selection->contains(other.label, other.name));
+  }
   std::vector<std::string> terms;
   for (const LabelSelection::UnmatchedTerm& term : selection->unmatched()) {
     if (term.is_one_label && empty == EmptyPolicy::error) {

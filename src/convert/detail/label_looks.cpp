@@ -1,6 +1,7 @@
 #include "convert/detail/label_looks.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 #include <unordered_set>
 
@@ -64,10 +65,14 @@ std::string LabelAppearance::given_name(std::int64_t label) const {
 
 std::vector<std::string> LabelAppearance::names() const {
   std::vector<std::string> names;
-  for (const field::LabelName& entry : labels_) {
-    if (is_here(entry)) names.push_back(entry.name);
-  }
+  for (const field::LabelName& entry : labels_) names.push_back(entry.name);
   return names;
+}
+
+std::vector<field::LabelName> LabelAppearance::of_other_layers() const {
+  std::vector<field::LabelName> others;
+  std::ranges::copy_if(labels_, std::back_inserter(others), [&](const auto& entry) { return !is_here(entry); });
+  return others;
 }
 
 std::optional<Note> LabelAppearance::note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,

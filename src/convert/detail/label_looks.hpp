@@ -29,8 +29,10 @@ class LabelAppearance {
   // Returns the name that the table or the file gives the label, or an empty text.
   [[nodiscard]] std::string given_name(std::int64_t label) const;
 
-  // Returns the names that the table or the file gives labels of this layer, in its order.
+  // Returns the names that the table or the file gives labels, of all layers.
   [[nodiscard]] std::vector<std::string> names() const;
+  // Returns the labels with names of other layers than this one.
+  [[nodiscard]] std::vector<field::LabelName> of_other_layers() const;
 
   // Returns a note about the labels with names, of this layer, that are not among those `found` in the samples: of the
   // region if `in_region`. Returns nothing if there are none. The background does not count. `source` starts the text.

@@ -113,6 +113,7 @@ Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, 
   TRY(faces.list_faces(grid, labels, context, what));
   TRY(context.check());
   TRY(faces.join_shells(grid, labels, context, what));
+  faces.sides_ = Buffer<std::uint16_t>();
   return faces;
 }
 
@@ -170,9 +171,10 @@ Result<void> NetFaces::list_faces(const NetGrid& grid, const LabelChunks& labels
                     std::to_string(kMost),
                 {Remedy::use, Setting::parts});
   }
-  auto held = TRY(context.reserve(all.own * sizeof(Face) + all.around * sizeof(std::uint32_t), what));
+  auto held = TRY(context.reserve(all.own * (sizeof(Face) + 1) + all.around * sizeof(std::uint32_t), what));
   memory_.push_back(std::move(held));
   faces_ = Buffer<Face>(all.own);
+  axes_ = Buffer<std::uint8_t>(all.own);
   around_ = Buffer<std::uint32_t>(all.around);
   for_each_index(chunks, [&](std::size_t c) {
     Counts counts = before[c];
@@ -198,6 +200,7 @@ Result<void> NetFaces::list_faces(const NetGrid& grid, const LabelChunks& labels
       for_each_bit(row.used, [&](int bit) {
         for_each_bit(sides_[k] & kOwnFaces, [&](int own_face) {
           const int axis = own_face / 4;
+          axes_[number] = static_cast<std::uint8_t>(axis);
           Face& face = faces_[number];
           for (std::size_t n = 0; n < 4; ++n) {
             const auto& [u, v] = kCornerSteps[n];

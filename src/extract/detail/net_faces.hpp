@@ -36,6 +36,23 @@ class NetFaces {
   [[nodiscard]] std::span<const Face> faces() const { return faces_.span(); }
   [[nodiscard]] std::uint32_t shells() const { return shells_; }
 
+  // Returns the axis that a face lies across.
+  [[nodiscard]] int axis(std::size_t face) const { return axes_[face]; }
+
+  // Calls f(number, corner of the first point) for the faces whose first point is in a chunk, in order.
+  template <class F>
+  void for_each_of_chunk(const NetGrid& grid, std::size_t chunk, const F& f) const {
+    std::size_t number = first_of_chunk_[chunk];  // the faces are sorted by their first point
+    grid.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
+      std::uint32_t k = row.first;
+      for_each_bit(row.used, [&](int bit) {
+        const glm::ivec3 corner = grid.origins()[chunk] + glm::ivec3(bit, y, z);
+        for (; number < faces_.size() && faces_[number].points[0] == k; ++number) f(number, corner);
+        ++k;
+      });
+    });
+  }
+
   // Returns the faces around a point.
   [[nodiscard]] std::span<const std::uint32_t> around(std::uint32_t point) const {
     return around_.span().subspan(first_around_[point], first_around_[point + 1] - first_around_[point]);
@@ -53,6 +70,7 @@ class NetFaces {
   Buffer<std::uint32_t> around_;
   Buffer<std::uint32_t> first_of_chunk_;
   Buffer<Face> faces_;
+  Buffer<std::uint8_t> axes_;
   std::uint32_t shells_ = 0;
   std::vector<Reservation> memory_;
 };

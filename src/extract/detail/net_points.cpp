@@ -87,8 +87,8 @@ Result<void> NetPoints::find_middles(const LabelChunks& labels, const Context& c
   return context.check();
 }
 
-glm::vec3 NetPoints::offset(const glm::ivec3& corner) const {
-  const NetGrid::Row row = grid_.row(grid_.find(chunk_origin(corner)), corner.y, corner.z);
+glm::vec3 NetPoints::offset(std::int32_t chunk, const glm::ivec3& corner) const {
+  const NetGrid::Row row = grid_.row(chunk, corner.y, corner.z);
   const int bit = corner.x & 63;
   return (row.used >> bit & 1) != 0 ? offsets_[row.number(bit)] : glm::vec3(0);
 }

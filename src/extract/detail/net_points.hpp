@@ -38,8 +38,12 @@ class NetPoints {
   // Returns the number of points.
   [[nodiscard]] std::uint64_t size() const { return grid_.size(); }
 
-  // Returns the offset of a corner's point from the corner, in grid steps; 0 if the corner has no point.
-  [[nodiscard]] glm::vec3 offset(const glm::ivec3& corner) const;
+  // Returns the number of the chunk at `origin`; negative if it has no points.
+  [[nodiscard]] std::int32_t chunk(const glm::ivec3& origin) const { return grid_.find(origin); }
+
+  // Returns the offset of a corner's point from the corner, in grid steps; 0 if the corner has no point. `chunk` is the
+  // number of the corner's chunk.
+  [[nodiscard]] glm::vec3 offset(std::int32_t chunk, const glm::ivec3& corner) const;
 
   // Returns the edges of a chunk that have an extra vertex in their middle, by axis and lower corner; null if there are
   // none. Such an edge exists where two voxels of one label touch along it and are in one fan at both of its ends. All

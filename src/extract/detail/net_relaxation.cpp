@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -78,9 +79,19 @@ class FaceCounts {
   std::array<std::array<std::uint64_t, 3>, kFaces> at_least_{};
 };
 
+// Three numbers and one that does not matter. The compiler adds all four at once.
+using Float4 [[gnu::vector_size(16)]] = float;
+
+// Reads a vector and the four bytes after it.
+Float4 load(const void* vector) {
+  Float4 loaded;
+  std::memcpy(&loaded, vector, sizeof(loaded));
+  return loaded;
+}
+
 // The sum of the steps to the neighbors across each set of faces, and their count as a factor.
 struct Steps {
-  glm::vec3 sum{0};
+  glm::vec3 sum{0};  // first, for load()
   float share = 0;
   std::uint32_t count = 0;
 };
@@ -125,16 +136,17 @@ class Links {
   [[nodiscard]] unsigned fixed(std::size_t point) const { return fixed_[point]; }
 
   // Calls f(number, mean) for the points of a chunk, in order. The mean is that of the connected points, from the
-  // point's corner.
+  // point's corner. `offsets` has an element after that of the last point.
   template <class F>
   void for_each_mean(std::size_t chunk, const Buffer<glm::vec3>& offsets, const F& f) const {
     const std::uint32_t* other = others_.data() + first_[chunk];
     const auto [begin, end] = grid_.points(chunk);
     for (std::size_t k = begin; k != end; ++k) {
       const Steps& steps = kSteps[joined_[k]];
-      glm::vec3 sum = steps.sum;
-      for (std::uint32_t n = 0; n < steps.count; ++n) sum += offsets[*other++];
-      f(k, sum * steps.share);
+      Float4 sum = load(&steps);
+      for (std::uint32_t n = 0; n < steps.count; ++n) sum += load(&offsets[*other++]);
+      sum *= steps.share;
+      f(k, glm::vec3(sum[0], sum[1], sum[2]));
     }
   }
 
@@ -203,11 +215,12 @@ Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint
                        const Context& context, const std::string& what) {
   if (rounds == 0) return {};
   const Links links = TRY(Links::make(grid, labels, context, what));
-  auto start_memory = TRY(make_reserved_buffer<glm::vec3>(grid.size(), context, what));
-  auto half_memory = TRY(make_reserved_buffer<glm::vec3>(grid.size(), context, what));
+  auto start_memory = TRY(make_reserved_buffer<glm::vec3>(grid.size() + 1, context, what));
+  auto half_memory = TRY(make_reserved_buffer<glm::vec3>(grid.size() + 1, context, what));
   Buffer<glm::vec3>& start = start_memory->values;
   Buffer<glm::vec3>& half = half_memory->values;
   std::copy(offsets.begin(), offsets.end(), start.begin());
+  start[grid.size()] = half[grid.size()] = glm::vec3(0);
   Momentum momentum;
   for (std::uint64_t round = 0; round < rounds; ++round) {
     TRY(context.check());

@@ -27,7 +27,15 @@ constexpr int kMostPasses = 40;
 constexpr float kLongestStep = 0.25F;  // of a point in one pass
 constexpr double kLeastGain = 0.5;
 constexpr double kMostGain = 4;
-constexpr std::size_t kFacesPerTask = 1 << 12;
+constexpr std::size_t kPerBlock = 1 << 12;  // faces or points that one task visits
+std::size_t blocks_of(std::size_t count) { return (count + kPerBlock - 1) / kPerBlock; }
+
+// The corners of a face across an axis, from the first one.
+using Corners = std::array<glm::dvec3, 4>;
+constexpr std::array<Corners, 3> kCorners{
+    Corners{glm::dvec3(0), glm::dvec3(0, 1, 0), glm::dvec3(0, 1, 1), glm::dvec3(0, 0, 1)},
+    Corners{glm::dvec3(0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 1), glm::dvec3(1, 0, 0)},
+    Corners{glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(1, 1, 0), glm::dvec3(0, 1, 0)}};
 
 struct Shell {
   std::uint64_t excess = 0;  // volume of the net minus volume of the voxels
@@ -79,21 +87,22 @@ class ShellSums {
 
 class VolumeKeeper {
  public:
-  VolumeKeeper(const NetFaces& faces, const Buffer<glm::ivec3>& corners, const field::IndexBox& bounds,
-               const glm::dmat3& output_from_index, Buffer<std::uint8_t>& is_still, Buffer<glm::vec3>& normals,
-               Buffer<glm::vec3>& offsets)
+  // `fixed`: of each point, the axes along which it does not move. `is_still`: all 0.
+  VolumeKeeper(const NetFaces& faces, const Buffer<std::uint8_t>& fixed, const glm::dmat3& output_from_index,
+               Buffer<std::uint8_t>& is_still, Buffer<glm::vec3>& normals, Buffer<glm::vec3>& offsets)
       : faces_(faces),
-        corners_(corners),
-        bounds_(bounds),
+        fixed_(fixed),
         output_area_(glm::inverseTranspose(output_from_index)),
         is_stretched_(is_stretched(output_from_index)),
         is_still_(is_still),
         normals_(normals),
         offsets_(offsets),
-        shells_(faces.shells()) {}
+        shells_(faces.shells()),
+        settled_faces_(blocks_of(faces.faces().size())),
+        still_points_(blocks_of(offsets.size())) {}
 
-  Result<void> run(const Context& context) {
-    measure_voxels();
+  Result<void> run(const NetGrid& grid, const Context& context) {
+    measure_voxels(grid);
     for (int pass = 0; pass < kMostPasses; ++pass) {
       TRY(context.check());
       const bool measures_all = std::ranges::none_of(shells_, &Shell::is_settled);
@@ -106,6 +115,8 @@ class VolumeKeeper {
         // Moves for one shell may have changed another that was right before.
         for (Shell& shell : shells_) shell.is_settled = shell.was_right = false;
         std::fill(is_still_.begin(), is_still_.end(), std::uint8_t{0});
+        std::ranges::fill(settled_faces_, std::uint8_t{0});
+        std::ranges::fill(still_points_, std::uint8_t{0});
       }
     }
     return {};
@@ -129,12 +140,14 @@ class VolumeKeeper {
     double volume;    // between the voxel face and the two triangles that the mesh will have
   };
 
-  [[nodiscard]] Size size_of(const NetFaces::Face& face) const {
-    std::array<glm::dvec3, 4> still;  // the corners of the voxel face, from the first one
-    std::array<glm::dvec3, 4> moved;
+  [[nodiscard]] Size size_of(std::size_t number) const {
+    const NetFaces::Face& face = faces_.faces()[number];
+    const int up = faces_.axis(number);
+    Corners offsets;
+    Corners moved;
     for (std::size_t n = 0; n < 4; ++n) {
-      still[n] = glm::dvec3(corners_[face.points[n]] - corners_[face.points[0]]);
-      moved[n] = still[n] + glm::dvec3(offsets_[face.points[n]]);
+      offsets[n] = glm::dvec3(offsets_[face.points[n]]);
+      moved[n] = kCorners[static_cast<std::size_t>(up)][n] + offsets[n];
     }
     const glm::dvec3 a = moved[1] - moved[0];
     const glm::dvec3 b = moved[2] - moved[0];
@@ -147,44 +160,49 @@ class VolumeKeeper {
       const glm::dvec3 output = is_stretched_ ? output_area_ * around[corner] : around[corner];
       return glm::dot(output, output);
     };
-    // The rule of OutlinePolygon::write_bent(). The diagonals differ in volume by a tetrahedron.
+    // The rule of OutlinePolygon::write_bent().
     const bool is_through_apex = std::min(size(0), size(2)) < std::min(size(1), size(3));
-    const double tetrahedron = is_through_apex ? 0 : glm::dot(a, around[3]) / 6;
-    // The walls between the sides of both faces. Neighbors have the same walls with the opposite sign.
-    const auto triple = [](const glm::dvec3& p, const glm::dvec3& q, const glm::dvec3& r) {
-      return glm::dot(p, glm::cross(q, r));
+    // The volume is the sum of area, as seen from above, times mean height of the triangles. The voxel face has height
+    // 0.
+    const auto height = [&](std::size_t corner) { return offsets[corner][up]; };
+    const auto below = [&](std::size_t triangle, std::size_t p, std::size_t q, std::size_t r) {
+      return around[triangle][up] * (height(p) + height(q) + height(r));
     };
+    const double top = is_through_apex ? below(1, 0, 1, 2) + below(3, 0, 2, 3) : below(0, 0, 1, 3) + below(2, 1, 2, 3);
+    return {area, top / 6 + walls_of(offsets, up) / 12};
+  }
+
+  // Returns 12 times the volume below the walls between the sides of a voxel face and those of its moved corners. A
+  // wall is the mean of its two divisions into triangles. Neighbors have the same walls with the opposite sign.
+  [[nodiscard]] static double walls_of(const Corners& offsets, int up) {
+    const int u = (up + 1) % 3;
+    const int v = (up + 2) % 3;
     double walls = 0;
     for (std::size_t n = 0; n < 4; ++n) {
-      const std::size_t next = (n + 1) % 4;
-      walls += triple(still[n], still[next], moved[next]) + triple(still[n], moved[next], moved[n]) +
-               triple(still[next], moved[next], moved[n]) + triple(still[next], moved[n], still[n]);
+      const glm::dvec3& here = offsets[n];
+      const glm::dvec3& next = offsets[(n + 1) % 4];
+      // The sides of the voxel face are +u, +v, -u and -v. The cross product of a side with an offset:
+      const int other = n % 2 == 0 ? v : u;
+      const double sign = n == 0 || n == 3 ? 1 : -1;
+      const double at_here = sign * here[other];
+      const double at_next = sign * next[other];
+      const double between = next[u] * here[v] - next[v] * here[u];
+      walls += next[up] * at_next + here[up] * at_here + (next[up] + here[up]) * (at_here + at_next + 2 * between);
     }
-    return {area, glm::dot(moved[0], area) / 3 + tetrahedron + walls / 12};
+    return walls;
   }
 
-  // Calls f(number, below, above) for all faces, with the sums of the shells on their lower and upper sides.
-  template <class F>
-  void for_each_face(const F& f) {
-    for_each_range(faces_.faces().size(), kFacesPerTask, [&](std::size_t begin, std::size_t end) {
+  void measure_voxels(const NetGrid& grid) {
+    for_each_index(grid.origins().size(), [&](std::size_t c) {
       ShellSums below(shells_);
       ShellSums above(shells_);
-      for (std::size_t n = begin; n != end; ++n) f(n, below, above);
-    });
-  }
-
-  [[nodiscard]] int axis_of(const NetFaces::Face& face) const {
-    const glm::ivec3 diagonal = corners_[face.points[2]] - corners_[face.points[0]];
-    return diagonal.x == 0 ? 0 : diagonal.y == 0 ? 1 : 2;
-  }
-
-  void measure_voxels() {
-    for_each_face([&](std::size_t number, ShellSums& below, ShellSums& above) {
-      const NetFaces::Face& face = faces_.faces()[number];
-      if (axis_of(face) != 0) return;  // the faces across one axis tell the volume
-      const auto volume = static_cast<std::uint64_t>(std::int64_t{corners_[face.points[0]].x});
-      below.add(face.shells[0], volume, 0);
-      above.add(face.shells[1], ~volume + 1, 0);
+      faces_.for_each_of_chunk(grid, c, [&](std::size_t number, const glm::ivec3& corner) {
+        if (faces_.axis(number) != 0) return;  // the faces across one axis tell the volume
+        const NetFaces::Face& face = faces_.faces()[number];
+        const auto volume = static_cast<std::uint64_t>(std::int64_t{corner.x});
+        below.add(face.shells[0], volume, 0);
+        above.add(face.shells[1], ~volume + 1, 0);
+      });
     });
     for (Shell& shell : shells_) shell.voxels = static_cast<double>(static_cast<std::int64_t>(shell.excess));
   }
@@ -193,17 +211,33 @@ class VolumeKeeper {
     for (Shell& shell : shells_) {
       if (!shell.is_settled) shell.excess = shell.area = 0;
     }
-    for_each_face([&](std::size_t number, ShellSums& below, ShellSums& above) {
-      const NetFaces::Face& face = faces_.faces()[number];
-      const std::array<bool, 2> asked{is_open(face.shells[0]), is_open(face.shells[1])};
-      if (!asked[0] && !asked[1]) return;
-      const Size found = size_of(face);
-      const std::uint64_t units = to_units(found.volume);
-      const std::uint64_t size = to_units(glm::length(found.area));
-      if (asked[0]) below.add(face.shells[0], units, size);
-      if (asked[1]) above.add(face.shells[1], ~units + 1, size);
-      normals_[number] = size > 0 ? found.area / glm::length(found.area) : glm::dvec3(0);
+    for_each_index(settled_faces_.size(), [&](std::size_t block) {
+      if (settled_faces_[block] != 0) return;
+      ShellSums below(shells_);
+      ShellSums above(shells_);
+      bool any = false;
+      const std::size_t end = std::min((block + 1) * kPerBlock, faces_.faces().size());
+      for (std::size_t number = block * kPerBlock; number != end; ++number) {
+        any |= measure_face(number, below, above);
+      }
+      settled_faces_[block] = any ? 0 : 1;
     });
+  }
+
+  // Adds the sizes of a face to the sums of the shells on its lower and upper sides, and sets its normal. Returns false
+  // and does nothing if both are settled.
+  bool measure_face(std::size_t number, ShellSums& below, ShellSums& above) {
+    const NetFaces::Face& face = faces_.faces()[number];
+    const std::array<bool, 2> asked{is_open(face.shells[0]), is_open(face.shells[1])};
+    if (!asked[0] && !asked[1]) return false;
+    const Size found = size_of(number);
+    const double area = glm::length(found.area);
+    const std::uint64_t units = to_units(found.volume);
+    const std::uint64_t size = to_units(area);
+    if (asked[0]) below.add(face.shells[0], units, size);
+    if (asked[1]) above.add(face.shells[1], ~units + 1, size);
+    normals_[number] = size > 0 ? found.area / area : glm::dvec3(0);
+    return true;
   }
 
   // Returns whether a shell has to become right.
@@ -238,25 +272,32 @@ class VolumeKeeper {
   }
 
   void move_points() {
-    for_each_index(
-        offsets_.size(),
-        [&](std::size_t k) {
-          if (is_still_[k] != 0) return;
-          glm::vec3 way(0);
-          const auto around = faces_.around(static_cast<std::uint32_t>(k));
-          bool is_still = true;
-          for (const std::uint32_t number : around) {
-            const NetFaces::Face& face = faces_.faces()[number];
-            is_still = is_still && !is_open(face.shells[0]) && !is_open(face.shells[1]);
-            way += step_of(face) * normals_[number];
-          }
-          is_still_[k] = is_still ? 1 : 0;
-          if (way == glm::vec3(0)) return;
-          way /= static_cast<float>(around.size());
-          way *= std::min(1.0F, kLongestStep / glm::length(way));
-          offsets_[k] = offset_within_cell(offsets_[k] + way, fixed_axes(corners_[k], bounds_));
-        },
-        kFacesPerTask);
+    for_each_index(still_points_.size(), [&](std::size_t block) {
+      if (still_points_[block] != 0) return;
+      bool all_still = true;
+      const std::size_t end = std::min((block + 1) * kPerBlock, offsets_.size());
+      for (std::size_t k = block * kPerBlock; k != end; ++k) {
+        if (is_still_[k] == 0) move_point(k);
+        all_still &= is_still_[k] != 0;
+      }
+      still_points_[block] = all_still ? 1 : 0;
+    });
+  }
+
+  void move_point(std::size_t k) {
+    glm::vec3 way(0);
+    const auto around = faces_.around(static_cast<std::uint32_t>(k));
+    bool is_still = true;
+    for (const std::uint32_t number : around) {
+      const NetFaces::Face& face = faces_.faces()[number];
+      is_still = is_still && !is_open(face.shells[0]) && !is_open(face.shells[1]);
+      way += step_of(face) * normals_[number];
+    }
+    is_still_[k] = is_still ? 1 : 0;
+    if (way == glm::vec3(0)) return;
+    way /= static_cast<float>(around.size());
+    way *= std::min(1.0F, kLongestStep / glm::length(way));
+    offsets_[k] = offset_within_cell(offsets_[k] + way, fixed_[k]);
   }
 
   // Returns how far a face moves toward its upper side.
@@ -267,14 +308,15 @@ class VolumeKeeper {
   }
 
   const NetFaces& faces_;
-  const Buffer<glm::ivec3>& corners_;
-  const field::IndexBox& bounds_;
+  const Buffer<std::uint8_t>& fixed_;
   glm::dmat3 output_area_;  // maps areas, but for a factor
   bool is_stretched_;
   Buffer<std::uint8_t>& is_still_;  // of the points: all shells around it are settled
   Buffer<glm::vec3>& normals_;      // of the faces, of length 1
   Buffer<glm::vec3>& offsets_;
   std::vector<Shell> shells_;
+  std::vector<std::uint8_t> settled_faces_;  // of the blocks of faces: all shells are settled
+  std::vector<std::uint8_t> still_points_;   // of the blocks of points: all are still
 };
 
 }  // namespace
@@ -282,7 +324,7 @@ class VolumeKeeper {
 Result<void> keep_volumes(const NetGrid& grid, const LabelChunks& labels, const glm::dmat3& output_from_index,
                           Buffer<glm::vec3>& offsets, const Context& context, const std::string& what) {
   const NetFaces faces = TRY(NetFaces::make(grid, labels, context, what));
-  auto corners = TRY(make_reserved_buffer<glm::ivec3>(grid.size(), context, what));
+  auto fixed = TRY(make_reserved_buffer<std::uint8_t>(grid.size(), context, what));
   auto normals = TRY(make_reserved_buffer<glm::vec3>(faces.faces().size(), context, what));
   auto is_still = TRY(make_reserved_buffer<std::uint8_t>(grid.size(), context, what));
   std::fill(is_still->values.begin(), is_still->values.end(), std::uint8_t{0});
@@ -290,12 +332,14 @@ Result<void> keep_volumes(const NetGrid& grid, const LabelChunks& labels, const 
   for_each_index(grid.origins().size(), [&](std::size_t c) {
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       std::uint32_t k = row.first;
-      for_each_bit(row.used, [&](int bit) { corners->values[k++] = grid.origins()[c] + glm::ivec3(bit, y, z); });
+      for_each_bit(row.used, [&](int bit) {
+        const glm::ivec3 corner = grid.origins()[c] + glm::ivec3(bit, y, z);
+        fixed->values[k++] = static_cast<std::uint8_t>(fixed_axes(corner, labels.bounds()));
+      });
     });
   });
-  return VolumeKeeper(faces, corners->values, labels.bounds(), output_from_index, is_still->values, normals->values,
-                      offsets)
-      .run(context);
+  return VolumeKeeper(faces, fixed->values, output_from_index, is_still->values, normals->values, offsets)
+      .run(grid, context);
 }
 
 }  // namespace isoextract::extract

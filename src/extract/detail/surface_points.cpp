@@ -159,7 +159,16 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
     if (closes) points.mark_contacts(voxels, c);
   });
   for_each_index(rectangles.size(), [&](std::size_t l) {
-    for_each_corner(rectangles[l], [&](std::size_t /*which*/, const glm::ivec3& corner) { points.mark(corner); });
+    std::array<glm::ivec3, 4> last;  // neighbors in the list usually share it
+    std::array<std::size_t, 4> chunk{};
+    last.fill(glm::ivec3(1));
+    for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {
+      if (const glm::ivec3 origin = chunk_origin(corner); origin != last[c]) {
+        last[c] = origin;
+        chunk[c] = static_cast<std::size_t>(points.index_.find(origin));
+      }
+      points.mark(chunk[c], corner);
+    });
   });
   TRY(context.check());
 
@@ -192,8 +201,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
   return points;
 }
 
-void SurfacePoints::mark(const glm::ivec3& corner) {
-  const auto chunk = static_cast<std::size_t>(index_.find(chunk_origin(corner)));
+void SurfacePoints::mark(std::size_t chunk, const glm::ivec3& corner) {
   std::atomic_ref<std::uint64_t> word(used_[chunk][chunk_row(corner.y, corner.z)]);
   const std::uint64_t bit = std::uint64_t{1} << (corner.x & 63);
   if ((word.load(std::memory_order_relaxed) & bit) == 0) word.fetch_or(bit, std::memory_order_relaxed);
@@ -280,22 +288,23 @@ void SurfacePoints::write_positions(const OutputPlacement& placement, const glm:
 }
 
 // A voxel is a box centered on its sample, hence the half step.
-glm::dvec3 SurfacePoints::place_of(const glm::ivec3& base, const glm::ivec3& corner) const {
+glm::dvec3 SurfacePoints::place_of(const glm::ivec3& base, std::int32_t net_chunk, const glm::ivec3& corner) const {
   const glm::dvec3 place = glm::dvec3(base + corner) - 0.5;
-  return net_ == nullptr ? place : place + glm::dvec3(net_->offset(corner));
+  return net_ == nullptr ? place : place + glm::dvec3(net_->offset(net_chunk, corner));
 }
 
 void SurfacePoints::write_chunk(const OutputPlacement& placement, const glm::ivec3& base, mesh::Mesh& mesh,
                                 std::size_t chunk) const {
   const std::int32_t special = special_number_[chunk];
   const Specials* specials = special != kNoSpecials ? &specials_[static_cast<std::size_t>(special)] : nullptr;
+  const std::int32_t net_chunk = net_ != nullptr ? net_->chunk(origins_[chunk]) : -1;
   for (int z = 0; z < 8; ++z) {
     for (int y = 0; y < 8; ++y) {
       const std::size_t row = chunk_row(y, z);
       std::uint32_t next = first_[chunk][row];
       for_each_bit(used_[chunk][row], [&](int bit) {
         const glm::ivec3 corner = origins_[chunk] + glm::ivec3(bit, y, z);
-        const glm::vec3 position = placement.position(place_of(base, corner));
+        const glm::vec3 position = placement.position(place_of(base, net_chunk, corner));
         mesh.positions[next++] = position;
         if (specials == nullptr) return;
         const std::uint64_t more =
@@ -306,7 +315,9 @@ void SurfacePoints::write_chunk(const OutputPlacement& placement, const glm::ive
           if ((specials->middles[a][row] >> bit & 1) == 0) continue;
           glm::ivec3 end = corner;
           ++end[axis];
-          const glm::vec3 middle = placement.position((place_of(base, corner) + place_of(base, end)) / 2.0);
+          const std::int32_t end_chunk = net_ != nullptr ? net_->chunk(chunk_origin(end)) : -1;
+          const glm::vec3 middle =
+              placement.position((place_of(base, net_chunk, corner) + place_of(base, end_chunk, end)) / 2.0);
           mesh.positions[next++] = middle;
           if ((specials->single_middles[a][row] >> bit & 1) == 0) mesh.positions[next++] = middle;
         }

@@ -97,13 +97,13 @@ class SurfacePoints {
                                                                     const std::vector<LayerRectangles>& rectangles,
                                                                     bool closes, const Context& context,
                                                                     const std::string& what, Reservation& memory);
-  void mark(const glm::ivec3& corner);
+  void mark(std::size_t chunk, const glm::ivec3& corner);
   void mark_contacts(const VoxelChunks& voxels, std::size_t chunk);
   [[nodiscard]] bool has_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes) const;
   void fill_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes);
   void count_rows(std::size_t chunk);
-  // Returns the position of a corner in index space.
-  [[nodiscard]] glm::dvec3 place_of(const glm::ivec3& base, const glm::ivec3& corner) const;
+  // Returns the position of a corner in index space. `net_chunk`: the number of its chunk in the net, if there is one.
+  [[nodiscard]] glm::dvec3 place_of(const glm::ivec3& base, std::int32_t net_chunk, const glm::ivec3& corner) const;
   void write_chunk(const OutputPlacement& placement, const glm::ivec3& base, mesh::Mesh& mesh, std::size_t chunk) const;
   [[nodiscard]] std::uint32_t vertices_below(std::size_t chunk, std::size_t row, std::uint64_t below) const;
 

@@ -73,6 +73,21 @@ class OutlinePolygon {
     top_.push_back({finders_[1].vertex(high_high), 2 * width});
   }
 
+  // Returns the number of triangles of a face that write_bent() writes: two, and one for each middle vertex.
+  [[nodiscard]] std::size_t count_bent(const FaceRectangle& face) {
+    const int voxel = face.upward ? 0 : 1;
+    const auto upper = [&](int other_axis, int quadrant) { return axis_ < other_axis ? voxel : quadrant; };
+    const int u = plane_u(axis_);
+    const int v = plane_v(axis_);
+    std::size_t count = 2;
+    const auto add = [&](auto /*vertex*/, int /*at*/) { ++count; };
+    finders_[0].along(corner(face, 0, 0), u, 1, upper(v, 1), add);
+    finders_[2].along(corner(face, 0, 1), u, 1, upper(v, 0), add);
+    finders_[3].along(corner(face, 0, 0), v, 1, upper(u, 1), add);
+    finders_[1].along(corner(face, 1, 0), v, 1, upper(u, 0), add);
+    return count;
+  }
+
   [[nodiscard]] std::size_t triangles() const {
     return bottom_.size() + top_.size() + left_.size() + right_.size() - 2;
   }
@@ -248,8 +263,12 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   };
   MeshSizes sizes{points.vertices(), 0};
   if (has_side_vertices) {
-    each([](Portion& portion, OutlinePolygon& polygon) {
+    each([&](Portion& portion, OutlinePolygon& polygon) {
       for (const FaceRectangle& rectangle : portion.rectangles) {
+        if (net != nullptr) {
+          portion.first_triangle += polygon.count_bent(rectangle);
+          continue;
+        }
         polygon.look_up(rectangle);
         portion.first_triangle += polygon.triangles();
       }

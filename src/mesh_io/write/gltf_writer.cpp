@@ -1,7 +1,8 @@
 // glTF 2.0 (ISO/IEC 12113): TinyGLTF builds the model and its JSON (gltf_model); the binary data goes from the meshes'
 // buffers directly to the file.
 // Each mesh is laid out before it is written, so that the JSON knows every offset. In a GLB, whose JSON precedes the
-// data, all meshes are laid out first. If its one mesh comes in parts, room for the JSON is left before the data.
+// data, all meshes are laid out first. If its one mesh comes in parts, room for the JSON is left before the data. If
+// there is not enough memory for all meshes of a GLB, their data is written first, and moves when the JSON is known.
 #include <limits>
 #include <map>
 #include <mutex>
@@ -91,6 +92,37 @@ class GlbWriter final : public FormatWriter {
   Context context_;
   files::OutputFile& file_;
   std::vector<GltfPart> parts_;
+};
+
+class MovingGlbWriter final : public FormatWriter {
+ public:
+  MovingGlbWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& file)
+      : options_(options), context_(context), file_(file) {}
+
+  Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
+    const auto part = TRY(GltfPart::make(mesh, options_, context_, notes));
+    model_.add(part);
+    binary_bytes_ += part.bytes();
+    return write_part(part, file_);
+  }
+
+  Result<void> finish(Notes& notes) override {
+    std::string text = model_.json({}, -1, notes);
+    pad_glb_json(text);
+    TRY(check_glb_length(text.size(), binary_bytes_, file_));
+    std::string head = glb_start(text.size(), binary_bytes_) + text;
+    if (binary_bytes_ == 0) return file_.write(head);
+    head += glb_binary_head(binary_bytes_);
+    TRY(file_.move_end(0, head.size()));
+    return file_.overwrite(0, std::as_bytes(std::span(std::as_const(head))));
+  }
+
+ private:
+  MeshWriteOptions options_;
+  Context context_;
+  files::OutputFile& file_;
+  GltfModel model_{options_.placement};
+  std::uint64_t binary_bytes_ = 0;
 };
 
 class PartwiseGlbWriter final : public PartwiseWriter {
@@ -192,6 +224,11 @@ class GltfWriter final : public FormatWriter {
 std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, const Context& context,
                                               files::OutputFile& file) {
   return std::make_unique<GlbWriter>(options, context, file);
+}
+
+std::unique_ptr<FormatWriter> make_moving_glb_writer(const MeshWriteOptions& options, const Context& context,
+                                                     files::OutputFile& file) {
+  return std::make_unique<MovingGlbWriter>(options, context, file);
 }
 
 std::unique_ptr<PartwiseWriter> make_partwise_glb_writer(const mesh::Mesh& head, const MeshWriteOptions& options,

@@ -145,6 +145,47 @@ TEST(MeshWriter, FreesMeshBeforeNextOne) {
   }
 }
 
+// A mesh of triangles without common vertices, of `bytes` bytes.
+mesh::Mesh large_mesh(std::uint64_t bytes, const std::string& name) {
+  mesh::Mesh mesh = tetrahedron(name);
+  const std::size_t count = bytes / (3 * sizeof(glm::vec3) + sizeof(glm::uvec3));
+  mesh.positions = Buffer<glm::vec3>(3 * count);
+  mesh.triangles = Buffer<glm::uvec3>(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto first = static_cast<std::uint32_t>(3 * t);
+    mesh.triangles[t] = {first, first + 1, first + 2};
+    mesh.positions[first] = {static_cast<float>(t), 0, 0};
+    mesh.positions[first + 1] = {0, static_cast<float>(t + 1), 0};
+    mesh.positions[first + 2] = {0, 1, 2};
+  }
+  return mesh;
+}
+
+TEST(MeshWriter, MovesLargeMeshesOfGlb) {
+  const TempFolder folder;
+  const MeshWriteOptions options{MeshFormat::glb, false, false};
+  fs::create_directory(folder / "a");
+  fs::create_directory(folder / "b");
+  std::vector<mesh::Mesh> meshes;
+  meshes.push_back(sphere(9, false));
+  meshes.push_back(large_mesh(std::uint64_t{64} << 20, "large"));
+  meshes.push_back(tetrahedron("last", {1e7, 0, 0}));
+  const Context context;
+  MeshWriter writer(folder / "a/out.glb", options, context);
+  for (const mesh::Mesh& source : meshes) {
+    mesh::Mesh mesh = mesh::copy(source);
+    mesh.memory = context.reserve(1000, "a mesh").value();
+    ASSERT_TRUE(writer.add(std::move(mesh)));
+    // The first mesh is held; the second one is too large to hold both.
+    EXPECT_EQ(context.memory().reserved(), &source == &meshes.front() ? 1000U : 0U);
+  }
+  const auto one_by_one = writer.finish();
+  ASSERT_TRUE(one_by_one);
+  const MeshWriteResult at_once = must_write(meshes, folder / "b/out.glb", options);
+  EXPECT_EQ(one_by_one->files.front().bytes, at_once.files.front().bytes);
+  EXPECT_TRUE(read_bytes(folder / "a/out.glb") == read_bytes(folder / "b/out.glb"));
+}
+
 TEST(MeshWriter, WritesSameBytesOneByOneAndTogether) {
   for (const MeshWriteOptions& options : kSeveral) {
     const std::string_view name = mesh_format_info(options.format).name;

@@ -1,0 +1,29 @@
+// Plans --masks: the files of the masks, and the options that do not go with them.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/note.hpp"
+#include "cli/options.hpp"
+
+namespace isoextract::cli {
+
+// Returns the files of the masks: the inputs in their order, or the volumes in the folder that is the only input, in
+// natural order; a note tells of its other files. Fails with ErrorCode::usage if an input is a folder among several, is
+// stdin, or occurs twice, and with ErrorCode::input if a folder has no volume or cannot be read.
+[[nodiscard]] Result<std::vector<std::string>> find_masks(std::span<const std::string> inputs, Notes& notes);
+
+// Returns the name of the masks for the name of an output: that of their folder, or "masks" for the current folder.
+[[nodiscard]] std::string name_of_masks(std::span<const std::string> masks);
+
+// Refuses options that do not go with --masks, and chooses all labels unless --labels is given. Does nothing without
+// --masks.
+[[nodiscard]] Result<void> take_masks(ConvertFlags& flags);
+
+// Refuses options of the input that do not go with --masks.
+[[nodiscard]] Result<void> check_mask_input(const InputFlags& input, const Flag& masks);
+
+}  // namespace isoextract::cli

@@ -1,0 +1,69 @@
+// Masks of one grid, one file each, as label maps. Mask k of a list, counted from 0, becomes the label k + 1.
+//
+// Masks without common voxels share a label map, a layer, so that the surfaces of neighbors meet without gaps. A mask
+// that shares a voxel with an earlier one goes into the first layer without such a mask, so no voxel of any mask is
+// lost. Each layer is a label map, as in a segmentation with layers (field::LabelName::layer).
+//
+// Memory does not grow with the number of masks: one mask, one layer, and a byte for each voxel while the layers are
+// chosen. Each mask is read once; those of other layers than the first are read again for their layer.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/events.hpp"
+#include "field/label_map.hpp"
+#include "field/scalar_field.hpp"
+#include "volume_io/volume_reader.hpp"
+
+namespace isoextract::convert {
+
+class MaskLayers {
+ public:
+  // Reads the masks at `paths`, at least one, and chooses their layers. Samples of a mask are 0 outside and one other
+  // value inside, of any type; they may be scaled, but without an offset. Sends the report and the notes of each file,
+  // and notes about masks without voxels and about overlaps.
+  //
+  // Fails with ErrorCode::input if a mask has more values or is sparse, and if its shape or placement is not that of
+  // the first mask, up to a thousandth of a voxel. Fails with ErrorCode::usage for more than 65535 masks, and as
+  // read_volume() does.
+  [[nodiscard]] static Result<MaskLayers> read(std::vector<std::string> paths, const volume_io::ReadOptions& options,
+                                               const Context& context, Events& events);
+
+  // Returns the name of a mask for messages and meshes: that of its file without folder and extension.
+  [[nodiscard]] static std::string name_of(const std::string& path);
+
+  // Returns the numbers of the layers, from 0.
+  [[nodiscard]] std::vector<std::optional<std::int64_t>> layers() const;
+
+  // Returns the names of the masks with voxels, with their labels and layers.
+  [[nodiscard]] const std::vector<field::LabelName>& names() const { return names_; }
+  // Returns the voxels and bounds of the masks with voxels, in ascending order of label.
+  [[nodiscard]] const std::vector<field::LabelFigures>& figures() const { return figures_; }
+
+  // Returns the number of faces of voxels on the surfaces of all masks.
+  [[nodiscard]] std::uint64_t faces() const { return faces_; }
+
+  // Returns a layer as a label map with the background 0. Fails as read() does, and with ErrorCode::input if a mask has
+  // changed since.
+  [[nodiscard]] Result<field::ScalarField> layer(std::int64_t number, const Context& context) const;
+
+ private:
+  struct Map;
+
+  std::vector<std::string> paths_;
+  volume_io::ReadOptions options_;
+  field::ScalarField grid_;                   // of all masks, without samples
+  std::vector<field::LabelName> names_;       // of masks with voxels
+  std::vector<field::LabelFigures> figures_;  // of the same masks
+  std::uint64_t faces_ = 0;
+  std::int64_t count_ = 1;            // of the layers
+  std::shared_ptr<const Map> first_;  // the samples of layer 0
+};
+
+}  // namespace isoextract::convert
