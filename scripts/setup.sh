@@ -37,6 +37,7 @@ declare -A plugin_packages=(
   [dicom]="libgdcm-dev"
   [hdf5]="libhdf5-dev"
   [images]="libtiff-dev libopenexr-dev libpng-dev"
+  [mpi]="libopenmpi-dev openmpi-bin"
   [netcdf]="libnetcdf-dev"
   [openvdb]="libopenvdb-dev libboost-dev"
   [segy]="libsegyio-dev"

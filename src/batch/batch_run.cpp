@@ -8,8 +8,11 @@
 
 #include <fmt/format.h>
 
+#include "base/packed_values.hpp"
 #include "base/printable.hpp"
+#include "base/stopwatch.hpp"
 #include "batch/detail/animation.hpp"
+#include "batch/detail/frame_sharing.hpp"
 #include "batch/manifest.hpp"
 #include "batch/merge_shards.hpp"
 #include "convert/output_checks.hpp"
@@ -60,13 +63,23 @@ struct BatchRun::State final : FrameEvents {
   convert::Events* started(std::size_t frame, const Context& own) override;
   bool finished(std::size_t frame, const convert::Outcome& outcome) override;
 
+  // Converts the frames, on all ranks.
+  void convert_frames(std::span<const std::size_t> others);
+  // Converts frames that rank 0 hands out.
+  [[nodiscard]] RunResult run_for_first_rank();
+  [[nodiscard]] bool begin_on_manifest(std::size_t frame);
+  // Writes the report, and makes the row and the record.
+  [[nodiscard]] FinishedFrame complete(std::size_t frame, const convert::Outcome& outcome);
+  // Takes a frame of this rank or of another into the manifest and the result. Returns false if the batch ends.
+  bool accept(FinishedFrame finished, const convert::Outcome& outcome);
+  void accept_of_rank(FinishedFrame finished);
+  [[nodiscard]] Notes notes_about(const field::ScalarField& field);
   // Keeps the frames that are already done, and returns the others.
   std::vector<std::size_t> keep_finished_frames();
   void keep(std::size_t frame, const FrameRecord* record);
   void begin_record(std::size_t frame, const Context& own);
-  std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome);
-  // Renames old meshes of a frame that failed, so that they do not pass for its result. Returns text for the error.
-  std::string set_aside_meshes(const convert::ConversionJob& job, const convert::Outcome& outcome);
+  // Renames old meshes of a frame that failed, so that they do not pass for its result. Extends the frame's error.
+  void set_aside_meshes(const convert::Outcome& outcome, FinishedFrame& finished);
   // Finishes the animation, unless the batch has failed as a whole.
   Result<mesh_io::MeshWriteResult> finish_animation();
 
@@ -82,7 +95,11 @@ struct BatchRun::State final : FrameEvents {
   std::vector<FrameRecord> records;  // of an animation's frames, until the animation is written
   // 1: not converted. A frame that was converted but whose report failed is not missing.
   std::vector<char> is_missing;
+  FrameDesk* desk = nullptr;          // hands out frames to other ranks
+  FramesOfDesk* own_frames = nullptr;  // on another rank than 0: the frames that rank 0 hands out
   std::mutex mutex;  // guards the manifest and the members below
+  std::vector<RankWork> rank_work;
+  Notes untold;      // on another rank than 0: notes about fields that rank 0 does not know
   std::vector<std::string> set_aside;
   std::optional<Error> fatal_error;  // set if the manifest or the animation could not be written
 };
@@ -123,7 +140,7 @@ std::vector<std::size_t> BatchRun::State::keep_finished_frames() {
 }
 
 convert::Events* BatchRun::State::started(std::size_t frame, const Context& own) {
-  if (manifest) begin_record(frame, own);
+  if (options.keeps_records) begin_record(frame, own);
   return events->started(frame, own);
 }
 
@@ -131,25 +148,44 @@ void BatchRun::State::begin_record(std::size_t frame, const Context& own) {
   auto states = input_states(batch.frames[frame], own);
   // An unreadable input fails in the conversion, with a better message.
   if (states) inputs[frame] = std::move(*states);
+  [[maybe_unused]] const bool begun = begin_on_manifest(frame);
+}
+
+bool BatchRun::State::begin_on_manifest(std::size_t frame) {
+  if (!manifest) return true;
   const std::string job = convert::hash_of(batch.frames[frame].job);
   const std::lock_guard lock(mutex);
-  if (auto begun = manifest->begin(job); !begun) fatal_error = begun.error();
+  auto begun = manifest->begin(job);
+  if (!begun) fatal_error = begun.error();
+  return begun.has_value();
 }
 
 bool BatchRun::State::finished(std::size_t frame, const convert::Outcome& outcome) {
-  const convert::ConversionJob& job = batch.frames[frame].job;
-  FrameRow& row = rows[frame];
-  std::optional<Error> error = outcome.error;
-  if (auto reported = events->write_report(frame, outcome); !reported && !error) error = reported.error();
-  is_missing[frame] = outcome.done() ? 0 : 1;
-  if (!error && manifest) error = record(frame, outcome);
-  bool goes_on = true;
+  FinishedFrame finished = complete(frame, outcome);
+  if (own_frames == nullptr) return accept(std::move(finished), outcome);
+  finished.notes = outcome.notes;
+  finished.empty_picture = outcome.empty_picture;
   {
-    auto lost = animation ? animation->lost() : std::nullopt;
     const std::lock_guard lock(mutex);
-    if (lost) fatal_error = std::move(lost);
-    goes_on = !fatal_error;
+    finished.field_notes = std::exchange(untold, {});
   }
+  return own_frames->tell(finished);
+}
+
+FinishedFrame BatchRun::State::complete(std::size_t frame, const convert::Outcome& outcome) {
+  FinishedFrame finished{.frame = frame, .row = rows[frame], .is_converted = outcome.done(), .error = outcome.error};
+  std::optional<Error>& error = finished.error;
+  if (auto reported = events->write_report(frame, outcome); !reported && !error) error = reported.error();
+  if (!error && options.keeps_records) {
+    auto made = record_of(batch.frames[frame], std::move(inputs[frame]), outcome, context);
+    if (made) {
+      finished.record = std::move(*made);
+    } else {
+      error = made.error();
+    }
+  }
+  FrameRow& row = finished.row;
+  if (options.ranks != nullptr) row.rank = options.ranks->rank();
   row.figures = figures_of(outcome);
   for (const mesh_io::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
   if (error && error->code == ErrorCode::cancelled) {
@@ -157,45 +193,80 @@ bool BatchRun::State::finished(std::size_t frame, const convert::Outcome& outcom
   } else if (error) {
     row.status = FrameStatus::failed;
     row.error = printable(error->message);
-    if (!outcome.done()) row.error += set_aside_meshes(job, outcome);
+    if (!outcome.done()) set_aside_meshes(outcome, finished);
   } else {
     const bool wrote_nothing = !animation && row.figures.surfaces.empty() && outcome.files.empty();
     row.status = wrote_nothing || is_empty(row.figures) ? FrameStatus::empty : FrameStatus::done;
   }
+  return finished;
+}
+
+bool BatchRun::State::accept(FinishedFrame finished, const convert::Outcome& outcome) {
+  const std::size_t frame = finished.frame;
+  FrameRow& row = rows[frame];
+  row = std::move(finished.row);
+  is_missing[frame] = finished.is_converted ? 0 : 1;
+  std::optional<Error> error = std::move(finished.error);
+  bool goes_on = true;
+  {
+    auto lost = animation ? animation->lost() : std::nullopt;
+    const std::lock_guard lock(mutex);
+    if (finished.record && animation) {
+      records[frame] = std::move(*finished.record);
+    } else if (finished.record) {
+      if (auto added = manifest->add(*finished.record); !added) fatal_error = error = added.error();
+    }
+    if (lost) fatal_error = std::move(lost);
+    set_aside.insert(set_aside.end(), finished.set_aside.begin(), finished.set_aside.end());
+    if (row.rank) ++rank_work[static_cast<std::size_t>(*row.rank)].frames;
+    goes_on = !fatal_error;
+  }
+  if (error && row.error.empty() && error->code != ErrorCode::cancelled) {
+    row.status = FrameStatus::failed;
+    row.error = printable(error->message);
+  }
   events->over(frame, row, &outcome, error ? &*error : nullptr);
-  if (!options.keeps_figures) row = {row.frame, row.input, row.status, {}, {}, {}};
+  const bool ends = !goes_on || (options.scheduler.fail_fast && row.status == FrameStatus::failed);
+  if (desk != nullptr && ends) desk->stop();
+  if (!options.keeps_figures) row = {row.frame, row.input, row.status, {}, {}, {}, row.rank};
   return goes_on;
 }
 
-std::string BatchRun::State::set_aside_meshes(const convert::ConversionJob& job, const convert::Outcome& outcome) {
+void BatchRun::State::accept_of_rank(FinishedFrame finished) {
+  FrameRow& row = finished.row;
+  row.frame = rows[finished.frame].frame;
+  row.input = rows[finished.frame].input;
+  convert::Outcome outcome;
+  outcome.notes = std::move(finished.notes);
+  outcome.empty_picture = finished.empty_picture;
+  outcome.error = finished.error;
+  events->notes_of_rank(finished.field_notes);
+  accept(std::move(finished), outcome);
+}
+
+Notes BatchRun::State::notes_about(const field::ScalarField& field) {
+  Notes notes = events->field_notes(field);
+  if (own_frames == nullptr) return notes;
+  const std::lock_guard lock(mutex);
+  untold.insert(untold.end(), notes.begin(), notes.end());
+  return notes;
+}
+
+void BatchRun::State::set_aside_meshes(const convert::Outcome& outcome, FinishedFrame& finished) {
+  const convert::ConversionJob& job = batch.frames[finished.frame].job;
   const files::InputFileSet* read = options.scheduler.extras.read;
-  if (animation || read == nullptr) return {};
-  std::string text;
+  if (animation || read == nullptr) return;
   for (const convert::OutputFileJob& output : job.outputs) {
     const auto names = convert::rename_old_meshes(output, job.meshes().format, *read, outcome.files, context);
     if (!names) {
-      text += fmt::format("; {}", names.error().message);
+      finished.row.error += fmt::format("; {}", names.error().message);
       continue;
     }
-    for (const std::string& name : *names) text += fmt::format("; the old mesh is now {}", printable(name));
-    const std::lock_guard lock(mutex);
-    set_aside.insert(set_aside.end(), names->begin(), names->end());
+    for (const std::string& name : *names) {
+      finished.row.error += fmt::format("; the old mesh is now {}", printable(name));
+    }
+    finished.set_aside.insert(finished.set_aside.end(), names->begin(), names->end());
   }
-  return text;
-}
-
-std::optional<Error> BatchRun::State::record(std::size_t frame, const convert::Outcome& outcome) {
-  auto made = record_of(batch.frames[frame], std::move(inputs[frame]), outcome, context);
-  if (!made) return made.error();
-  if (animation) {
-    records[frame] = std::move(*made);
-    return std::nullopt;
-  }
-  const std::lock_guard lock(mutex);
-  auto added = manifest->add(*made);
-  if (added) return std::nullopt;
-  fatal_error = added.error();
-  return added.error();
 }
 
 Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
@@ -223,11 +294,62 @@ Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
   return written;
 }
 
+void BatchRun::State::convert_frames(std::span<const std::size_t> others) {
+  if (options.ranks == nullptr) {
+    batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
+    return;
+  }
+  Packer list;
+  for (const std::size_t i : others) list.put(i);
+  if (const auto told = options.ranks->gather(list.take()); !told) {
+    fatal_error = told.error();
+    return;
+  }
+  rank_work.resize(static_cast<std::size_t>(options.ranks->size()));
+  for (std::size_t r = 0; r < rank_work.size(); ++r) rank_work[r].rank = static_cast<int>(r);
+  const Stopwatch watch;
+  FrameDesk shared(
+      *options.ranks, others.size(), [&](std::size_t place) { return begin_on_manifest(others[place]); },
+      [this](FinishedFrame finished) { accept_of_rank(std::move(finished)); });
+  desk = &shared;
+  batch::run(batch, others, options.scheduler, context, *this, nullptr, desk);
+  if (options.scheduler.fail_fast) shared.stop();
+  const double seconds = watch.elapsed().wall_seconds;
+  auto done = shared.finish();
+  desk = nullptr;
+  if (!done) {
+    fatal_error = done.error();
+    return;
+  }
+  rank_work.front().seconds = seconds;
+  for (const auto& [rank, time] : *done) rank_work[static_cast<std::size_t>(rank)].seconds = time;
+}
+
+RunResult BatchRun::State::run_for_first_rank() {
+  RunResult result;
+  const auto told = options.ranks->gather({});
+  if (!told) {
+    result.error = told.error();
+    return result;
+  }
+  Unpacker list(told->front());
+  std::vector<std::size_t> others(told->front().size() / sizeof(std::size_t));
+  for (std::size_t& i : others) i = list.get<std::size_t>();
+  const Stopwatch watch;
+  FramesOfDesk given(*options.ranks);
+  own_frames = &given;
+  batch::run(batch, others, options.scheduler, context, *this, nullptr, own_frames);
+  own_frames = nullptr;
+  if (auto ended = given.finish(watch.elapsed().wall_seconds); !ended) result.error = ended.error();
+  return result;
+}
+
 RunResult BatchRun::State::run(RunEvents& the_events) {
   events = &the_events;
-  options.scheduler.extras.field_notes = [this](const field::ScalarField& field) { return events->field_notes(field); };
+  options.scheduler.extras.field_notes = [this](const field::ScalarField& field) { return notes_about(field); };
+  if (options.ranks != nullptr && !options.ranks->is_first()) return run_for_first_rank();
   const std::vector<std::size_t> others = keep_finished_frames();
-  batch::run(batch, others, options.scheduler, context, *this, animation ? &*animation : nullptr);
+  convert_frames(others);
   mesh_io::MeshWriteResult animated;
   if (animation && others.empty()) {
     animated.notes.push_back({NoteId::animation_kept,
@@ -245,6 +367,7 @@ RunResult BatchRun::State::run(RunEvents& the_events) {
   result.set_aside = std::move(set_aside);
   result.animation = std::move(animated);
   result.error = std::move(fatal_error);
+  result.ranks = std::move(rank_work);
   return result;
 }
 
@@ -292,7 +415,7 @@ Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& b
 Result<BatchRun> BatchRun::open(const BatchJob& batch, RunOptions options, const Context& context) {
   if (batch.animation) TRY(Animation(batch, context).check());
   std::optional<Manifest> manifest;
-  if (options.keeps_records) {
+  if (options.keeps_records && (options.ranks == nullptr || options.ranks->is_first())) {
     std::unordered_set<std::string> jobs;
     for (const std::size_t i : frames_of(batch, options.shard)) jobs.insert(convert::hash_of(batch.frames[i].job));
     ManifestHeader header = header_of(batch, options.shard, options.arguments);

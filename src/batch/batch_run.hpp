@@ -12,6 +12,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/note.hpp"
+#include "base/ranks.hpp"
 #include "batch/batch_job.hpp"
 #include "batch/frame_table.hpp"
 #include "batch/output_names.hpp"
@@ -41,12 +42,18 @@ struct RunOptions {
   bool keeps_records = true;                // keep records in the manifest, for later runs
   // Keep figures, outputs and errors of converted frames in RunResult::rows, which takes memory for each frame.
   bool keeps_figures = true;
+  // The ranks that share the frames; null: this process converts all of them. All ranks make the same run. Not for a batch
+  // with an animation.
+  Ranks* ranks = nullptr;
   // BatchRun sets extras.field_notes and extras.hash_files. Without extras.read it renames no old meshes.
   SchedulerOptions scheduler = {};
 };
 
 // Events of a run. The converting threads call them concurrently, so a listener must guard its data. The thread of
 // BatchRun::run() calls has_report() and over() for kept frames, before any frame starts.
+//
+// Of several ranks, each calls started(), field_notes() and write_report() for the frames that it converts. Rank 0 calls
+// has_report(), over() and notes_of_rank() for all frames.
 class RunEvents {
  public:
   virtual ~RunEvents() = default;
@@ -55,6 +62,8 @@ class RunEvents {
   [[nodiscard]] virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
   // Returns notes about the field of a frame (convert::ConversionOptions).
   [[nodiscard]] virtual Notes field_notes(const field::ScalarField& /*field*/) { return {}; }
+  // Called with notes that field_notes() returned on another rank.
+  virtual void notes_of_rank(const Notes& /*notes*/) {}
   // Returns whether the report of a frame, as write_report() writes it, exists. ResumePolicy::keep_unchanged does not
   // keep a frame without one.
   [[nodiscard]] virtual bool has_report(std::size_t /*frame*/) { return true; }
@@ -63,17 +72,26 @@ class RunEvents {
     return {};
   }
   // Called once for each kept frame and each frame that FrameEvents::finished() receives, after its other events.
-  // `outcome` is null for a kept frame. `error` is set if the frame failed or was cancelled.
+  // `outcome` is null for a kept frame; for a frame of another rank it has only `notes`, `empty_picture` and `error`.
+  // `error` is set if the frame failed or was cancelled.
   virtual void over(std::size_t /*frame*/, const FrameRow& /*row*/, const convert::Outcome* /*outcome*/,
                     const Error* /*error*/) {}
+};
+
+// What a rank did.
+struct RankWork {
+  int rank = 0;
+  std::size_t frames = 0;  // that it converted, failed ones among them
+  double seconds = 0;      // until it had no more frames
 };
 
 struct RunResult {
   std::vector<FrameRow> rows;               // of the run's frames, in order
   std::vector<std::string> set_aside = {};  // the new names of old meshes of frames that failed
   mesh_io::MeshWriteResult animation = {};  // the animation's files, and notes about it
-  // Set if the manifest or the animation could not be written, which ended the run.
+  // Set if the manifest or the animation could not be written, or if the ranks lost each other, which ended the run.
   std::optional<Error> error = {};
+  std::vector<RankWork> ranks = {};  // by rank; empty if one process converted all frames
 
   [[nodiscard]] std::size_t count(FrameStatus status) const;
 };
@@ -100,7 +118,8 @@ class BatchRun {
   BatchRun& operator=(BatchRun&&) noexcept;
   ~BatchRun();
 
-  // Runs the batch. Call once. Frames that fail are rows of the result, not an error.
+  // Runs the batch. Call once. Frames that fail are rows of the result, not an error. Of several ranks, only rank 0 has
+  // the result; the others return none but an error.
   [[nodiscard]] RunResult run(RunEvents& events);
 
  private:

@@ -105,7 +105,7 @@ Json row_json(const FrameRow& row) {
                         {"grid", surface.grid.empty() ? Json(nullptr) : Json(surface.grid)}});
   }
   const bool known = has_figures(row);
-  return {{"frame", row.frame},
+  Json json{{"frame", row.frame},
           {"input", row.input},
           {"outputs", row.outputs},
           {"status", word_of(row.status)},
@@ -118,6 +118,8 @@ Json row_json(const FrameRow& row) {
           {"memory", known ? Json(row.figures.memory) : Json(nullptr)},
           {"bytes", known ? Json(row.figures.bytes) : Json(nullptr)},
           {"error", row.error.empty() ? Json(nullptr) : Json(row.error)}};
+  if (row.rank) json["rank"] = *row.rank;
+  return json;
 }
 
 Json table_json(std::span<const FrameRow> rows) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +34,7 @@ struct FrameRow {
   FrameFigures figures;
   std::vector<std::string> outputs;  // files that were written, or that the record of a kept frame lists
   std::string error;                 // why the frame failed
+  std::optional<int> rank = {};      // the rank that converted the frame, if the run has several (base/ranks.hpp)
 };
 
 // Returns the first file of a surface of the row. For a row without surfaces (`surface` is null), and for an animation,
@@ -63,7 +65,8 @@ struct FrameRow {
 // memory, step, time, attributes and unit belong to the frame and repeat in each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
-// Returns a frame as an object with a list of its rows_of(). Unknown values are null or 0 as in table_csv().
+// Returns a frame as an object with a list of its rows_of(). Unknown values are null or 0 as in table_csv(). `rank` is
+// there only if the run had several ranks.
 [[nodiscard]] convert::Json row_json(const FrameRow& row);
 // Returns a list of the frames' row_json(), each with the key `schema`: the name and version of this document.
 [[nodiscard]] convert::Json table_json(std::span<const FrameRow> rows);

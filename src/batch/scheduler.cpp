@@ -25,7 +25,7 @@ namespace {
 class Scheduler {
  public:
   Scheduler(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
-            const Context& context, FrameEvents& events, FrameReceiver* receiver)
+            const Context& context, FrameEvents& events, FrameReceiver* receiver, FrameSource* source)
       : batch_(batch),
         which_(which),
         options_(options),
@@ -33,7 +33,8 @@ class Scheduler {
         events_(events),
         backends_(which.size() > 1 ? &kept_backends_ : nullptr),
         receiver_(receiver),
-        queue_(which.size(), receiver != nullptr),
+        source_(source),
+        queue_(source != nullptr ? 0 : which.size(), receiver != nullptr),
         memory_of_one_(options.memory_per_frame) {}
 
   BatchCounts run() {
@@ -76,25 +77,44 @@ class Scheduler {
   }
 
   [[nodiscard]] bool ended() const { return ended_ || context_.cancelled(); }
-  [[nodiscard]] bool nothing_left() const { return ended() || (queue_.left() == 0 && running_.empty()); }
+  [[nodiscard]] bool nothing_left() const {
+    return ended() || (source_ == nullptr && queue_.left() == 0 && running_.empty());
+  }
 
-  // Returns the queue position that may start now.
-  [[nodiscard]] std::optional<std::size_t> next() const {
-    if (ended()) return std::nullopt;
-    const auto place = queue_.next();
-    if (!place || running_.empty()) return place;
+  // Returns whether one more frame fits into memory.
+  [[nodiscard]] bool one_more_fits() const {
+    if (running_.empty()) return true;
     std::uint64_t taken = 0;
     for (const Running& one : running_) taken += std::max(one.memory, memory_of_one_);
-    return taken + memory_of_one_ <= context_.memory().limit() ? place : std::nullopt;
+    return taken + memory_of_one_ <= context_.memory().limit();
+  }
+
+  // Returns the queue position that may start now. Takes a frame from the source if the queue is empty.
+  [[nodiscard]] std::optional<std::size_t> next() {
+    if (ended() || !one_more_fits()) return std::nullopt;
+    if (queue_.left() == 0 && source_ != nullptr) {
+      if (const auto given = source_->next()) {
+        given_.push_back(*given);
+        queue_.add();
+      } else {
+        source_ = nullptr;
+      }
+    }
+    return queue_.next();
+  }
+
+  [[nodiscard]] std::size_t frame_at(std::size_t place) const {
+    return which_[given_.empty() ? place : given_[place]];
   }
 
   void run_one(std::size_t place, std::unique_lock<std::mutex>& lock) {
-    const std::size_t frame = which_[place];
+    const std::size_t frame = frame_at(place);
     queue_.start(place);
     const auto running = running_.insert(running_.end(), {context_.part(), memory_of_one_, !running_.empty()});
     for (Running& one : running_) one.beside_others = running_.size() > 1;
-    const std::size_t beside = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)),
-                                                     (queue_.is_alone(place) ? 0 : queue_.left()) + running_.size());
+    const auto jobs = static_cast<std::size_t>(std::max(options_.jobs, 1));
+    const std::size_t others = queue_.is_alone(place) ? 0 : source_ != nullptr ? jobs : queue_.left();
+    const std::size_t beside = std::min(jobs, others + running_.size());
     const int threads = std::max(1, options_.threads / static_cast<int>(std::max<std::size_t>(beside, 1)));
     const Context own = running->context;
     lock.unlock();
@@ -139,7 +159,7 @@ class Scheduler {
     if (ends) outcome.error = Error{ErrorCode::cancelled, "cancelled", {}};
     if (taken) {
       const Stopwatch watch;
-      if (auto done = take(which_[place], held, outcome); !done) outcome.error = std::move(done.error());
+      if (auto done = take(frame_at(place), held, outcome); !done) outcome.error = std::move(done.error());
       const StageTime time = watch.elapsed();
       const auto written = std::ranges::find(outcome.reports.rbegin(), outcome.reports.rend(),
                                              convert::StageName::write, &convert::StageReport::stage);
@@ -180,6 +200,8 @@ class Scheduler {
   convert::BackendCache kept_backends_;
   convert::BackendCache* backends_;  // null for a single frame: no later frame needs the device
   FrameReceiver* receiver_;
+  FrameSource* source_;              // null if it has no more frames
+  std::vector<std::size_t> given_;   // by the source, by queue position
 
   std::mutex mutex_;  // guards the members below
   FrameQueue queue_;
@@ -193,8 +215,8 @@ class Scheduler {
 }  // namespace
 
 BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
-                const Context& context, FrameEvents& events, FrameReceiver* receiver) {
-  return Scheduler(batch, which, options, context, events, receiver).run();
+                const Context& context, FrameEvents& events, FrameReceiver* receiver, FrameSource* source) {
+  return Scheduler(batch, which, options, context, events, receiver, source).run();
 }
 
 }  // namespace isoextract::batch

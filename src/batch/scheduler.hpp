@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,14 @@ class FrameReceiver {
                                                                        const convert::MeshCollector& collected) = 0;
 };
 
+// Hands out frames one by one, so that several schedulers share them.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  // Returns an index into the list of frames, or nullopt if none is left. Not called by several threads at once.
+  [[nodiscard]] virtual std::optional<std::size_t> next() = 0;
+};
+
 struct BatchCounts {
   std::size_t done = 0;
   std::size_t failed = 0;
@@ -68,7 +77,11 @@ struct BatchCounts {
 // it keeps its meshes and its slot, so memory holds at most one frame for each job. A frame that fails is not waited
 // for. If a frame runs out of memory beside others, it and all later unfinished frames run again. If the batch ends
 // early, waiting frames fail with ErrorCode::cancelled.
+//
+// With a `source`, runs only the frames of `which` that the source hands out, and asks it whenever a frame may start. A
+// source excludes a receiver.
 BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
-                const Context& context, FrameEvents& events, FrameReceiver* receiver = nullptr);
+                const Context& context, FrameEvents& events, FrameReceiver* receiver = nullptr,
+                FrameSource* source = nullptr);
 
 }  // namespace isoextract::batch

@@ -25,6 +25,7 @@
 #include "cli/iso_of_labels_note.hpp"
 #include "cli/messages.hpp"
 #include "cli/pages_plan.hpp"
+#include "cli/rank_run.hpp"
 #include "cli/report_file.hpp"
 #include "cli/sequence_values.hpp"
 #include "cli/threads.hpp"
@@ -73,6 +74,10 @@ class FramePrinter final : public batch::RunEvents {
     return notes;
   }
 
+  void notes_of_rank(const Notes& notes) override {
+    for (const Note& note : notes) progress_.print_note_once(note);
+  }
+
   bool has_report(std::size_t frame) override { return plan_.reports.empty() || files::is_there(plan_.reports[frame]); }
 
   Result<void> write_report(std::size_t frame, const convert::Outcome& outcome) override {
@@ -104,7 +109,7 @@ class FramePrinter final : public batch::RunEvents {
       page_.add(row.frame, outcome);
     }
     if (error != nullptr) {
-      if (error->code != ErrorCode::cancelled) progress_.failed(row.frame, *error, reason_of(job, *error));
+      if (error->code != ErrorCode::cancelled) progress_.failed(row, *error, reason_of(job, *error));
       return;
     }
     for (const Note& note : outcome.notes) progress_.detail(fmt::format("frame {}: {}", row.frame, note.text));
@@ -155,8 +160,23 @@ void tell_animation(const batch::AnimationJob& animation, const mesh_io::MeshWri
   for (const Note& note : written.notes) messages.note(note);
 }
 
+// Returns why rank 0 must convert all frames; empty if the ranks can share them.
+std::string reason_to_convert_alone(const BatchPlan& plan) {
+  if (plan.batch.animation) return "--animate writes one file";
+  if (plan.common.pages.html) return "the page of --html describes how one process converted the frames";
+  return {};
+}
+
+Note note_of_ranks(const std::string& alone, const std::optional<int>& threads) {
+  std::string text = fmt::format("{} share the frames", ranks_text());
+  if (!alone.empty()) text = fmt::format("{}: rank 0 converts all frames, because {}", ranks_text(), alone);
+  return {NoteId::shard, text + threads_text(threads)};
+}
+
 Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::vector<std::string>& arguments,
                          const Messages& messages) {
+  const std::string alone = reason_to_convert_alone(plan);
+  if (is_later_rank() && (plan.flags.dry_run || !alone.empty())) return {};
   if (plan.flags.dry_run) {
     TRY(find_sequence_values(flags, plan, messages));
     return print_batch_plan(plan, messages);
@@ -172,6 +192,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   const Context& context = plan.common.context;
   batch::RunOptions options{.shard = plan.shard, .resume_policy = plan.resume_policy, .arguments = arguments};
   if (plan.missing_is_error) options.absent = batch::text_of(plan.gaps);
+  if (alone.empty()) options.ranks = ranks_of_run();
   options.keeps_figures = shows_rows(plan);
   options.scheduler = {
       .jobs = plan.jobs,
@@ -184,6 +205,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   const auto tell = [&](const Note& note) {
     if (plan.progress != ProgressStyle::json) messages.note(note);
   };
+  if (ranks_of_run() != nullptr) tell(note_of_ranks(alone, plan.common.threads));
   for (const Note& note : plan.common.notes) tell(note);
   if (!plan.gaps.empty())
     tell({NoteId::missing_frames,
@@ -193,6 +215,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   HtmlPage page;
   FramePrinter teller(plan, arguments, progress, page);
   const batch::RunResult result = run.run(teller);
+  if (is_later_rank()) return result.error ? tl::unexpected(*result.error) : Result<void>();
   using Status = batch::FrameStatus;
   const std::size_t failed = result.count(Status::failed);
   const std::size_t cancelled = result.count(Status::cancelled);
@@ -203,7 +226,8 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
                 .cancelled = cancelled,
                 .kept = result.count(Status::kept),
                 .not_started = not_started,
-                .missing = missing});
+                .missing = missing},
+               result.ranks);
   if (const auto& old = result.set_aside; !old.empty()) {
     tell({NoteId::old_pieces, fmt::format("this run renamed {} that an earlier run wrote for failed frames, to {}{}",
                                           old.size() == 1 ? "a mesh" : fmt::format("{} meshes", old.size()),
@@ -236,8 +260,10 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
 }  // namespace
 
 Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
-  auto plan = TRY(plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); }));
-  return run_planned(flags, plan, arguments, Messages(plan.common.shown));
+  auto plan = plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); });
+  if (!plan) return tl::unexpected(plan.error());
+  TRY(agree(ranks_of_run() != nullptr ? batch::hash_of(plan->batch) : std::string()));
+  return run_planned(flags, *plan, arguments, Messages(plan->common.shown));
 }
 
 }  // namespace isoextract::cli

@@ -22,6 +22,7 @@
 #include "cli/particle_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/rank_run.hpp"
 #include "cli/vertex_plan.hpp"
 #include "cli/voxel_plan.hpp"
 #include "convert/mesh_pieces.hpp"
@@ -374,7 +375,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (plan.flags.resume) plan.resume_policy = batch::ResumePolicy::keep_unchanged;
   if (plan.flags.no_clobber) plan.resume_policy = batch::ResumePolicy::keep_existing;
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
-  plan.progress = flags.batch.progress.value_or(ProgressStyle::bar);
+  plan.progress = is_later_rank() ? ProgressStyle::none : flags.batch.progress.value_or(ProgressStyle::bar);
   return plan;
 }
 

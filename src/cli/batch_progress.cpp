@@ -9,6 +9,7 @@
 
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
+#include "cli/rank_run.hpp"
 #include "cli/remedies.hpp"
 #include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
@@ -20,6 +21,12 @@ std::string duration_text(double seconds) {
   const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
   return whole >= 3600 ? fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
                        : fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+std::vector<double> seconds_of(std::span<const batch::RankWork> ranks) {
+  std::vector<double> seconds;
+  for (const batch::RankWork& work : ranks) seconds.push_back(work.seconds);
+  return seconds;
 }
 
 }  // namespace
@@ -53,14 +60,15 @@ void BatchProgress::line(const convert::Json& event) {
   std::fflush(stderr);
 }
 
-void BatchProgress::failed(std::int64_t frame, const Error& error, const std::string& reason) {
+void BatchProgress::failed(const batch::FrameRow& row, const Error& error, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   if (style_ == ProgressStyle::json) return;  // the frame's line has the reason
   std::vector<std::int64_t>& frames = reasons_[reason];
-  frames.push_back(frame);
+  frames.push_back(row.frame);
   if (frames.size() > 1) return;
   Error named = error;
-  named.message = fmt::format("frame {}: {}", frame, error.message);
+  named.message = fmt::format("frame {}{}: {}", row.frame, row.rank ? fmt::format(" on rank {}", *row.rank) : "",
+                              error.message);
   bar_->above([&] { messages_.error(named); });
 }
 
@@ -110,19 +118,32 @@ void BatchProgress::over(const batch::FrameRow& row) {
   line(event);
 }
 
-void BatchProgress::end(const FrameCounts& counts) {
+void BatchProgress::tell_ranks(std::span<const batch::RankWork> ranks) const {
+  for (const batch::RankWork& work : ranks) {
+    messages_.detail(fmt::format("rank {}: {} frame{}, {:.2f} s", work.rank, work.frames, work.frames == 1 ? "" : "s",
+                                 work.seconds));
+  }
+  if (!ranks.empty()) messages_.detail(imbalance_text(seconds_of(ranks)));
+}
+
+void BatchProgress::end(const FrameCounts& counts, std::span<const batch::RankWork> ranks) {
   const std::lock_guard lock(mutex_);
   bar_.reset();
   if (style_ == ProgressStyle::json) {
-    line({{"event", "end"},
-          {"frames", frames_},
-          {"done", counts.done},
-          {"failed", counts.failed},
-          {"cancelled", counts.cancelled},
-          {"kept", counts.kept},
-          {"not_started", counts.not_started},
-          {"missing", counts.missing},
-          {"seconds", seconds()}});
+    convert::Json event{{"event", "end"},
+                        {"frames", frames_},
+                        {"done", counts.done},
+                        {"failed", counts.failed},
+                        {"cancelled", counts.cancelled},
+                        {"kept", counts.kept},
+                        {"not_started", counts.not_started},
+                        {"missing", counts.missing},
+                        {"seconds", seconds()}};
+    for (const batch::RankWork& work : ranks) {
+      event["ranks"].push_back({{"rank", work.rank}, {"frames", work.frames}, {"seconds", work.seconds}});
+    }
+    if (!ranks.empty()) event["imbalance"] = imbalance_of(seconds_of(ranks));
+    line(event);
     return;
   }
   tell_folded();
@@ -136,6 +157,7 @@ void BatchProgress::end(const FrameCounts& counts) {
   const std::uint64_t tried = counts.done + counts.failed;
   const std::string speed = speed_text(tried, tried, seconds());
   messages_.summary(fmt::format("{}; {:.2f} s{}{}", text, seconds(), speed.empty() ? "" : ", ", speed));
+  tell_ranks(ranks);
 }
 
 }  // namespace isoextract::cli

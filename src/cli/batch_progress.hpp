@@ -8,12 +8,14 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/note.hpp"
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
+#include "batch/batch_run.hpp"
 #include "batch/frame_table.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
@@ -41,7 +43,7 @@ class BatchProgress {
 
   // Prints the error of the first frame that fails for a reason; end() prints one line for all frames of the reason if
   // there are several. `reason` is the error's message without the file names of the frame.
-  void failed(std::int64_t frame, const Error& error, const std::string& reason);
+  void failed(const batch::FrameRow& row, const Error& error, const std::string& reason);
   // Prints a text if the user asked for details (Messages::detail()).
   void detail(const std::string& text);
   // Prints only the note of the first call, since other frames have the same note.
@@ -50,8 +52,8 @@ class BatchProgress {
   void add_remark(std::int64_t frame, const Note& remark);
   // Records a frame that is over, whatever its outcome; prints its line of JSON.
   void over(const batch::FrameRow& row);
-  // Removes the bar, and prints the collected reasons and remarks and a summary. Call once, last.
-  void end(const FrameCounts& counts);
+  // Removes the bar, and prints the collected reasons and remarks, a summary, and what each rank did. Call once, last.
+  void end(const FrameCounts& counts, std::span<const batch::RankWork> ranks = {});
 
   [[nodiscard]] double seconds() const { return watch_.elapsed().wall_seconds; }
 
@@ -59,6 +61,7 @@ class BatchProgress {
   void line(const convert::Json& event);
   void tell_folded();
   void tell_remarks();
+  void tell_ranks(std::span<const batch::RankWork> ranks) const;
 
   ProgressStyle style_;
   const Messages& messages_;

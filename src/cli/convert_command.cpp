@@ -35,6 +35,7 @@
 #include "cli/plan.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/rank_run.hpp"
 #include "cli/remedies.hpp"
 #include "cli/report_file.hpp"
 #include "cli/threads.hpp"
@@ -358,6 +359,8 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
 
   [[nodiscard]] Result<void> check_words() const override { return refuse_output_among_inputs(flags()); }
 
+  [[nodiscard]] bool shares_work() const override { return true; }
+
   Result<int> run(const std::vector<std::string>& arguments) override {
     if (!flags().config) return run_configured(arguments);
     const auto configured = with_config(*this, arguments);
@@ -378,10 +381,19 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
   }
 
  private:
+  // Converts one file, on rank 0 of several.
+  Result<void> run_one(const std::vector<std::string>& arguments) {
+    if (is_later_rank()) return {};
+    if (ranks_of_run() != nullptr) {
+      Messages({}).note({NoteId::shard, fmt::format("{}: rank 0 converts the file alone", ranks_text())});
+    }
+    return run_convert(flags(), arguments);
+  }
+
   Result<int> run_configured(const std::vector<std::string>& arguments) {
     choose_process(flags().input);
-    if (!flags().batch.any_set() && !flags().heightfield) join_slices(flags().input.inputs);
-    auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_convert(flags(), arguments);
+    if (!flags().batch.any_set() && !flags().heightfield && !flags().masks) join_slices(flags().input.inputs);
+    auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_one(arguments);
     if (!done && done.error().code == ErrorCode::usage && flags().config) {
       done.error().message += fmt::format(" (some options come from {})", printable(*flags().config));
     }

@@ -147,6 +147,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   ConvertPlan plan;
   plan.shown = std::move(shown);
   plan.threads = flags.run.threads;
+  if (!plan.threads) plan.threads = threads_of_rank();
   convert::ConversionJob& job = plan.job;
   job.source.read = TRY(plan_read(flags.input));
   job.source.mesh = reads_mesh(flags);

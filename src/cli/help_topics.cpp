@@ -138,6 +138,28 @@ HelpTopic masks_topic() {
          {"isoextract info segmentations --masks", "voxels, volume and bounds of each mask"}}}}};
 }
 
+HelpTopic mpi_topic() {
+  return {
+      "mpi",
+      "MPI",
+      "One run on several processes and machines, started by mpirun.",
+      {{"'mpirun -n 4 isoextract ...' runs the command on 4 ranks, processes on one or more machines that see the same "
+        "files. Only rank 0 prints. Exit code and files are those of one process.",
+        {}},
+       {"Ranks on the same processors divide them, and ranks of a machine divide its memory; --threads and "
+        "--memory-limit are for each rank. --verbose tells the time of each rank.",
+        {}},
+       {"Sequences: each rank converts the next frame when it is free; there is one manifest. One file: each rank "
+        "extracts and writes a part of the samples, if they are dense, the method is mc or mt, and a binary .ply or a "
+        ".glb is written. Rank 0 works alone, and the others wait, with: sparse samples, --cap, --nan hole, attributes, "
+        "options that edit or examine the mesh, --report, --animate, --html. A note says so.",
+        {}},
+       {"If a rank ends early, mpirun ends all of them. No file is then incomplete, and --resume continues a sequence. "
+        "isoextract needs the plug-in that its build makes if it finds MPI (libopenmpi-dev); with Slurm, use srun "
+        "--mpi=pmix.",
+        {}}}};
+}
+
 HelpTopic exit_codes_topic() {
   return {"exit-codes",
           "Exit codes",
@@ -215,7 +237,7 @@ std::string help_of_group(const Command& program, const Word<OptionGroup>& group
 }  // namespace
 
 std::vector<HelpTopic> help_topics() {
-  return {demo_topic(), labels_topic(), masks_topic(), coordinates_topic(), exit_codes_topic(), notes_topic()};
+  return {demo_topic(), labels_topic(), masks_topic(), coordinates_topic(), mpi_topic(), exit_codes_topic(), notes_topic()};
 }
 
 std::span<const Example> examples() { return kExamples; }

@@ -11,6 +11,7 @@
 
 #include "base/allocation_error.hpp"
 #include "base/printable.hpp"
+#include "cli/rank_run.hpp"
 #include "cli/remedies.hpp"
 #include "cli/terminal.hpp"
 #include "files/output_file.hpp"
@@ -51,8 +52,9 @@ Messages::Messages(MessageChoice choice)
     : choice_(std::move(choice)),
       colors_(stderr_has_colors()),
       log_(std::make_shared<spdlog::logger>("isoextract", std::make_shared<spdlog::sinks::stderr_sink_mt>())) {
+  if (is_later_rank()) choice_.verbosity = Verbosity::quiet;
   log_->set_pattern("%v");
-  log_->set_level(level_of(choice_.verbosity));
+  log_->set_level(is_later_rank() ? spdlog::level::off : level_of(choice_.verbosity));
 }
 
 std::string Messages::colored(std::string_view word, std::string_view color) const {

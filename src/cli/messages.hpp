@@ -1,5 +1,5 @@
 // Prints the program's messages to stderr, one line each; only hints may have several lines. Text from files and paths
-// is made printable (base/printable.hpp). stdout carries data only.
+// is made printable (base/printable.hpp). stdout carries data only. Of several ranks, only rank 0 prints.
 #pragma once
 
 #include <memory>

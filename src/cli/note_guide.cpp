@@ -209,7 +209,8 @@ constexpr std::array kGuide{
     NoteGuide{several_files, "The animation is larger than a .glb can be, so it is in several files.", ""},
     NoteGuide{shard,
               "The environment has the number of a shard, but the run converts all frames. Or a table, plot or page "
-              "covers one shard only.",
+              "covers one shard only. Or mpirun started several processes, and the note says how they share the work "
+              "('isoextract help mpi').",
               "To convert one shard, give --shard auto. To get a table, plot or page of all frames, run 'isoextract "
               "merge', then the command with --resume and without --shard."},
     NoteGuide{simulation_limits, "The simulation reached one of its limits; the note says which.",

@@ -12,6 +12,7 @@
 #include "cli/mask_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/rank_run.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 #include "files/frame_pattern.hpp"
@@ -45,7 +46,8 @@ Result<std::optional<std::int64_t>> plan_one_volume(const InputFlags& flags) {
 }  // namespace
 
 MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit) {
-  return limit ? MemoryBudget(*limit) : MemoryBudget();
+  const auto share = memory_of_rank();
+  return limit ? MemoryBudget(*limit) : share ? MemoryBudget(*share) : MemoryBudget();
 }
 
 Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string hint, std::string_view besides) {

@@ -5,7 +5,6 @@
 
 #include <cerrno>
 #include <csignal>
-#include <exception>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,16 +16,12 @@
 #include "cli/commands.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/messages.hpp"
+#include "cli/rank_run.hpp"
 #include "cli/remedies.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
 namespace {
-
-int report(const Error& error) {
-  Messages({Verbosity::quiet}).error(error);
-  return exit_code_of(error.code);
-}
 
 // Opens closed standard streams. Otherwise the next file opened would get such a descriptor, and messages could be
 // written into the mesh. Opens stdout for reading, so that writing to it still fails.
@@ -37,10 +32,10 @@ void keep_standard_streams() {
   }
 }
 
-int run_arguments(const std::vector<std::string>& arguments) {
+Result<int> run_arguments(const std::vector<std::string>& arguments) {
   const auto program = make_program();
   if (arguments.empty()) {
-    fmt::print(stderr, "{}", short_usage(*program));
+    if (!is_later_rank()) fmt::print(stderr, "{}", short_usage(*program));
     return exit_code_of(ErrorCode::usage);
   }
   std::vector<std::string> names;
@@ -50,15 +45,20 @@ int run_arguments(const std::vector<std::string>& arguments) {
   set_options_of_hints(std::move(names));
   const auto parsed = parse_command_line(*program, arguments);
   if (!parsed) {
-    find_command(*program, arguments).report_failure(arguments, parsed.error());
-    return report(parsed.error());
+    if (!is_later_rank()) find_command(*program, arguments).report_failure(arguments, parsed.error());
+    return tl::unexpected(parsed.error());
   }
+  const bool is_shared = parsed->command->shares_work() && !parsed->help;
+  if (is_shared) share_machine();
+  if (is_later_rank() && !is_shared) return kDone;
   if (parsed->help) {
-    const auto shown = print_to_stdout(help_of_command(*parsed->command, *parsed->help));
-    return shown ? kDone : report(shown.error());
+    TRY(print_to_stdout(help_of_command(*parsed->command, *parsed->help)));
+    return kDone;
   }
-  const auto code = parsed->command->run(arguments);
-  return code ? *code : report(code.error());
+  if (ranks_of_run() != nullptr && !is_shared) {
+    Messages({}).note({NoteId::shard, fmt::format("{}: rank 0 does all work of this command", ranks_text())});
+  }
+  return parsed->command->run(arguments);
 }
 
 // Removes unfinished files and says so, then ends the process by the signal's default action. Calls only functions that
@@ -67,6 +67,7 @@ extern "C" void on_end(int signal) {
   constexpr std::string_view kTold = "\nisoextract: interrupted; unfinished output was removed\n";
   files::OutputFile::remove_unfinished();
   [[maybe_unused]] const auto told = ::write(STDERR_FILENO, kTold.data(), kTold.size());
+  tell_ended_by_signal();
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -87,11 +88,8 @@ int run(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   leave_nothing_when_interrupted();
-  try {
-    return run_arguments(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
-  } catch (const std::exception&) {
-    return report(error_of_exception());
-  }
+  const std::vector<std::string> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+  return run_on_ranks(arguments, [&] { return run_arguments(arguments); });
 }
 
 }  // namespace isoextract::cli

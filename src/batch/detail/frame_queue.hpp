@@ -17,6 +17,8 @@ class FrameQueue {
  public:
   FrameQueue(std::size_t count, bool in_order) : count_(count), in_order_(in_order) {}
 
+  // Adds a frame at the end.
+  void add() { ++count_; }
   // Returns the position that may start now, or nullopt.
   [[nodiscard]] std::optional<std::size_t> next() const;
   void start(std::size_t place);

@@ -1,0 +1,49 @@
+// Runs of several ranks (base/ranks.hpp): joins them if a launcher started this process, and gives each its share of the
+// machine. Only rank 0 prints.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/ranks.hpp"
+
+namespace isoextract::cli {
+
+// Returns whether a launcher started several processes, and this is not the first of them.
+[[nodiscard]] bool is_later_rank();
+
+// Runs `work`, the whole program, and returns its exit code; prints its error. If a launcher started several processes,
+// joins them first, and waits for them last. The exit code of rank 0 then stands for all ranks. `arguments` are the
+// words of the command line. Fails with ErrorCode::unavailable if the ranks cannot be joined, and with
+// ErrorCode::usage if they have different command lines.
+[[nodiscard]] int run_on_ranks(const std::vector<std::string>& arguments, const std::function<Result<int>()>& work);
+
+// Returns the ranks of this run; null if this process is alone.
+[[nodiscard]] Ranks* ranks_of_run();
+
+// Shares the processors and the memory of each machine among its ranks, for a command whose work all ranks do.
+void share_machine();
+// Returns how many threads and how many bytes of memory this rank may use; nullopt unless share_machine() was called.
+[[nodiscard]] std::optional<int> threads_of_rank();
+[[nodiscard]] std::optional<std::uint64_t> memory_of_rank();
+// Returns "4 ranks on 2 machines": the ranks of this run, which must have several.
+[[nodiscard]] std::string ranks_text();
+
+// Returns "; 2 threads each", of the given number or that of the processors.
+[[nodiscard]] std::string threads_text(const std::optional<int>& threads);
+// Returns the longest time of a rank, divided by the mean of all.
+[[nodiscard]] double imbalance_of(const std::vector<double>& seconds);
+[[nodiscard]] std::string imbalance_text(const std::vector<double>& seconds);
+
+// Writes a message if this is the first of several ranks. For handlers of signals that end the process:
+// async-signal-safe.
+void tell_ended_by_signal() noexcept;
+
+// Fails at all ranks if `same`, such as the hash of a plan, differs between them. Returns at once if this process is
+// alone. Every rank calls it.
+[[nodiscard]] Result<void> agree(const std::string& same);
+
+}  // namespace isoextract::cli

@@ -1,0 +1,202 @@
+"""Runs of several ranks under mpirun write what one process writes. Skipped without Open MPI or without the plug-in."""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+from support import PROGRAM, SOURCE, ProgramTest, Run, main, run_limited
+
+FRAMES = 12
+
+
+def mpirun():
+    """The launcher of Open MPI, or None."""
+    path = shutil.which("mpirun")
+    if path is None:
+        return None
+    version = subprocess.run([path, "--version"], capture_output=True, check=False).stdout
+    return path if b"Open MPI" in version else None
+
+
+LAUNCHER = mpirun()
+PLUGIN = pathlib.Path(PROGRAM).parent / "plugins/isoextract-ranks-mpi.so"
+# Ranks of a test share one processor. Open MPI warns of nothing then.
+ENVIRONMENT = dict(os.environ, OMPI_MCA_btl_base_warn_component_unused="0", OMPI_MCA_hwloc_base_binding_policy="none")
+
+
+def command_of(ranks, *arguments):
+    return [LAUNCHER, "--allow-run-as-root", "--oversubscribe", "-n", str(ranks), PROGRAM,
+            *(str(argument) for argument in arguments)]
+
+
+def processes_of(rank, parent):
+    """Process ids of this program with that rank, among the descendants of a process."""
+    found = []
+    for entry in pathlib.Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            environment = (entry / "environ").read_bytes().split(b"\0")
+            name = os.readlink(entry / "exe")
+            ancestor = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+        except (OSError, ValueError):
+            continue
+        if name == os.path.realpath(PROGRAM) and ancestor == parent and f"OMPI_COMM_WORLD_RANK={rank}".encode() in environment:
+            found.append(int(entry.name))
+    return found
+
+
+@unittest.skipUnless(LAUNCHER and PLUGIN.exists(), "no mpirun of Open MPI, or no plug-in: scripts/setup.sh test mpi")
+class MpiTest(ProgramTest):
+    def run_ranks(self, ranks, *arguments, **environment):
+        finished = run_limited(command_of(ranks, *arguments), cwd=self.folder, stdin=subprocess.DEVNULL,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=dict(ENVIRONMENT, **environment))
+        return Run(finished)
+
+    def assert_done(self, run):
+        self.assertEqual(run.code, 0, run.err)
+        return run
+
+    def write_frames(self, count=FRAMES, size=24):
+        for number in range(count):
+            radius = 0.3 + 0.05 * number
+
+            def value(x, y, z, radius=radius):
+                return radius - sum((2 * c / (size - 1) - 1) ** 2 for c in (x, y, z)) ** 0.5
+
+            self.write_raw(f"in_{number:04}.raw", (size, size, size), value)
+        return ["in_{:04}.raw", "--dims", f"{size},{size},{size}", "--dtype", "f32", "--iso", "0"]
+
+
+class SequenceTest(MpiTest):
+    def test_ranks_share_the_frames(self):
+        inputs = self.write_frames()
+        self.convert(*inputs, "-o", "one/f_{:04}.glb", "--mkdir", "--table", "one.json")
+        run = self.assert_done(self.run_ranks(3, *inputs, "-o", "many/f_{:04}.glb", "--mkdir", "--table", "many.json", "-v"))
+        names = sorted(path.name for path in (self.folder / "one").iterdir())
+        self.assertEqual(len(names), FRAMES + 1)
+        self.assertEqual(sorted(path.name for path in (self.folder / "many").iterdir()), names)
+        for name in names:
+            if name.endswith(".glb"):
+                self.assertEqual((self.folder / "one" / name).read_bytes(), (self.folder / "many" / name).read_bytes())
+        # One summary, of all frames.
+        self.assertEqual(run.err.count("frames done"), 1, run.err)
+        self.assertIn(f"{FRAMES} of {FRAMES} frames done", run.err)
+        self.assertIn("note[shard]: 3 ranks on 1 machine share the frames", run.err)
+        self.assertEqual(run.out, b"")
+        done = [int(count) for count in re.findall(r"rank \d: (\d+) frames?, ", run.err)]
+        self.assertEqual((len(done), sum(done)), (3, FRAMES), run.err)
+        self.assertIn("the slowest rank took", run.err)
+        # The table is that of one process, but for times.
+        one, many = (json.loads((self.folder / name).read_text()) for name in ("one.json", "many.json"))
+        self.assertEqual([row["surfaces"][0]["triangles"] for row in one], [row["surfaces"][0]["triangles"] for row in many])
+        self.assertEqual(sum(row["rank"] == 0 for row in many), done[0])
+        # The manifest lists each frame once, so that a later run of one process keeps all.
+        kept = self.convert(*inputs, "-o", "many/f_{:04}.glb", "--resume")
+        self.assertIn(f"{FRAMES} kept", kept.err)
+
+    def test_progress_in_json(self):
+        inputs = self.write_frames(5)
+        run = self.assert_done(self.run_ranks(2, *inputs, "-o", "f_{:04}.ply", "--progress", "json"))
+        lines = [json.loads(line) for line in run.err.splitlines()]
+        self.assertEqual([line["event"] for line in lines], ["begin"] + ["frame"] * 5 + ["end"])
+        self.assertEqual(sum(rank["frames"] for rank in lines[-1]["ranks"]), 5)
+        self.assertGreaterEqual(lines[-1]["imbalance"], 1)
+
+    def test_a_frame_that_fails_names_its_rank(self):
+        inputs = self.write_frames(6)
+        (self.folder / "in_0004.raw").write_bytes(b"short")
+        one = self.run_program(*inputs, "-o", "one/f_{:04}.ply", "--mkdir")
+        many = self.run_ranks(3, *inputs, "-o", "many/f_{:04}.ply", "--mkdir")
+        self.assertEqual(one.code, 5, one.err)
+        self.assertEqual(many.code, 5, many.err)
+        self.assertRegex(many.err, r"error: frame 4 on rank \d: in_0004.raw: ")
+        self.assertEqual(many.err.count("1 of 6 frames failed"), 1, many.err)
+        # The cause is mended, and --resume converts the one frame.
+        shutil.copy(self.folder / "in_0003.raw", self.folder / "in_0004.raw")
+        again = self.assert_done(self.run_ranks(3, *inputs, "-o", "many/f_{:04}.ply", "--resume"))
+        self.assertIn("1 of 6 frames done, 5 kept", again.err)
+
+    def test_a_killed_rank_ends_the_run_and_resume_completes_it(self):
+        inputs = self.write_frames(FRAMES, 40)
+        arguments = [*inputs, "-o", "out/f_{:04}.ply", "--mkdir", "--error", "--threads", "1"]
+        with subprocess.Popen(command_of(3, *arguments), cwd=self.folder, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=ENVIRONMENT) as run:
+            folder = self.folder / "out"
+            while run.poll() is None and not (folder.is_dir() and list(folder.glob("*.ply"))):
+                time.sleep(0.002)
+            for process in processes_of(2, run.pid):
+                os.kill(process, signal.SIGKILL)
+            _, err = run.communicate()
+        self.assertNotEqual(run.returncode, 0, err)
+        self.assertIn(b"signal 9", err)
+        self.assertEqual([path.name for path in folder.iterdir() if path.name.startswith(".")], [])
+        done = len(list(folder.glob("*.ply")))
+        self.assertLess(done, FRAMES)
+        again = self.assert_done(self.run_ranks(3, *arguments, "--resume"))
+        kept = re.search(r"(\d+) kept", again.err)
+        self.assertGreaterEqual(int(kept[1]) if kept else 0, 1, again.err)
+        self.convert(*inputs, "-o", "one/f_{:04}.ply", "--mkdir")
+        for number in range(FRAMES):
+            name = f"f_{number:04}.ply"
+            self.assertEqual((folder / name).read_bytes(), (self.folder / "one" / name).read_bytes())
+
+    def test_what_needs_all_frames_is_done_by_rank_0(self):
+        inputs = self.write_frames(4)
+        self.convert(*inputs, "-o", "a.glb", "--animate")
+        one = (self.folder / "a.glb").read_bytes()
+        run = self.assert_done(self.run_ranks(2, *inputs, "-o", "a.glb", "--animate"))
+        self.assertIn("rank 0 converts all frames, because --animate", run.err)
+        self.assertEqual((self.folder / "a.glb").read_bytes(), one)
+
+
+class RanksTest(MpiTest):
+    def test_errors_are_told_once(self):
+        run = self.run_ranks(3, "none_{:04}.raw", "--iso", "0", "-o", "f_{:04}.ply")
+        self.assertEqual(run.code, 2, run.err)
+        self.assertEqual(run.err.count("isoextract: error:"), 1, run.err)
+        run = self.run_ranks(2, "absent.vdb", "--iso", "0", "-o", "a.ply")
+        self.assertEqual(run.code, 2, run.err)
+        self.assertEqual(run.err.count("isoextract: error:"), 1, run.err)
+
+    def test_other_commands_run_once(self):
+        run = self.assert_done(self.run_ranks(3, "info", "demo:sphere?size=16"))
+        self.assertIn("note[shard]: 3 ranks on 1 machine: rank 0 does all work of this command", run.err)
+        self.assertEqual(run.text.count("demo:sphere"), self.run_program("info", "demo:sphere?size=16").text.count("demo:sphere"))
+        run = self.assert_done(self.run_ranks(3, "--version"))
+        self.assertEqual(run.text.count("isoextract"), self.run_program("--version").text.count("isoextract"))
+
+
+class LauncherTest(ProgramTest):
+    def test_a_missing_plugin_names_its_package(self):
+        folder = self.folder / "alone"
+        folder.mkdir()
+        program = folder / "isoextract"
+        shutil.copy(PROGRAM, program)
+        environment = dict(os.environ, OMPI_COMM_WORLD_SIZE="3", OMPI_COMM_WORLD_RANK="0")
+        environment.pop("ISOEXTRACT_PLUGINS", None)
+        run = Run(run_limited([program, "demo:sphere", "--iso", "0", "-o", "a.ply"], cwd=folder, env=environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE))
+        self.assert_fails(3, run, "OMPI_COMM_WORLD_SIZE=3", "isoextract-ranks-mpi.so", "libopenmpi-dev")
+        environment["OMPI_COMM_WORLD_RANK"] = "1"
+        run = Run(run_limited([program, "demo:sphere", "--iso", "0", "-o", "a.ply"], cwd=folder, env=environment,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE))
+        self.assertEqual((run.code, run.err), (3, ""))
+
+    def test_one_process_of_a_launcher_is_alone(self):
+        environment = dict(os.environ, OMPI_COMM_WORLD_SIZE="1", OMPI_COMM_WORLD_RANK="0", ISOEXTRACT_PLUGINS="/nowhere")
+        self.convert("demo:sphere?size=16", "--iso", "0", "-o", "a.ply", env=environment)
+
+    def test_the_program_does_not_link_mpi(self):
+        linked = subprocess.run(["ldd", PROGRAM], capture_output=True, check=False).stdout
+        self.assertNotIn(b"libmpi", linked)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,113 @@
+#include "base/ranks.hpp"
+
+#include <barrier>
+#include <functional>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "base/packed_values.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr int kRanks = 3;
+
+// Threads in place of processes.
+struct Meeting {
+  std::barrier<> all{kRanks};
+  std::vector<std::string> bytes = std::vector<std::string>(kRanks);
+};
+
+class ThreadLink final : public RankLink {
+ public:
+  ThreadLink(Meeting& meeting, int rank) : meeting_(meeting), rank_(rank) {}
+
+  [[nodiscard]] int rank() const override { return rank_; }
+  [[nodiscard]] int size() const override { return kRanks; }
+  [[nodiscard]] int node() const override { return 0; }
+  Result<std::vector<std::string>> gather(std::string_view bytes) override {
+    meeting_.bytes[static_cast<std::size_t>(rank_)] = bytes;
+    meeting_.all.arrive_and_wait();
+    auto all = meeting_.bytes;
+    meeting_.all.arrive_and_wait();
+    return all;
+  }
+  Result<void> send(int /*to*/, std::string_view /*bytes*/) override { return {}; }
+  Result<std::optional<RankMessage>> receive(std::chrono::milliseconds /*most*/) override { return std::nullopt; }
+  void leave() override { meeting_.all.arrive_and_wait(); }
+
+ private:
+  Meeting& meeting_;
+  int rank_;
+};
+
+void run_ranks(const std::function<void(Ranks&)>& work) {
+  Meeting meeting;
+  std::vector<std::jthread> threads;
+  for (int r = 0; r < kRanks; ++r) {
+    threads.emplace_back([&, r] {
+      Ranks ranks(std::make_unique<ThreadLink>(meeting, r));
+      work(ranks);
+    });
+  }
+}
+
+TEST(Ranks, GatherByRank) {
+  run_ranks([](Ranks& ranks) {
+    const auto all = ranks.gather(std::string(static_cast<std::size_t>(ranks.rank()), 'x'));
+    ASSERT_TRUE(all);
+    EXPECT_EQ(*all, (std::vector<std::string>{"", "x", "xx"}));
+    EXPECT_FALSE(ranks.end(nullptr));
+  });
+}
+
+// Rank 2 fails before the others ask for its bytes: rank 0 gets its error, and no rank waits for another.
+TEST(Ranks, TellTheErrorOfAnother) {
+  run_ranks([](Ranks& ranks) {
+    const Error error{ErrorCode::output, "no space", {{Remedy::use, Setting::parts, "so"}, "or so"}};
+    if (ranks.rank() == 2) {
+      EXPECT_FALSE(ranks.end(&error));
+      return;
+    }
+    const auto all = ranks.gather("a");
+    ASSERT_FALSE(all);
+    EXPECT_EQ(all.error().code, ranks.is_first() ? ErrorCode::output : ErrorCode::cancelled);
+    if (ranks.is_first()) {
+      EXPECT_EQ(all.error().message, "rank 2: no space");
+      EXPECT_EQ(all.error().hint, error.hint);
+    }
+    EXPECT_FALSE(ranks.gather("b"));  // at once
+    const auto other = ranks.end(&all.error());
+    ASSERT_TRUE(other);
+    EXPECT_EQ(other->code, ErrorCode::output);
+  });
+}
+
+// A rank that leaves the rest to rank 0 is no error.
+TEST(Ranks, LeaveWorkToRankZero) {
+  run_ranks([](Ranks& ranks) {
+    if (ranks.is_first()) {
+      EXPECT_FALSE(ranks.end(nullptr));
+      return;
+    }
+    const Error left = leave_to_first_rank().value();
+    EXPECT_FALSE(ranks.end(&left));
+  });
+}
+
+TEST(PackedValues, EndWithZeros) {
+  const std::string bytes = Packer().put(std::uint64_t{7}).put(std::string("text")).put(1.5).take();
+  Unpacker from(bytes);
+  EXPECT_EQ(from.get<std::uint64_t>(), 7U);
+  EXPECT_EQ(from.get<std::string>(), "text");
+  EXPECT_EQ(from.get<double>(), 1.5);
+  EXPECT_EQ(from.get<std::uint64_t>(), 0U);
+  EXPECT_EQ(from.get<std::string>(), "");
+  Unpacker cut(std::string_view(bytes).substr(0, 18));
+  EXPECT_EQ(cut.get<std::uint64_t>(), 7U);
+  EXPECT_EQ(cut.get<std::string>(), "te");
+}
+
+}  // namespace
+}  // namespace isoextract
