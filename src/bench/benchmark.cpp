@@ -357,7 +357,7 @@ Result<void> check_thread_counts(std::span<const int> threads) {
     return fail(
         ErrorCode::usage,
         fmt::format("expected at most {} threads, which this machine can run at the same time, found {}", most, count),
-        "choose fewer threads: only thread counts that the machine can run are measured");
+        "choose fewer threads: bench measures only as many as the machine can run");
   }
   return {};
 }

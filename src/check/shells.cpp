@@ -130,7 +130,7 @@ mesh::Facing facing_of(const Component& component) {
 Shell shell_of(const Component& component) {
   if (!component.has_inside()) return component.shell;
   if (component.within % 2 == 0) return component.volume < 0 ? Shell::inside_out : Shell::body;
-  return component.volume < 0 ? Shell::hollow : Shell::nested;
+  return component.volume < 0 ? Shell::cavity : Shell::nested;
 }
 
 // An open surface, which ends at the data boundary, may have cavities. It has no inside, so no ray test can find them.
@@ -142,11 +142,11 @@ void find_undecided(std::vector<Component>& all) {
   std::ranges::sort(open, std::greater(), [](const mesh::Bounds& bounds) { return bounds.max.x - bounds.min.x; });
   for (Component& component : all) {
     if (component.shell != Shell::inside_out) continue;
-    const bool may_be_hollow = std::ranges::any_of(open, [&](const mesh::Bounds& bounds) {
+    const bool may_be_cavity = std::ranges::any_of(open, [&](const mesh::Bounds& bounds) {
       return glm::all(glm::lessThanEqual(bounds.min, component.bounds.min)) &&
              glm::all(glm::greaterThanEqual(bounds.max, component.bounds.max));
     });
-    if (may_be_hollow) component.shell = Shell::undecided;
+    if (may_be_cavity) component.shell = Shell::undecided;
   }
 }
 

@@ -25,7 +25,7 @@ enum class Shell {
   open,          // has boundary edges, so it has no inside
   not_oriented,  // closed, but an edge has more triangles in one direction than in the other, so it has no inside
   body,          // faces outward, inside an even number of shells
-  hollow,        // faces inward, inside an odd number
+  cavity,        // faces inward, inside an odd number
   inside_out,    // faces inward, inside an even number
   undecided,     // like inside_out, but inside the bounding box of an open component, so it may be a cavity of that
   nested         // faces outward, inside an odd number: a body inside a body
@@ -34,9 +34,9 @@ constexpr auto words_of(Shell /*type*/) {
   return std::array{Word{Shell::open, "open"},
                     Word{Shell::not_oriented, "not oriented"},
                     Word{Shell::body, "body"},
-                    Word{Shell::hollow, "hollow"},
+                    Word{Shell::cavity, "cavity"},
                     Word{Shell::inside_out, "inside out"},
-                    Word{Shell::undecided, "hollow or inside out"},
+                    Word{Shell::undecided, "cavity or inside out"},
                     Word{Shell::nested, "body within a body"}};
 }
 

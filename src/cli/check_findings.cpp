@@ -115,11 +115,11 @@ class Findings {
   }
 
   void tell_bodies() {
-    const std::uint64_t bodies = check_.components.size() - check_.count(Shell::hollow) - check_.count(Shell::undecided);
+    const std::uint64_t bodies = check_.components.size() - check_.count(Shell::cavity) - check_.count(Shell::undecided);
     if (bodies > 1) {
       std::uint64_t smallest = check_.triangles;
       for (const check::Component& component : check_.components) {
-        if (component.shell != Shell::hollow && component.shell != Shell::undecided)
+        if (component.shell != Shell::cavity && component.shell != Shell::undecided)
           smallest = std::min(smallest, component.triangles);
       }
       slicer(fmt::format("It prints {} separate bodies; the smallest has {}.", bodies,

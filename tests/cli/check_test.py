@@ -201,15 +201,15 @@ class CheckTest(ProgramTest):
         self.assertEqual((through["self_intersections"]["in_one_plane"], through["components"]), (0, 2))
         inner = [(0.25 + x / 2, 0.25 + y / 2, 0.25 + z / 2) for x, y, z in CUBE]
         turned = [(a, c, b) for a, b, c in second]
-        hollow = mesh(CUBE + inner, FACES + turned)
-        self.assertEqual((hollow["shells"]["hollow"], hollow["shells"]["body"]), (1, 1))
-        self.assertAlmostEqual(hollow["volume"], 1 - 1 / 8)
+        with_cavity = mesh(CUBE + inner, FACES + turned)
+        self.assertEqual((with_cavity["shells"]["cavity"], with_cavity["shells"]["body"]), (1, 1))
+        self.assertAlmostEqual(with_cavity["volume"], 1 - 1 / 8)
         self.assertEqual(mesh(CUBE + inner, FACES + second)["shells"]["body within a body"], 1)
         self.assertEqual(mesh(CUBE, [(a, c, b) for a, b, c in FACES])["shells"]["inside out"], 1)
         within_open = mesh(CUBE + inner, FACES[1:] + turned)["shells"]
-        self.assertEqual((within_open["open"], within_open["hollow or inside out"], within_open["inside out"]), (1, 1, 0))
+        self.assertEqual((within_open["open"], within_open["cavity or inside out"], within_open["inside out"]), (1, 1, 0))
         beside_open = mesh(CUBE + [(x + 5, y, z) for x, y, z in CUBE], FACES[1:] + turned)["shells"]
-        self.assertEqual((beside_open["hollow or inside out"], beside_open["inside out"]), (0, 1))
+        self.assertEqual((beside_open["cavity or inside out"], beside_open["inside out"]), (0, 1))
         twice = mesh(CUBE, FACES + FACES[:1])
         self.assertEqual((twice["duplicate_triangles"], twice["nonmanifold_edges"]), (1, 3))
         needle = mesh(CUBE + [(2, 2, 2), (3, 3, 3), (4, 4, 4), (9, 9, 9)], FACES + [(8, 9, 10), (8, 8, 9)])

@@ -56,7 +56,7 @@ std::uint64_t wanted(const TriangleCount& count, std::uint64_t there) {
 
 struct ComponentCount {
   std::uint64_t components = 0;
-  std::uint64_t hollows = 0;  // closed components that face inward
+  std::uint64_t cavities = 0;  // closed components that face inward
   std::uint64_t outside = 0;  // cavities inside no body: an even number of closed components around them
 };
 
@@ -89,13 +89,13 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
   mesh::ShellQuery question{.test_outward = false};
   for (const Sum& sum : sums) {
     const bool is_closed = glm::length(sum.vector) < 1e-6 * sum.area;
-    const bool is_hollow = is_closed && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area);
-    question.facing.push_back(is_hollow   ? mesh::Facing::inward
+    const bool is_cavity = is_closed && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area);
+    question.facing.push_back(is_cavity   ? mesh::Facing::inward
                               : is_closed ? mesh::Facing::outward
                                           : mesh::Facing::open);
-    count.hollows += is_hollow ? 1 : 0;
+    count.cavities += is_cavity ? 1 : 0;
   }
-  if (count.hollows == 0) return count;
+  if (count.cavities == 0) return count;
   const auto surroundings = TRY(mesh::find_enclosing_shells(mesh, components, question, context));
   for (std::size_t c = 0; c < sums.size(); ++c) {
     count.outside += question.facing[c] == mesh::Facing::inward && !surroundings[c].in_material() ? 1 : 0;
@@ -251,9 +251,9 @@ struct SimplifyPlan {
 
 void set_components(Simplified& result, const ComponentCount& before, const ComponentCount& after) {
   result.components = after.components;
-  result.turned = std::max(before.hollows, after.hollows) - std::min(before.hollows, after.hollows);
+  result.turned = std::max(before.cavities, after.cavities) - std::min(before.cavities, after.cavities);
   // A body turned inside out counts as an inward component, but is no cavity that left its body.
-  const std::uint64_t known = before.outside + after.hollows - std::min(before.hollows, after.hollows);
+  const std::uint64_t known = before.outside + after.cavities - std::min(before.cavities, after.cavities);
   result.left_bodies = after.outside - std::min(known, after.outside);
 }
 

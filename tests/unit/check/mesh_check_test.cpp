@@ -167,14 +167,14 @@ TEST(MeshCheckTest, SumsDefectsOfComponents) {
 TEST(MeshCheckTest, FindsNestedShells) {
   EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(2), centered_cube(3)))),
             (std::vector{Shell::body, Shell::nested, Shell::body}));
-  EXPECT_EQ(shells(check(all_of(centered_cube(1, true), centered_cube(2)))), (std::vector{Shell::hollow, Shell::body}));
+  EXPECT_EQ(shells(check(all_of(centered_cube(1, true), centered_cube(2)))), (std::vector{Shell::cavity, Shell::body}));
   EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(2, true)))),
             (std::vector{Shell::nested, Shell::inside_out}));
   EXPECT_EQ(shells(check(centered_cube(1, true))), (std::vector{Shell::inside_out}));
   const glm::vec3 far(10, 0, 0);
   const MeshCheck beside = check(all_of(centered_cube(1), centered_cube(1, false, far), centered_cube(1, true, -far),
                                         centered_cube(0.5F, true, far)));
-  EXPECT_EQ(shells(beside), (std::vector{Shell::body, Shell::body, Shell::inside_out, Shell::hollow}));
+  EXPECT_EQ(shells(beside), (std::vector{Shell::body, Shell::body, Shell::inside_out, Shell::cavity}));
   EXPECT_EQ(unmet_reason(Requirement::outward, beside), "1 component inside out");
   for (std::uint32_t depth = 0; depth < 12; ++depth) {
     std::vector<mesh::Mesh> nest;
@@ -183,7 +183,7 @@ TEST(MeshCheckTest, FindsNestedShells) {
     const MeshCheck found = check(together(std::move(nest)));
     for (std::uint32_t i = 0; i <= depth; ++i) {
       EXPECT_EQ(found.components[i].within, depth - i);
-      EXPECT_EQ(found.components[i].shell, (depth - i) % 2 == 1 ? Shell::hollow : Shell::body);
+      EXPECT_EQ(found.components[i].shell, (depth - i) % 2 == 1 ? Shell::cavity : Shell::body);
     }
   }
 }
@@ -196,7 +196,7 @@ TEST(MeshCheckTest, HandlesManyShellsInARow) {
   row.push_back(centered_cube(0.25F, true));
   const MeshCheck found = check(together(std::move(row)));
   EXPECT_EQ(found.count(Shell::body), static_cast<std::uint64_t>(kBodies));
-  EXPECT_EQ(found.count(Shell::hollow), 1U);
+  EXPECT_EQ(found.count(Shell::cavity), 1U);
 }
 
 // Two halves side by side, and a body that fills a cavity: shared walls with identical points.
@@ -212,7 +212,7 @@ TEST(MeshCheckTest, DoesNotNestShellsWithSharedWalls) {
               (std::vector{Shell::nested, Shell::nested, Shell::body}));
   }
   EXPECT_EQ(shells(check(all_of(centered_cube(1), centered_cube(1, true), centered_cube(2)))),
-            (std::vector{Shell::body, Shell::hollow, Shell::body}));
+            (std::vector{Shell::body, Shell::cavity, Shell::body}));
 }
 
 // Rays that leave through corners or along sides, and lines that cross a shell only behind the start of the ray.
@@ -295,7 +295,7 @@ TEST(MeshCheckTest, CountsDegenerateTriangles) {
 TEST(MeshCheckTest, HandlesHugeAndSubnormalCoordinates) {
   for (const float half : {1e30F, 3e38F, 1e-40F}) {
     const MeshCheck found = check(all_of(centered_cube(half), centered_cube(half / 2, true)));
-    EXPECT_EQ(shells(found), (std::vector{Shell::body, Shell::hollow})) << half;
+    EXPECT_EQ(shells(found), (std::vector{Shell::body, Shell::cavity})) << half;
     EXPECT_EQ(found.intersections.pairs + found.intersections.zero_area_triangles, 0U) << half;
   }
 }
