@@ -62,6 +62,9 @@ struct ExtractOptions {
   // Receives the mesh part by part. This needs the CPU, mc or mt, and dense samples, and excludes edge keys; with NaN
   // samples, it excludes holes and normals. Otherwise, and if the sink declines (MeshSink::begin()), Extraction::mesh
   // is the mesh. Null: no sink.
+  // Several ranks can share the extraction (MeshSink::ranks()) in the same cases, without a cap or holes. Each then
+  // extracts a part of the samples; statistics are those of the whole surface. If the mesh must be whole, rank 0
+  // extracts it alone, and the others fail with ErrorCode::cancelled.
   mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
