@@ -41,8 +41,8 @@ typedef struct isoextract_ranks_plugin_v1 {
   /* Sends a message to one other rank. Returns 0 on success. */
   int (*send)(int32_t to, const void* bytes, uint64_t count);
   /* Waits up to `milliseconds` for a message of any rank. If one came, writes its sender and size, and returns its
-   * bytes, which stay valid until the next call. Otherwise returns null, and writes -1 as the sender if no message came,
-   * or -2 on failure. Not called by several threads at once. */
+   * bytes, which stay valid until the next call. Otherwise returns null, and writes -1 as the sender if no message
+   * came, or -2 on failure. Not called by several threads at once. */
   const void* (*receive)(int32_t milliseconds, int32_t* from, uint64_t* count);
 
   /* Waits until every rank calls it, and ends the connection. */

@@ -97,9 +97,7 @@ class Link {
     int bytes = 0;
     check(MPI_Get_count(&status, MPI_BYTE, &bytes));
     received_.resize(std::max<std::size_t>(static_cast<std::size_t>(bytes), 1));
-    wait_for([&](MPI_Request& request) {
-      return MPI_Imrecv(received_.data(), bytes, MPI_BYTE, &message, &request);
-    });
+    wait_for([&](MPI_Request& request) { return MPI_Imrecv(received_.data(), bytes, MPI_BYTE, &message, &request); });
     from = status.MPI_SOURCE;
     count = static_cast<std::uint64_t>(bytes);
     return received_.data();

@@ -48,12 +48,12 @@ class Ranks {
   [[nodiscard]] int node() const { return link_->node(); }
   [[nodiscard]] bool is_first() const { return rank() == 0; }
 
-  // Returns the bytes of all ranks, by rank; waits for them. All ranks make the same calls in the same order, until
-  // one of them calls end(): then gather() fails at the others, at rank 0 with the error that the rank gave to end(),
-  // at other ranks with ErrorCode::cancelled.
+  // Returns the bytes of all ranks, by rank; waits for them. All ranks make the same calls in the same order. Once one
+  // of them calls end(), gather() fails at the others: at rank 0 with the error that the rank gave to end(), at other
+  // ranks with ErrorCode::cancelled.
   [[nodiscard]] Result<std::vector<std::string>> gather(std::string_view bytes);
 
-  // Messages from one rank to another, besides gather().
+  // Sends a message to one rank. receive() returns the next message of any rank.
   [[nodiscard]] Result<void> send(int to, std::string_view bytes) { return link_->send(to, bytes); }
   [[nodiscard]] Result<std::optional<RankMessage>> receive(std::chrono::milliseconds most) {
     return link_->receive(most);
@@ -63,8 +63,8 @@ class Ranks {
   // error of another rank, with the number of the rank. Call once, last.
   [[nodiscard]] std::optional<Error> end(const Error* error);
 
-  // The ranks share a task until work_alone(). Then rank 0 does it alone, and the others end. Every rank must come to the
-  // same decision. `why` completes "rank 0 works alone, because ...".
+  // Ends the sharing of a task: rank 0 does it alone, and the others end. Every rank must come to the same decision.
+  // `why` completes "rank 0 works alone, because ...".
   void work_alone(std::string why) { why_alone_ = std::move(why); }
   [[nodiscard]] bool is_shared() const { return why_alone_.empty(); }
   [[nodiscard]] const std::string& why_alone() const { return why_alone_; }

@@ -95,11 +95,11 @@ struct BatchRun::State final : FrameEvents {
   std::vector<FrameRecord> records;  // of an animation's frames, until the animation is written
   // 1: not converted. A frame that was converted but whose report failed is not missing.
   std::vector<char> is_missing;
-  FrameDesk* desk = nullptr;          // hands out frames to other ranks
+  FrameDesk* desk = nullptr;           // hands out frames to other ranks
   FramesOfDesk* own_frames = nullptr;  // on another rank than 0: the frames that rank 0 hands out
-  std::mutex mutex;  // guards the manifest and the members below
+  std::mutex mutex;                    // guards the manifest and the members below
   std::vector<RankWork> rank_work;
-  Notes untold;      // on another rank than 0: notes about fields that rank 0 does not know
+  Notes untold;  // on another rank than 0: notes about fields that rank 0 does not know
   std::vector<std::string> set_aside;
   std::optional<Error> fatal_error;  // set if the manifest or the animation could not be written
 };

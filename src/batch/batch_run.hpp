@@ -42,8 +42,8 @@ struct RunOptions {
   bool keeps_records = true;                // keep records in the manifest, for later runs
   // Keep figures, outputs and errors of converted frames in RunResult::rows, which takes memory for each frame.
   bool keeps_figures = true;
-  // The ranks that share the frames; null: this process converts all of them. All ranks make the same run. Not for a batch
-  // with an animation.
+  // The ranks that share the frames; null: this process converts all of them. All ranks make the same run. Not for a
+  // batch with an animation.
   Ranks* ranks = nullptr;
   // BatchRun sets extras.field_notes and extras.hash_files. Without extras.read it renames no old meshes.
   SchedulerOptions scheduler = {};
@@ -52,7 +52,7 @@ struct RunOptions {
 // Events of a run. The converting threads call them concurrently, so a listener must guard its data. The thread of
 // BatchRun::run() calls has_report() and over() for kept frames, before any frame starts.
 //
-// Of several ranks, each calls started(), field_notes() and write_report() for the frames that it converts. Rank 0 calls
+// Each of several ranks calls started(), field_notes() and write_report() for the frames that it converts. Rank 0 calls
 // has_report(), over() and notes_of_rank() for all frames.
 class RunEvents {
  public:
@@ -78,10 +78,10 @@ class RunEvents {
                     const Error* /*error*/) {}
 };
 
-// What a rank did.
+// The share of a rank.
 struct RankWork {
   int rank = 0;
-  std::size_t frames = 0;  // that it converted, failed ones among them
+  std::size_t frames = 0;  // number of frames that it converted, failed ones among them
   double seconds = 0;      // until it had no more frames
 };
 

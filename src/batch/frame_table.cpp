@@ -106,18 +106,18 @@ Json row_json(const FrameRow& row) {
   }
   const bool known = has_figures(row);
   Json json{{"frame", row.frame},
-          {"input", row.input},
-          {"outputs", row.outputs},
-          {"status", word_of(row.status)},
-          {"surfaces", std::move(surfaces)},
-          {"step", convert::optional_json(row.figures.time.step)},
-          {"time", convert::optional_json(row.figures.time.time)},
-          {"lacked_attributes", row.figures.lacked_attributes},
-          {"unit", row.figures.unit.empty() ? Json(nullptr) : Json(row.figures.unit)},
-          {"seconds", known ? Json(row.figures.wall_seconds) : Json(nullptr)},
-          {"memory", known ? Json(row.figures.memory) : Json(nullptr)},
-          {"bytes", known ? Json(row.figures.bytes) : Json(nullptr)},
-          {"error", row.error.empty() ? Json(nullptr) : Json(row.error)}};
+            {"input", row.input},
+            {"outputs", row.outputs},
+            {"status", word_of(row.status)},
+            {"surfaces", std::move(surfaces)},
+            {"step", convert::optional_json(row.figures.time.step)},
+            {"time", convert::optional_json(row.figures.time.time)},
+            {"lacked_attributes", row.figures.lacked_attributes},
+            {"unit", row.figures.unit.empty() ? Json(nullptr) : Json(row.figures.unit)},
+            {"seconds", known ? Json(row.figures.wall_seconds) : Json(nullptr)},
+            {"memory", known ? Json(row.figures.memory) : Json(nullptr)},
+            {"bytes", known ? Json(row.figures.bytes) : Json(nullptr)},
+            {"error", row.error.empty() ? Json(nullptr) : Json(row.error)}};
   if (row.rank) json["rank"] = *row.rank;
   return json;
 }

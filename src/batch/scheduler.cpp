@@ -103,9 +103,7 @@ class Scheduler {
     return queue_.next();
   }
 
-  [[nodiscard]] std::size_t frame_at(std::size_t place) const {
-    return which_[given_.empty() ? place : given_[place]];
-  }
+  [[nodiscard]] std::size_t frame_at(std::size_t place) const { return which_[given_.empty() ? place : given_[place]]; }
 
   void run_one(std::size_t place, std::unique_lock<std::mutex>& lock) {
     const std::size_t frame = frame_at(place);
@@ -200,8 +198,8 @@ class Scheduler {
   convert::BackendCache kept_backends_;
   convert::BackendCache* backends_;  // null for a single frame: no later frame needs the device
   FrameReceiver* receiver_;
-  FrameSource* source_;              // null if it has no more frames
-  std::vector<std::size_t> given_;   // by the source, by queue position
+  FrameSource* source_;             // null if it has no more frames
+  std::vector<std::size_t> given_;  // by the source, by queue position
 
   std::mutex mutex_;  // guards the members below
   FrameQueue queue_;

@@ -67,8 +67,8 @@ void BatchProgress::failed(const batch::FrameRow& row, const Error& error, const
   frames.push_back(row.frame);
   if (frames.size() > 1) return;
   Error named = error;
-  named.message = fmt::format("frame {}{}: {}", row.frame, row.rank ? fmt::format(" on rank {}", *row.rank) : "",
-                              error.message);
+  named.message =
+      fmt::format("frame {}{}: {}", row.frame, row.rank ? fmt::format(" on rank {}", *row.rank) : "", error.message);
   bar_->above([&] { messages_.error(named); });
 }
 

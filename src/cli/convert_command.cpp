@@ -14,6 +14,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
+#include "base/packed_values.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/batch_run.hpp"
@@ -292,6 +293,7 @@ Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) 
     options.scheduler.threads = tbb::this_task_arena::max_concurrency();
     options.scheduler.extras = {.mesh_facts = plan.report || plan.pages.html,
                                 .volume_hint = std::string(kHowToKeepVolumes)};
+    options.scheduler.extras.ranks = ranks_of_run();
     auto run = TRY(batch::BatchRun::open(one, std::move(options), plan.context));
     Conversion conversion(plan, messages);
     converted.rows = run.run(conversion).rows;
@@ -300,6 +302,31 @@ Converted convert_as_planned(const ConvertPlan& plan, const Messages& messages) 
   });
   if (!begun) converted.outcome = failed(begun.error());
   return converted;
+}
+
+// Returns a note that says how the ranks of this run divided the conversion; nullopt without ranks.
+std::optional<Note> note_of_ranks(const std::optional<int>& threads) {
+  const Ranks* const ranks = ranks_of_run();
+  if (ranks == nullptr) return std::nullopt;
+  std::string text = fmt::format("{} share the samples", ranks_text());
+  if (!ranks->is_shared())
+    text = fmt::format("{}: rank 0 converts alone, because {}", ranks_text(), ranks->why_alone());
+  return Note{NoteId::shard, text + threads_text(threads)};
+}
+
+// Returns how long this rank has waited for others.
+double seconds_waited() { return ranks_of_run() != nullptr ? ranks_of_run()->waited() : 0; }
+
+// Prints how long each rank worked, if they shared the conversion. All of them call it.
+Result<void> tell_rank_times(double busy_seconds, const Messages& messages) {
+  Ranks* const ranks = ranks_of_run();
+  if (ranks == nullptr || !ranks->is_shared()) return {};
+  const auto told = TRY(ranks->gather(Packer().put(busy_seconds).take()));
+  std::vector<double> seconds;
+  for (const std::string& one : told) seconds.push_back(Unpacker(one).get<double>());
+  for (std::size_t r = 0; r < seconds.size(); ++r) messages.detail(fmt::format("rank {}: {:.2f} s", r, seconds[r]));
+  messages.detail(imbalance_text(seconds));
+  return {};
 }
 
 // Returns whether another option or operand may name the file of the report.
@@ -316,11 +343,13 @@ bool names_report_twice(const ConvertFlags& flags) {
 Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
   const auto plan = attempt([&] { return plan_convert(flags); });
   const Messages messages(plan ? plan->shown : MessageChoice());
+  if (!plan && is_later_rank()) return tl::unexpected(plan.error());
   if (!plan) {
     const auto reported = attempt([&] { return report_no_plan(flags, arguments, plan.error()); });
     if (!reported) messages.error(reported.error());
     return tl::unexpected(plan.error());
   }
+  TRY(agree(ranks_of_run() != nullptr ? convert::hash_of(plan->job) : std::string()));
   if (plan->make_folders) {
     std::vector<std::filesystem::path> files;
     for (const convert::OutputFileJob& output : plan->job.outputs) files.emplace_back(output.path);
@@ -331,9 +360,18 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
     TRY(check_report_file(*page, plan->job, plan->context));
   }
   for (const Note& text : plan->notes) messages.note(text);
+  const double waited = seconds_waited();
   Converted converted = convert_as_planned(*plan, messages);
   convert::Outcome& outcome = converted.outcome;
   outcome.notes.insert(outcome.notes.begin(), plan->notes.begin(), plan->notes.end());
+  if (const auto note = note_of_ranks(plan->threads); note && outcome.done()) {
+    messages.note(*note);
+    outcome.notes.push_back(*note);
+  }
+  if (outcome.done()) {
+    TRY(tell_rank_times(outcome.total.wall_seconds - (seconds_waited() - waited), messages));
+  }
+  if (is_later_rank()) return outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
   if (outcome.done()) messages.detail(fmt::format("peak memory {}", format_byte_size(outcome.peak_memory)));
   Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
   if (done && plan->pages.any()) {
@@ -381,19 +419,10 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
   }
 
  private:
-  // Converts one file, on rank 0 of several.
-  Result<void> run_one(const std::vector<std::string>& arguments) {
-    if (is_later_rank()) return {};
-    if (ranks_of_run() != nullptr) {
-      Messages({}).note({NoteId::shard, fmt::format("{}: rank 0 converts the file alone", ranks_text())});
-    }
-    return run_convert(flags(), arguments);
-  }
-
   Result<int> run_configured(const std::vector<std::string>& arguments) {
     choose_process(flags().input);
     if (!flags().batch.any_set() && !flags().heightfield && !flags().masks) join_slices(flags().input.inputs);
-    auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_one(arguments);
+    auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_convert(flags(), arguments);
     if (!done && done.error().code == ErrorCode::usage && flags().config) {
       done.error().message += fmt::format(" (some options come from {})", printable(*flags().config));
     }

@@ -151,7 +151,8 @@ HelpTopic mpi_topic() {
         {}},
        {"Sequences: each rank converts the next frame when it is free; there is one manifest. One file: each rank "
         "extracts and writes a part of the samples, if they are dense, the method is mc or mt, and a binary .ply or a "
-        ".glb is written. Rank 0 works alone, and the others wait, with: sparse samples, --cap, --nan hole, attributes, "
+        ".glb is written. Rank 0 works alone, and the others wait, with: sparse samples, --cap, --nan hole, "
+        "attributes, "
         "options that edit or examine the mesh, --report, --animate, --html. A note says so.",
         {}},
        {"If a rank ends early, mpirun ends all of them. No file is then incomplete, and --resume continues a sequence. "
@@ -237,7 +238,8 @@ std::string help_of_group(const Command& program, const Word<OptionGroup>& group
 }  // namespace
 
 std::vector<HelpTopic> help_topics() {
-  return {demo_topic(), labels_topic(), masks_topic(), coordinates_topic(), mpi_topic(), exit_codes_topic(), notes_topic()};
+  return {demo_topic(), labels_topic(),     masks_topic(), coordinates_topic(),
+          mpi_topic(),  exit_codes_topic(), notes_topic()};
 }
 
 std::span<const Example> examples() { return kExamples; }

@@ -33,7 +33,7 @@ struct Joined {
 
   Ranks ranks;
   int machines = 1;
-  int on_machine = 1;    // ranks on this machine
+  int on_machine = 1;     // ranks on this machine
   int on_processors = 1;  // ranks on this machine that may use the same processors as this one
   bool shares = false;
 };
@@ -95,9 +95,10 @@ Result<void> meet(Joined& one, const std::vector<std::string>& arguments) {
       if (other.processors == own.processors) ++one.on_processors;
     }
     if (other.words == Presence::of(all.front()).words) continue;
-    return fail(ErrorCode::usage,
-                fmt::format("rank {} has another command line or folder than rank 0; the ranks of a run share its work", r),
-                "give all ranks the same command, or start independent runs without mpirun");
+    return fail(
+        ErrorCode::usage,
+        fmt::format("rank {} has another command line or folder than rank 0; the ranks of a run share its work", r),
+        "give all ranks the same command, or start independent runs without mpirun");
   }
   one.machines = static_cast<int>(machines.size());
   return {};

@@ -1,5 +1,5 @@
-// Runs of several ranks (base/ranks.hpp): joins them if a launcher started this process, and gives each its share of the
-// machine. Only rank 0 prints.
+// Runs of several ranks (base/ranks.hpp): joins them if a launcher started this process, and gives each its share of
+// the machine. Only rank 0 prints.
 #pragma once
 
 #include <functional>

@@ -45,6 +45,12 @@
 namespace isoextract::convert {
 namespace {
 
+// Returns whether the job writes one mesh file of one surface. Whether ranks can share others is not known before the
+// input is read.
+bool writes_one_mesh(const ConversionJob& job) {
+  return job.writes<MeshFileOptions>() != nullptr && job.outputs.size() == 1 && job.outputs.front().isos.size() == 1;
+}
+
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
@@ -60,6 +66,10 @@ class Conversion {
         collector_(collector) {}
 
   Result<void> run() {
+    if (Ranks* ranks = this->ranks(); ranks != nullptr && !writes_one_mesh(job_)) {
+      ranks->work_alone("an option or the output needs the whole mesh in one process");
+      if (!ranks->is_first()) return leave_to_first_rank();
+    }
     // Before the input is read, so that missing tools are reported at once.
     if (job_.writes<FieldFileOptions>() != nullptr) {
       TRY(check_field_tools(job_, job_.outputs.empty() ? source_.label : job_.outputs.front().path));
@@ -174,6 +184,7 @@ class Conversion {
       if (!labels_) source_.set_inside_side(isos[begin].id.iso_or_zero());
       const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
       needs_whole_meshes_ = sink == nullptr;
+      TRY(check_sharing(sink != nullptr));
       auto group = TRY(maker(sink.get()).make_next(isos.subspan(begin)));
       const Result<std::optional<Surface>>& first = group.front().surface;
       if (!labels_ && !first && backends_.fall_back_to_cpu(first.error())) {
@@ -192,7 +203,24 @@ class Conversion {
   std::unique_ptr<mesh::MeshSink> sink_of(std::span<const ResolvedIso> isos, OutputMeshes& file) const {
     const bool is_only = file.job.isos.size() == 1 && isos.size() == 1 && job_.source.more_grids.empty() && !labels_;
     const bool may = is_only && collector_ == nullptr && !extras_.mesh_facts;
-    return may ? partwise_output(job_, source_, all_, isos.front().id, file.writer) : nullptr;
+    return may ? partwise_output(job_, source_, all_, isos.front().id, file.writer, ranks()) : nullptr;
+  }
+
+  // Returns the ranks that share the conversion; null if this process does all of it.
+  [[nodiscard]] Ranks* ranks() const {
+    return extras_.ranks != nullptr && extras_.ranks->is_shared() ? extras_.ranks : nullptr;
+  }
+
+  // Leaves the conversion to rank 0 if the ranks cannot share it.
+  Result<void> check_sharing(bool has_sink) const {
+    Ranks* const ranks = this->ranks();
+    if (ranks == nullptr) return {};
+    const extract::Extractor* extractor = backends_.extractor();
+    std::string reason =
+        reason_against_sharing(job_, source_, has_sink, extractor != nullptr ? extractor->name() : "cpu");
+    if (reason.empty()) return {};
+    ranks->work_alone(std::move(reason));
+    return ranks->is_first() ? Result<void>() : leave_to_first_rank();
   }
 
   // Adds a surface to the file, whole or split into bodies, or writes it to the file of its label.

@@ -8,6 +8,7 @@
 
 #include "base/context.hpp"
 #include "base/note.hpp"
+#include "base/ranks.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
 #include "convert/mesh_collector.hpp"
@@ -29,11 +30,16 @@ struct ConversionOptions {
   bool hash_files = false;
   // Files that must not be overwritten, including the job's inputs. Null: only the job's inputs.
   const files::InputFileSet* read = nullptr;
+  // Ranks that share the conversion, each a part of the samples. Null: this process does all of it.
+  Ranks* ranks = nullptr;
 };
 
 // Runs the job's stages: opens a backend, reads, and for each file extracts, verifies, simplifies, measures and writes.
 // Writes each surface as soon as the file format allows, and leaves no partial file behind. Outcome::error says what
 // failed. Calls `events` on this thread. With `kept`, uses its backends; the written files do not depend on it.
+//
+// With ConversionOptions::ranks, all ranks run the job. If they cannot share this conversion, rank 0 runs it, and the
+// others fail with ErrorCode::cancelled, before they write.
 //
 // With a `collector`, writes no mesh file and no picture: the collector gets the meshes of each output, and
 // Outcome::files stays empty. Everything else is as if the job's files were written. Jobs with FieldFileOptions write

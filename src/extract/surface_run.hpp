@@ -47,6 +47,9 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
   // Makes the parts of the mesh that emit() would write, and hands each to the sink. Fails as the sink does, and as
   // emit().
   { surface.deliver(sink) } -> std::same_as<Result<void>>;
+  // Returns whether this is only the part of one rank: others make the other parts at the same time. count() and the
+  // facts about the boundary are those of the whole surface even so.
+  { surface.is_shared() } -> std::same_as<bool>;
 };
 
 // Offers the mesh to the sink of `options`. If the sink takes it, sets Extraction::taken and delivers the mesh and its
@@ -76,9 +79,10 @@ template <SurfacePasses Surface>
   return {};
 }
 
-// Runs the passes of `surface` and returns its mesh. Checks that the frame fits float32, and reserves memory for the
-// counted size. Builds the cap from the samples and crossed edges at the faces of the surface's box, and appends it
-// behind the surface. If NaN cells were left out, gives each fan of triangles its own vertex.
+// Runs the passes of `surface` and returns its mesh, or no mesh if the surface is the part of one rank and no sink takes
+// it. Checks that the frame fits float32, and reserves memory for the counted size. Builds the cap from the samples and
+// crossed edges at the faces of the surface's box, and appends it behind the surface. If NaN cells were left out, gives
+// each fan of triangles its own vertex.
 template <SurfacePasses Surface>
 [[nodiscard]] Result<Extraction> extract_surface(const field::ScalarField& field, const ExtractOptions& options,
                                                  Surface& surface, const Context& context) {
@@ -121,7 +125,9 @@ template <SurfacePasses Surface>
 
   watch.restart();
   TRY(offer_to_sink(options, surface, sizes, cap, box, context, result));
-  if (result.taken) {
+  bool is_part = false;
+  if constexpr (PartwisePasses<Surface>) is_part = surface.is_shared();
+  if (result.taken || is_part) {
     result.stats.emit += watch.elapsed();
     return result;
   }

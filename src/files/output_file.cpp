@@ -80,13 +80,14 @@ std::string descriptor_link(int fd) { return fmt::format("/proc/self/fd/{}", fd)
 }  // namespace
 
 struct OutputFile::State {
-  enum class Kind { file, device, standard_output };
+  enum class Kind { file, device, standard_output, joined };
 
   Kind kind = Kind::file;
   std::string shown;  // name for messages
   fs::path target;    // Kind::file: the name after commit
   fs::path folder;
-  bool replaces = false;  // the target exists
+  bool replaces = false;   // the target exists
+  bool is_shared = false;  // needs a name from the start
   int fd = -1;
   TemporaryName temporary;  // the name on disk before commit; may be empty
   Buffer<std::byte> buffer;
@@ -142,7 +143,10 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
   if (replaces && !may_replace(target)) return failed("replace the file", errno);
   constexpr mode_t kNewFile = 0666;  // minus the umask
   const std::string action = fmt::format("make a file in {}", folder.string());
-  fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, kNewFile); });
+  errno = EOPNOTSUPP;
+  if (!is_shared) {
+    fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, kNewFile); });
+  }
   if (fd >= 0 && ::access(descriptor_link(fd).c_str(), F_OK) != 0) {  // without /proc the file could never get a name
     ::close(fd);
     fd = -1;
@@ -300,8 +304,27 @@ bool is_there(const fs::path& path) {
 
 std::string output_label(const fs::path& path) { return path == "-" ? "standard output" : path.string(); }
 
-Result<OutputFile> OutputFile::create(const fs::path& path) {
+Result<OutputFile> OutputFile::create(const fs::path& path) { return open(path, false); }
+Result<OutputFile> OutputFile::create_shared(const fs::path& path) { return open(path, true); }
+
+Result<OutputFile> OutputFile::join(const fs::path& path, const std::string& shared_name) {
   auto state = std::make_unique<State>();
+  state->kind = State::Kind::joined;
+  state->shown = output_label(path);
+  state->fd = retry_interrupted([&] { return ::open(shared_name.c_str(), O_WRONLY | O_CLOEXEC); });
+  if (state->fd < 0) {
+    auto failed = state->failed(fmt::format("open {} for writing", shared_name), errno);
+    failed.value().hint = "the folder must be on a file system that all machines share";
+    return failed;
+  }
+  return OutputFile(std::move(state));
+}
+
+std::string OutputFile::shared_name() const { return fs::absolute(state_->temporary.c_str()).string(); }
+
+Result<OutputFile> OutputFile::open(const fs::path& path, bool is_shared) {
+  auto state = std::make_unique<State>();
+  state->is_shared = is_shared;
   state->buffer = Buffer<std::byte>(kBufferBytes);
   state->shown = output_label(path);
   if (path == "-") {
@@ -330,6 +353,7 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
   State& state = *state_;
   if (state.failure) return tl::unexpected<Error>(*state.failure);
   state.bytes += bytes.size();
+  if (state.kind == State::Kind::joined) return {};
   if (state.hasher) state.hasher->add(bytes);
   if (bytes.size() >= kUnbufferedBytes) {
     TRY(state.flush());
@@ -347,8 +371,12 @@ Result<void> OutputFile::write(std::string_view text) { return write(std::as_byt
 
 Result<std::uint64_t> OutputFile::extend(std::uint64_t count) {
   State& state = *state_;
-  TRY(state.prepare_change());
   const std::uint64_t place = state.bytes;
+  if (state.kind == State::Kind::joined) {
+    state.bytes += count;
+    return place;
+  }
+  TRY(state.prepare_change());
   TRY(state.set_size(place + count));
   return place;
 }

@@ -53,6 +53,14 @@ class OutputFile {
   // SIGPIPE must be ignored so that a closed pipe is reported as an error. Fails with ErrorCode::output.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path);
 
+  // Creates a regular file that other processes write as well, each a part of it. Rank 0 of several (base/ranks.hpp)
+  // creates and commits it. The others join it by the name that shared_name() returns at rank 0. A process that joined
+  // makes the same calls as rank 0, but only its fill() writes bytes, and commit() only closes the file. All must see
+  // one file system, and must have called commit() before rank 0 does.
+  [[nodiscard]] static Result<OutputFile> create_shared(const std::filesystem::path& path);
+  [[nodiscard]] static Result<OutputFile> join(const std::filesystem::path& path, const std::string& shared_name);
+  [[nodiscard]] std::string shared_name() const;
+
   OutputFile(OutputFile&&) noexcept;
   OutputFile& operator=(OutputFile&&) noexcept;
   ~OutputFile();
@@ -103,6 +111,7 @@ class OutputFile {
  private:
   struct State;
   explicit OutputFile(std::unique_ptr<State> state);
+  [[nodiscard]] static Result<OutputFile> open(const std::filesystem::path& path, bool is_shared);
   std::unique_ptr<State> state_;
 };
 

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "base/error.hpp"
+#include "base/ranks.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::mesh {
@@ -44,6 +45,9 @@ class MeshSink {
   MeshSink& operator=(const MeshSink&) = delete;
   virtual ~MeshSink() = default;
 
+  // Returns the ranks that make the mesh together; null if this process makes all of it. All of them then call begin()
+  // with the same shape, and each delivers some of the parts. If the sinks decline, rank 0 makes the mesh alone.
+  [[nodiscard]] virtual Ranks* ranks() const { return nullptr; }
   // Prepares for a mesh of this shape. Call once, before the first part. Returns false if the sink declines the mesh:
   // the caller then makes the whole mesh in memory.
   [[nodiscard]] virtual Result<bool> begin(const MeshShape& shape) = 0;

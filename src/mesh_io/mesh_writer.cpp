@@ -177,6 +177,7 @@ struct MeshWriter::State {
   std::unique_ptr<FormatWriter> format;
   mesh::Mesh head;                        // of a mesh that comes in parts
   std::unique_ptr<PartwiseWriter> parts;  // writes them; null if all meshes come whole
+  Ranks* ranks = nullptr;                 // which write the parts together
   std::vector<std::string> left_out;      // names of attributes that the format cannot store
   Notes notes;
   std::optional<Error> failure;
@@ -189,6 +190,9 @@ struct MeshWriter::State {
   [[nodiscard]] Result<void> check_vertex_precision(const mesh::Mesh& mesh);
   [[nodiscard]] Result<void> open_file();
   [[nodiscard]] Result<void> open();
+  [[nodiscard]] Result<std::unique_ptr<PartwiseWriter>> begin_parts(const mesh::MeshShape& shape);
+  [[nodiscard]] Result<bool> join_ranks(const mesh::MeshShape& shape);
+  [[nodiscard]] Result<void> finish_parts();
   [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
   [[nodiscard]] Result<void> write_held();
   [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
@@ -271,9 +275,10 @@ Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> la
   if (options.packing.quantizes() && !options.packing.box) options.packing.box = bounds_of(last);
   if (done) done = open();
   for (std::size_t m = 0; m < last.size() && done; ++m) done = write(last[m]);
-  if (done) done = parts != nullptr ? parts->finish(notes) : format->finish(notes);
+  if (done) done = parts != nullptr ? finish_parts() : format->finish(notes);
   const bool has_binary = done && binary && binary->bytes_written() > 0;
-  if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
+  const bool is_committed = ranks != nullptr && !ranks->is_first();
+  if (done && !is_committed) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
   if (!done) return tl::unexpected<Error>(std::move(done.error()));
   if (!left_out.empty()) notes.insert(notes.begin(), {NoteId::attribute_left_out, left_out_note()});
   MeshWriteResult result{{{path.string(), file->bytes_written(), file->hash()}}, std::move(notes), {}};
@@ -320,7 +325,44 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
   });
 }
 
-Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& shape) {
+// Returns null if the format declines the mesh.
+Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mesh::MeshShape& shape) {
+  auto writer =
+      (options.format == MeshFormat::ply ? make_partwise_ply_writer : make_partwise_glb_writer)(head, options, *file);
+  const bool takes = TRY(writer->begin(shape));
+  if (takes) return writer;
+  file.reset();
+  return nullptr;
+}
+
+// Opens the file on all ranks. Rank 0 makes it, with its full size, before the others open it.
+Result<bool> MeshWriter::State::join_ranks(const mesh::MeshShape& shape) {
+  if (ranks->is_first()) {
+    file = TRY(files::OutputFile::create_shared(path));
+    parts = TRY(begin_parts(shape));
+  }
+  const auto told = TRY(ranks->gather(parts != nullptr ? file->shared_name() : std::string()));
+  if (told.front().empty()) return false;
+  if (ranks->is_first()) return true;
+  file = TRY(files::OutputFile::join(path, told.front()));
+  parts = TRY(begin_parts(shape));
+  return parts != nullptr;
+}
+
+Result<void> MeshWriter::State::finish_parts() {
+  if (ranks == nullptr) return parts->finish(notes);
+  // The others close the file before rank 0 gives it its name, so that their bytes are in it on network file systems,
+  // too.
+  if (!ranks->is_first()) {
+    TRY(file->commit());
+  }
+  const auto facts = TRY(ranks->gather(parts->facts()));
+  if (!ranks->is_first()) return {};
+  for (std::size_t r = 1; r < facts.size(); ++r) parts->add_facts(facts[r]);
+  return parts->finish(notes);
+}
+
+Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks) {
   State& state = *state_;
   const MeshWriteOptions& options = state.options;
   const bool needs_whole_mesh = (options.format != MeshFormat::ply && options.format != MeshFormat::glb) ||
@@ -330,18 +372,17 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
   if (needs_whole_mesh || state.count > 0) return false;
   return state.attempt([&]() -> Result<bool> {
     TRY(check(1, state.path, options));
-    TRY(state.open_file());
     state.head = std::move(head);
-    auto make = options.format == MeshFormat::ply ? make_partwise_ply_writer : make_partwise_glb_writer;
-    auto parts = make(state.head, options, *state.file);
-    const bool takes = TRY(parts->begin(shape));
-    if (!takes) {
-      state.file.reset();
-      return false;
+    state.ranks = ranks;
+    if (ranks != nullptr) {
+      const bool takes = TRY(state.join_ranks(shape));
+      if (!takes) state.ranks = nullptr;
+    } else {
+      TRY(state.open_file());
+      state.parts = TRY(state.begin_parts(shape));
     }
-    state.parts = std::move(parts);
-    state.count = 1;
-    return true;
+    if (state.parts != nullptr) state.count = 1;
+    return state.parts != nullptr;
   });
 }
 

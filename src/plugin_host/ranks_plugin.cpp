@@ -99,22 +99,24 @@ Result<std::unique_ptr<RankLink>> join_ranks(const LaunchedRank& launched, Plugi
   const std::string alone = fmt::format("env -u {} runs independent processes", launched.variable);
   const PluginLibrary library(kind, "mpi", std::move(folders));
   if (!library.is_there()) {
-    return fail(ErrorCode::unavailable,
-                fmt::format("{}: a run of several processes needs the plug-in {}mpi.so, which is in no plug-in folder",
-                            label, kind.name_start),
-                fmt::format("install the packages libopenmpi-dev and openmpi-bin and build isoextract again, which then "
-                            "builds the plug-in; {}",
-                            alone));
+    return fail(
+        ErrorCode::unavailable,
+        fmt::format("{}: a run of several processes needs the plug-in {}mpi.so, which is in no plug-in folder", label,
+                    kind.name_start),
+        fmt::format("install the packages libopenmpi-dev and openmpi-bin and build isoextract again, which then "
+                    "builds the plug-in; {}",
+                    alone));
   }
   const auto opened = TRY(library.opened(label));
   const auto& plugin = *static_cast<const Plugin*>(opened);
   isoextract_rank own{};
   if (plugin.join(&own) != 0) return failed(plugin);
   if (own.size != launched.size) {
-    return fail(ErrorCode::unavailable,
-                fmt::format("{}: the launcher started {} processes, but MPI connects {}", label, launched.size, own.size),
-                fmt::format("use the launcher of the MPI that the plug-in was built with (with Slurm: srun --mpi=pmix); {}",
-                            alone));
+    return fail(
+        ErrorCode::unavailable,
+        fmt::format("{}: the launcher started {} processes, but MPI connects {}", label, launched.size, own.size),
+        fmt::format("use the launcher that belongs to the MPI of the plug-in (with Slurm: srun --mpi=pmix); {}",
+                    alone));
   }
   return std::make_unique<PluginLink>(plugin, own);
 }

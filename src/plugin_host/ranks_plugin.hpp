@@ -13,7 +13,7 @@
 
 namespace isoextract::plugin_host {
 
-// What a launcher says about this process.
+// The place of this process among those that a launcher started.
 struct LaunchedRank {
   int rank = 0;
   int size = 1;

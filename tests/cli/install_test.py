@@ -28,7 +28,7 @@ class InstallTest(ProgramTest):
         files = sorted(str(path.relative_to(usr)) for path in usr.rglob("*") if path.is_file())
         self.assertEqual(files, [
             "bin/isoextract", "include/isoextract/grid_tools_plugin.h", "include/isoextract/particle_plugin.h",
-            "include/isoextract/plugin_samples.h", "include/isoextract/volume_plugin.h",
+            "include/isoextract/plugin_samples.h", "include/isoextract/ranks_plugin.h", "include/isoextract/volume_plugin.h",
             "include/isoextract/volume_reader.hpp", *PLUGIN_FILES,
             "share/bash-completion/completions/isoextract", "share/fish/vendor_completions.d/isoextract.fish",
             "share/man/man1/isoextract.1", "share/zsh/site-functions/_isoextract"])

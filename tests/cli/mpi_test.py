@@ -118,7 +118,7 @@ class SequenceTest(MpiTest):
         self.assertEqual(many.code, 5, many.err)
         self.assertRegex(many.err, r"error: frame 4 on rank \d: in_0004.raw: ")
         self.assertEqual(many.err.count("1 of 6 frames failed"), 1, many.err)
-        # The cause is mended, and --resume converts the one frame.
+        # After the cause is fixed, --resume converts the one frame.
         shutil.copy(self.folder / "in_0003.raw", self.folder / "in_0004.raw")
         again = self.assert_done(self.run_ranks(3, *inputs, "-o", "many/f_{:04}.ply", "--resume"))
         self.assertIn("1 of 6 frames done, 5 kept", again.err)
@@ -154,6 +154,103 @@ class SequenceTest(MpiTest):
         run = self.assert_done(self.run_ranks(2, *inputs, "-o", "a.glb", "--animate"))
         self.assertIn("rank 0 converts all frames, because --animate", run.err)
         self.assertEqual((self.folder / "a.glb").read_bytes(), one)
+
+
+class VolumeTest(MpiTest):
+    """One conversion on several ranks."""
+
+    SHARED = "ranks on 1 machine share the samples"
+    ALONE = "rank 0 converts alone, because "
+
+    def assert_same(self, ranks, name, told, *arguments):
+        self.convert(*arguments, "-o", f"one-{name}")
+        run = self.assert_done(self.run_ranks(ranks, *arguments, "-o", f"many-{name}", "-v"))
+        self.assertEqual((self.folder / f"many-{name}").read_bytes(), (self.folder / f"one-{name}").read_bytes())
+        self.assertEqual(run.err.count(f"many-{name}: "), 2, run.err)  # what was written, and in which time
+        if ranks > 1:
+            self.assertIn(told, run.err)
+            self.assertEqual(len(re.findall(r"^rank \d: [\d.]+ s$", run.err, re.M)), ranks if told == self.SHARED else 0)
+        else:
+            self.assertNotIn("note[shard]", run.err)
+        self.assertEqual([path for path in self.files() if path.startswith(".")], [])
+        return run
+
+    def test_dense_volumes_are_shared(self):
+        for ranks in (1, 2, 4):
+            for method in ("mc", "mt"):
+                for name in ("a.ply", "a.glb"):
+                    with self.subTest(ranks=ranks, method=method, name=name):
+                        self.assert_same(ranks, name, self.SHARED, "demo:gyroid?size=90", "--iso", "0.1", "--method", method,
+                                         "--normals", "smooth" if ranks == 2 else "none")
+
+    def test_samples_of_a_file(self):
+        self.write_raw("a.raw", (30, 40, 50), lambda x, y, z: x + (y * z) % 7 - 0.5 * ((x * y + z) % 11))
+        self.assert_same(3, "b.ply", self.SHARED, "a.raw", "--dims", "30,40,50", "--dtype", "f32", "--iso", "6", "--roi", "2,3,5,28,35,47", "--roi-snap")
+
+    def test_more_ranks_than_slabs(self):
+        self.assert_same(4, "a.ply", self.SHARED, "demo:gyroid?size=12", "--iso", "0")
+
+    def test_what_cannot_be_shared_is_done_by_rank_0(self):
+        for ranks in (2, 4):
+            for name, why, *arguments in (
+                    ("cap.ply", "a cap", "demo:gyroid?size=40", "--iso", "0", "--cap"),
+                    ("mt.ply", "a cap", "demo:gyroid?size=40", "--iso", "0", "--cap", "--method", "mt"),
+                    ("nets.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "surface-nets"),
+                    ("voxels.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "voxels"),
+                    ("simple.ply", "an option", "demo:gyroid?size=40", "--iso", "0", "--simplify", "0.1"),
+                    ("small.glb", "the mesh is small", "demo:gyroid?size=20", "--iso", "0")):
+                with self.subTest(ranks=ranks, name=name):
+                    self.assert_same(ranks, name, self.ALONE + why, *arguments)
+
+    def test_sparse_samples(self):
+        vdb = SOURCE / "samples/metaballs.vdb"
+        if not vdb.exists():
+            self.skipTest(f"no {vdb}")
+        self.assert_same(2, "a.ply", self.ALONE + "the samples are sparse", vdb, "--iso", "0.5")
+
+    def test_nan_samples(self):
+        def value(x, y, z):
+            return float("nan") if (x, y, z) == (3, 4, 37) else x + y + z - 50.0
+
+        self.write_raw("a.raw", (20, 20, 40), value)
+        arguments = ["a.raw", "--dims", "20,20,40", "--dtype", "f32", "--iso", "0"]
+        one = self.run_program(*arguments, "-o", "a.ply", "--nan", "error")
+        many = self.run_ranks(3, *arguments, "-o", "a.ply", "--nan", "error")
+        self.assertEqual(many.code, one.code)
+        self.assertTrue(many.err.startswith(one.err), many.err)  # mpirun adds that a process failed
+        self.assert_same(3, "b.ply", self.SHARED, *arguments, "--nan", "outside", "--normals", "none")
+        self.assert_same(3, "c.ply", self.ALONE, *arguments, "--nan", "outside", "--normals", "smooth")
+        self.assert_same(3, "d.ply", self.ALONE, *arguments, "--nan", "hole")
+
+    def test_an_output_that_cannot_be_written(self):
+        run = self.run_ranks(3, "demo:gyroid?size=40", "--iso", "0", "-o", "absent/a.ply")
+        self.assertEqual(run.code, 4, run.err)
+        self.assertEqual(run.err.count("error:"), 1, run.err)
+
+    def test_a_killed_rank_leaves_no_file(self):
+        with subprocess.Popen(command_of(3, "demo:gyroid?size=200", "--iso", "0", "-o", "a.ply", "--threads", "1"), cwd=self.folder,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=ENVIRONMENT) as run:
+            while run.poll() is None and not self.files():
+                time.sleep(0.0005)
+            for process in processes_of(1, run.pid):
+                os.kill(process, signal.SIGKILL)
+            _, err = run.communicate()
+        self.assertNotEqual(run.returncode, 0, err)
+        self.assertIn(b"isoextract: error: a signal ended the run", err)
+        self.assertEqual(self.files(), [])
+
+    def test_ranks_that_wait_take_no_processor_time(self):
+        def seconds(run):
+            before = os.times()
+            run()
+            after = os.times()
+            return after.children_user + after.children_system - before.children_user - before.children_system
+
+        arguments = ["demo:gyroid?size=100", "--iso", "0", "--error", "-o", "a.ply", "--threads", "1"]
+        idle = seconds(lambda: self.run_ranks(3, "--version"))
+        alone = seconds(lambda: self.convert(*arguments))
+        many = seconds(lambda: self.run_ranks(3, *arguments))
+        self.assertLess(many, 1.5 * alone + 2 * idle)
 
 
 class RanksTest(MpiTest):

@@ -8,7 +8,7 @@ import unittest
 from support import PROGRAM, SPHERE, ProgramTest, main
 
 # Libraries by the starts of their names.
-UNWANTED = re.compile(r"\blib(GL|EGL|OpenGL|gbm|drm|vulkan|X11|xcb|wayland|vtk|openvdb)[A-Za-z0-9_.+-]*\.so", re.IGNORECASE)
+UNWANTED = re.compile(r"\blib(GL|EGL|OpenGL|gbm|drm|vulkan|X11|xcb|wayland|vtk|openvdb|mpi)[A-Za-z0-9_.+-]*\.so", re.IGNORECASE)
 
 
 class StartupTest(ProgramTest):

@@ -86,7 +86,9 @@ std::optional<FinishedFrame> unpacked_frame(std::string_view bytes) {
 }
 
 FrameDesk::FrameDesk(Ranks& ranks, std::size_t count, Begin begin, Accept accept)
-    : ranks_(ranks), count_(count), begin_(std::move(begin)), accept_(std::move(accept)), thread_([this] { answer(); }) {}
+    : ranks_(ranks), count_(count), begin_(std::move(begin)), accept_(std::move(accept)), thread_([this] {
+        answer();
+      }) {}
 
 FrameDesk::~FrameDesk() { stop(); }
 

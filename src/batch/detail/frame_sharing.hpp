@@ -26,12 +26,12 @@ namespace isoextract::batch {
 struct FinishedFrame {
   std::size_t frame = 0;  // index in the batch
   FrameRow row;
-  bool is_converted = false;           // the conversion succeeded, though its report may have failed
-  std::optional<Error> error = {};     // of the conversion, the report or the record
-  std::optional<FrameRecord> record = {};    // for the manifest
+  bool is_converted = false;                // the conversion succeeded, though its report may have failed
+  std::optional<Error> error = {};          // of the conversion, the report or the record
+  std::optional<FrameRecord> record = {};   // for the manifest
   std::vector<std::string> set_aside = {};  // new names of old meshes
-  Notes notes = {};                    // of the conversion
-  Notes field_notes = {};              // notes about fields that no frame before had
+  Notes notes = {};                         // of the conversion
+  Notes field_notes = {};                   // notes about fields that no frame before had
   bool empty_picture = false;
 };
 
@@ -67,7 +67,7 @@ class FrameDesk final : public FrameSource {
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> stops_{false};
   std::map<int, double> done_;    // the seconds of ranks that have ended; only for the thread until it ends
-  std::optional<Error> failure_;  // likewise
+  std::optional<Error> failure_;  // of the thread; valid once it has ended
   std::jthread thread_;
 };
 

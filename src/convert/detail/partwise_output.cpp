@@ -1,5 +1,7 @@
 #include "convert/detail/partwise_output.hpp"
 
+#include <variant>
+
 namespace isoextract::convert {
 namespace {
 
@@ -18,14 +20,29 @@ bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
 }  // namespace
 
 std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source, const SurfaceList& all,
-                                                const SurfaceId& id, mesh_io::MeshWriter& writer) {
+                                                const SurfaceId& id, mesh_io::MeshWriter& writer, Ranks* ranks) {
   if (needs_whole_mesh(job, source)) return nullptr;
-  return std::make_unique<PartwiseOutput>(writer, [&job, &source, &all, id](const mesh::MeshShape& shape) {
+  const auto make_head = [&job, &source, &all, id](const mesh::MeshShape& shape) {
     mesh::Mesh head;
     head.name = source.field.name;
     head.material = material_of(job, all, id, source.field.kind, shape.may_be_open);
     return head;
-  });
+  };
+  return std::make_unique<PartwiseOutput>(writer, make_head, ranks);
+}
+
+std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,
+                                   std::string_view backend) {
+  using extract::Method;
+  const Method method = job.surface.method;
+  if (job.source.mesh) return "the input is a mesh";
+  if (job.surface.heights || (method != Method::mc && method != Method::mt)) return "only mc and mt work slab by slab";
+  if (!has_sink) return "an option or the output needs the whole mesh in one process";
+  if (!std::holds_alternative<field::DenseSamples>(source.field.samples)) return "the samples are sparse";
+  if (backend != "cpu") return "the GPU extracts the surface";
+  if (job.surface.cap) return "a cap needs the whole boundary";
+  if (job.surface.nan == extract::NanPolicy::hole) return "holes around NaN samples need the whole mesh";
+  return {};
 }
 
 }  // namespace isoextract::convert

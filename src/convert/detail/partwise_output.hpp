@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "convert/conversion_job.hpp"
@@ -17,21 +19,31 @@ class PartwiseOutput final : public mesh::MeshSink {
  public:
   // `head` returns the mesh without vertices, triangles and attributes. The writer must outlive this object.
   using MakeHead = std::function<mesh::Mesh(const mesh::MeshShape& shape)>;
-  PartwiseOutput(mesh_io::MeshWriter& writer, MakeHead head) : writer_(writer), head_(std::move(head)) {}
+  PartwiseOutput(mesh_io::MeshWriter& writer, MakeHead head, Ranks* ranks)
+      : writer_(writer), head_(std::move(head)), ranks_(ranks) {}
 
-  Result<bool> begin(const mesh::MeshShape& shape) override { return writer_.begin_parts(head_(shape), shape); }
+  [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    return writer_.begin_parts(head_(shape), shape, ranks());
+  }
   Result<void> take(const mesh::MeshPart& part) override { return writer_.take_part(part); }
 
  private:
   mesh_io::MeshWriter& writer_;
   MakeHead head_;
+  Ranks* ranks_;
 };
 
 // Returns a sink that writes the surface `id` as the only mesh of the writer's file. Returns null if a stage of the job
-// needs the whole mesh, or if the job writes no mesh file. `all` lists the surfaces of the grid. `job`, `source`, `all`
-// and the writer must outlive the sink.
+// needs the whole mesh, or if the job writes no mesh file. `ranks` write the file together; may be null. `all` lists the
+// surfaces of the grid. `job`, `source`, `all` and the writer must outlive the sink.
 [[nodiscard]] std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source,
                                                               const SurfaceList& all, const SurfaceId& id,
-                                                              mesh_io::MeshWriter& writer);
+                                                              mesh_io::MeshWriter& writer, Ranks* ranks);
+
+// Returns why ranks cannot share the extraction of a surface; empty if they can. `has_sink`: partwise_output() gave a
+// sink for it. `backend` is Extractor::name().
+[[nodiscard]] std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,
+                                                 std::string_view backend);
 
 }  // namespace isoextract::convert

@@ -12,6 +12,7 @@
 #include "base/buffer.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/cell_rows.hpp"
+#include "extract/detail/slab_shares.hpp"
 
 namespace isoextract::extract {
 
@@ -19,15 +20,19 @@ namespace isoextract::extract {
 // next brick.
 class BrickFlags {
  public:
-  // `dims` is the number of samples along each axis.
-  explicit BrickFlags(const glm::ivec3& dims)
+  // `dims` is the number of samples along each axis. Has memory for the slabs of a range only: layers of bricks along
+  // z.
+  BrickFlags(const glm::ivec3& dims, const SlabRange& slabs)
       : dims_(dims),
+        slabs_(slabs),
         words_((dims.x + 63) / 64),
         rows_y_((dims.y + kBrickRows - 1) / kBrickRows),
-        rows_z_((dims.z + kBrickRows - 1) / kBrickRows) {}
+        rows_z_(slabs_of(dims)) {}
 
-  [[nodiscard]] std::uint64_t bytes() const { return count(); }
-  void allocate() { crossed_ = Buffer<std::uint8_t>(count()); }
+  [[nodiscard]] static int slabs_of(const glm::ivec3& dims) { return (dims.z + kBrickRows - 1) / kBrickRows; }
+
+  [[nodiscard]] std::uint64_t bytes() const { return offset(0, slabs_.end); }
+  void allocate() { crossed_ = Buffer<std::uint8_t>(bytes()); }
 
   [[nodiscard]] int rows_y() const { return rows_y_; }
   [[nodiscard]] int rows_z() const { return rows_z_; }
@@ -35,8 +40,9 @@ class BrickFlags {
     return static_cast<std::uint64_t>(words_) * static_cast<std::uint64_t>(rows_y_) *
            static_cast<std::uint64_t>(rows_z_);
   }
-  [[nodiscard]] std::uint64_t count_crossed() const {
-    return static_cast<std::uint64_t>(std::count(crossed_.begin(), crossed_.end(), std::uint8_t{1}));
+  // Returns how many bricks of these slabs are crossed.
+  [[nodiscard]] std::uint64_t count_crossed(const SlabRange& slabs) const {
+    return static_cast<std::uint64_t>(std::count(row(0, slabs.begin), row(0, slabs.end), std::uint8_t{1}));
   }
 
   // Returns one byte a word for brick row (bj, bk).
@@ -61,10 +67,12 @@ class BrickFlags {
  private:
   [[nodiscard]] std::size_t offset(int bj, int bk) const {
     return static_cast<std::size_t>(words_) *
-           (static_cast<std::size_t>(bj) + static_cast<std::size_t>(rows_y_) * static_cast<std::size_t>(bk));
+           (static_cast<std::size_t>(bj) +
+            static_cast<std::size_t>(rows_y_) * static_cast<std::size_t>(bk - slabs_.begin));
   }
 
   glm::ivec3 dims_;
+  SlabRange slabs_;
   int words_;
   int rows_y_;
   int rows_z_;

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -19,7 +18,9 @@
 #include "extract/detail/brick_flags.hpp"
 #include "extract/detail/cell_rows.hpp"
 #include "extract/detail/cell_streams.hpp"
+#include "extract/detail/row_table.hpp"
 #include "extract/detail/sample_gradient.hpp"
+#include "extract/detail/slab_shares.hpp"
 #include "extract/detail/slab_workers.hpp"
 #include "extract/detail/vertex_batch.hpp"
 #include "extract/row_bits.hpp"
@@ -32,10 +33,12 @@ template <class T>
 class DenseExtraction final : private VariantChooser {
  public:
   DenseExtraction(const field::ScalarField& field, const DenseView<T>& whole, const field::IndexBox& region,
-                  std::optional<DenseMasks> masks, const ExtractOptions& options, const Context& context)
+                  std::optional<DenseMasks> masks, const ExtractOptions& options, const Context& context,
+                  Ranks* ranks = nullptr)
       : field_(field),
         options_(options),
         context_(context),
+        ranks_(ranks),
         rule_{field.kind, options.iso},
         whole_(whole),
         view_(part_of(whole, region)),
@@ -44,7 +47,11 @@ class DenseExtraction final : private VariantChooser {
         directions_(static_cast<int>(table_.directions.size())),
         placement_(output_placement(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
         masks_(std::move(masks)),
-        bricks_(view_.dims) {}
+        own_(own_slabs(BrickFlags::slabs_of(view_.dims), ranks)),
+        // A cell next to the slabs of the next rank has vertices of theirs, whose numbers follow from counting them.
+        counted_{own_.begin, own_.count() == 0 ? own_.end : std::min(own_.end + 1, BrickFlags::slabs_of(view_.dims))},
+        bricks_(view_.dims, counted_),
+        rows_(view_.dims.y, directions_, slices_below(own_.begin), slices_below(counted_.end)) {}
 
   [[nodiscard]] const OutputPlacement& placement() const { return placement_; }
 
@@ -60,22 +67,18 @@ class DenseExtraction final : private VariantChooser {
 
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
-    const std::size_t rows = row_index(0, view_.dims.z) + 1;  // one more for the end
     rows_memory_ =
-        TRY(context_.reserve(bricks_.bytes() + rows * (static_cast<std::size_t>(directions_) * sizeof(std::uint32_t) +
-                                                       sizeof(std::uint64_t)),
-                             fmt::format("{}: the table of its {} rows of samples", field_.source, rows - 1)));
+        TRY(context_.reserve(bricks_.bytes() + rows_.bytes(),
+                             fmt::format("{}: the table of its {} rows of samples", field_.source, rows_.rows())));
     bricks_.allocate();
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
-    vertex_base_ = Buffer<std::uint32_t>(rows * static_cast<std::size_t>(directions_));
-    triangle_base_ = Buffer<std::uint64_t>(rows);
+    rows_.allocate();
     if (masks_) {
       stats.hole_cells = count_rows();
     } else {
       TRY(count_slabs(stats));
     }
-    stats.bricks_visited = bricks_.count_crossed();
-    const MeshSizes sizes = place_rows();
+    const MeshSizes sizes = TRY(place_rows(stats));
     stats.count = watch.elapsed();
     return sizes;
   }
@@ -84,7 +87,7 @@ class DenseExtraction final : private VariantChooser {
     if (masks_) {
       for_each_brick_row("extracting", [&](int bj, int bk) { emit_brick_row(mesh, {}, *masks_, bj, bk); });
     } else {
-      TRY(for_each_slab("extracting", {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
+      TRY(for_each_slab("extracting", own_, {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
         if (!is_as_counted(slab)) return {};
         for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(mesh, {}, slab.masks, bj, slab.bk);
         return {};
@@ -96,11 +99,11 @@ class DenseExtraction final : private VariantChooser {
   // A part of the mesh is a slab: the rows of bricks of one index along z, whose vertices have consecutive numbers.
   Result<void> deliver(mesh::MeshSink& sink) {
     MeshSizes largest;
-    for (int bk = 0; bk < bricks_.rows_z(); ++bk) {
+    for (int bk = own_.begin; bk < own_.end; ++bk) {
       const MeshSizes sizes = slab_sizes(bk);
       largest = {std::max(largest.vertices, sizes.vertices), std::max(largest.triangles, sizes.triangles)};
     }
-    TRY(for_each_slab("extracting", largest, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
+    TRY(for_each_slab("extracting", own_, largest, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
       const MeshSizes first = below_slab(slab.bk);
       const MeshSizes sizes = slab_sizes(slab.bk);
       if ((sizes.vertices == 0 && sizes.triangles == 0) || !is_as_counted(slab)) return {};
@@ -112,6 +115,7 @@ class DenseExtraction final : private VariantChooser {
     return check_samples();
   }
 
+  [[nodiscard]] bool is_shared() const { return ranks_ != nullptr; }
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
   [[nodiscard]] BoundarySides boundary_sides() const { return sides_; }
   [[nodiscard]] bool draws_at_boundary() const {
@@ -131,7 +135,7 @@ class DenseExtraction final : private VariantChooser {
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& sample, int direction) const {
     const glm::ivec3 p = sample - region_.min;
     const glm::ivec3 upper = p + direction_step(direction & ~1);
-    std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
+    std::uint32_t number = rows_.vertices(rows_.index(p.y, p.z))[table_.index_of(direction)];
     for (int w = 0; w <= p.x / 64; ++w) {
       const std::uint64_t here = mask_word(upper.y, upper.z, w);
       const std::uint64_t ends = (direction & 1) != 0 ? here >> 1U | mask_word(upper.y, upper.z, w + 1) << 63U : here;
@@ -148,10 +152,10 @@ class DenseExtraction final : private VariantChooser {
     SliceSides sides;  // of its samples alone; unknown if the extraction has masks of all samples
   };
 
-  // Runs work(slab, part) for every slab, in parallel. `part` is memory of the thread: a mesh with room for `room`.
-  // Releases the pages of each slab. Fails as `work` does, and as run_slabs().
+  // Runs work(slab, part) for every slab of a range, in parallel. `part` is memory of the thread: a mesh with room for
+  // `room`. Releases the pages of each slab. Fails as `work` does, and as run_slabs().
   template <class Work>
-  Result<void> for_each_slab(const char* stage, const MeshSizes& room, const Work& work) {
+  Result<void> for_each_slab(const char* stage, const SlabRange& slabs, const MeshSizes& room, const Work& work) {
     struct Worker {
       std::optional<DenseMasks> masks;
       Reservation memory;
@@ -164,7 +168,8 @@ class DenseExtraction final : private VariantChooser {
       allocate_mesh(worker.part, room, {}, options_);
       return worker;
     };
-    return run_slabs(bricks_.rows_z(), stage, context_, make, [&](int bk, Worker& worker) -> Result<void> {
+    return run_slabs(slabs.count(), stage, context_, make, [&](int number, Worker& worker) -> Result<void> {
+      const int bk = slabs.begin + number;
       const SliceSides sides = worker.masks ? mark_slab(bk, *worker.masks) : SliceSides();
       TRY(work(Slab{bk, worker.masks ? *worker.masks : *masks_, sides}, worker.part));
       leave(bk);
@@ -191,7 +196,7 @@ class DenseExtraction final : private VariantChooser {
     threshold_ = threshold.value_or(InsideThreshold<T>{});
     if (threshold || !field::is_floating_sample<T> || options_.nan != NanPolicy::error) return threshold.has_value();
     std::atomic<std::uint64_t> nan{0};
-    TRY(for_each_slab("classifying samples", {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
+    TRY(for_each_slab("classifying samples", own_, {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
       nan += slab.sides.nan;
       return {};
     }));
@@ -208,20 +213,20 @@ class DenseExtraction final : private VariantChooser {
   // Compares the samples and counts, slab by slab.
   Result<void> count_slabs(ExtractStats& stats) {
     std::mutex mutex;
-    SliceSides all;
-    slab_hashes_.resize(static_cast<std::size_t>(bricks_.rows_z()));
-    TRY(for_each_slab("counting", {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
-      slab_hashes_[static_cast<std::size_t>(slab.bk)] = hash_of(slab);
+    slab_hashes_.resize(static_cast<std::size_t>(counted_.count()));
+    TRY(for_each_slab("counting", counted_, {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
+      slab_hash(slab.bk) = hash_of(slab);
       for (int bj = 0; bj < bricks_.rows_y(); ++bj) count_brick_row(slab.masks, bj, slab.bk);
       const std::lock_guard lock(mutex);
-      all.add(slab.sides);
+      if (slab.bk < own_.end) counted_sides_.add(slab.sides);
       return {};
     }));
-    sides_ = all.boundary;
     const glm::u64vec3 dims(view_.dims);
     stats.samples_classified = dims.x * dims.y * dims.z;
-    return check_nan(all.nan, stats);
+    return {};
   }
+
+  [[nodiscard]] std::uint64_t& slab_hash(int bk) { return slab_hashes_[static_cast<std::size_t>(bk - counted_.begin)]; }
 
   [[nodiscard]] std::uint64_t hash_of(const Slab& slab) const {
     return slab.masks.hash(kBrickRows * slab.bk, std::min(kBrickRows * slab.bk + kSlabSlices, view_.dims.z));
@@ -229,7 +234,7 @@ class DenseExtraction final : private VariantChooser {
 
   // Returns whether the masks of a slab are those that were counted. If not, the counts must not be used.
   [[nodiscard]] bool is_as_counted(const Slab& slab) {
-    if (masks_ || hash_of(slab) == slab_hashes_[static_cast<std::size_t>(slab.bk)]) return true;
+    if (masks_ || hash_of(slab) == slab_hash(slab.bk)) return true;
     samples_changed_ = true;
     return false;
   }
@@ -248,9 +253,8 @@ class DenseExtraction final : private VariantChooser {
                 "wait until the program that writes the file has finished");
   }
 
-  [[nodiscard]] std::size_t row_index(int j, int k) const {
-    return static_cast<std::size_t>(j) + static_cast<std::size_t>(view_.dims.y) * static_cast<std::size_t>(k);
-  }
+  // Returns the number of slices in the slabs before `bk`.
+  [[nodiscard]] int slices_below(int bk) const { return std::min(kBrickRows * bk, view_.dims.z); }
 
   // Runs f(bj, bk) for every row of bricks, in parallel. Releases the pages of each slab after its last row.
   template <class F>
@@ -307,20 +311,12 @@ class DenseExtraction final : private VariantChooser {
     bricks_.measure(masks, bj, bk);
     for_each_row(bj, bk, [&](int j, int k) {
       const RowCounts counts = count_cells(*drawings_, cell_row(masks, j, k), *this);
-      const std::size_t row = row_index(j, k);
-      std::copy_n(counts.vertices.begin(), directions_, vertex_base(row));
-      triangle_base_[row] = counts.cells.triangles;
+      const std::size_t row = rows_.index(j, k);
+      std::copy_n(counts.vertices.begin(), directions_, rows_.vertices(row));
+      rows_.triangles(row) = counts.cells.triangles;
       left_out += counts.cells.left_out;
     });
     return left_out;
-  }
-
-  // Returns the first vertex numbers of a row, by direction.
-  [[nodiscard]] std::uint32_t* vertex_base(std::size_t row) {
-    return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
-  }
-  [[nodiscard]] const std::uint32_t* vertex_base(std::size_t row) const {
-    return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
   }
 
   // `p` is relative to the region.
@@ -329,42 +325,24 @@ class DenseExtraction final : private VariantChooser {
                                 [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
-  // Turns counts into first numbers.
-  MeshSizes place_rows() {
-    const auto slices = static_cast<std::size_t>(view_.dims.z);
-    const std::size_t rows = row_index(0, 1);
-    const std::size_t vertices = rows * static_cast<std::size_t>(directions_);
-    std::vector<MeshSizes> first(slices);
-    for_each_index(slices, [&](std::size_t k) {
-      const auto vertex_counts = vertex_base_.span().subspan(k * vertices, vertices);
-      const auto triangle_counts = triangle_base_.span().subspan(k * rows, rows);
-      first[k] = {std::accumulate(vertex_counts.begin(), vertex_counts.end(), std::uint64_t{0}),
-                  std::accumulate(triangle_counts.begin(), triangle_counts.end(), std::uint64_t{0})};
-    });
-    MeshSizes sizes;
-    for (MeshSizes& slice : first) {
-      sizes.vertices += std::exchange(slice.vertices, sizes.vertices);
-      sizes.triangles += std::exchange(slice.triangles, sizes.triangles);
+  // Turns counts into first numbers, and returns the sizes: those of the whole mesh also if ranks share it.
+  Result<MeshSizes> place_rows(ExtractStats& stats) {
+    rows_.sum();
+    SharedCounts counts;
+    counts.all = {rows_.counted_below(slices_below(own_.end)), bricks_.count_crossed(own_), counted_sides_};
+    if (ranks_ != nullptr) counts = TRY(share_counts(counts.all, *ranks_));
+    stats.bricks_visited = counts.all.bricks_crossed;
+    if (!masks_) {
+      sides_ = counts.all.sides.boundary;
+      TRY(check_nan(counts.all.sides.nan, stats));
     }
-    for_each_index(slices, [&](std::size_t k) {
-      auto vertex = static_cast<std::uint32_t>(first[k].vertices);
-      for (std::uint32_t& base : vertex_base_.span().subspan(k * vertices, vertices)) {
-        vertex += std::exchange(base, vertex);
-      }
-      std::uint64_t triangle = first[k].triangles;
-      for (std::uint64_t& base : triangle_base_.span().subspan(k * rows, rows)) {
-        triangle += std::exchange(base, triangle);
-      }
-    });
-    vertex_base(slices * rows)[0] = static_cast<std::uint32_t>(sizes.vertices);
-    triangle_base_[slices * rows] = sizes.triangles;
-    return sizes;
+    rows_.place(counts.before.sizes);
+    return counts.all.sizes;
   }
 
-  // Returns how many vertices and triangles lie below a slab.
   [[nodiscard]] MeshSizes below_slab(int bk) const {
-    const std::size_t row = row_index(0, std::min(kBrickRows * bk, view_.dims.z));
-    return {vertex_base(row)[0], triangle_base_[row]};
+    const std::size_t row = rows_.index(0, slices_below(bk));
+    return {rows_.vertices(row)[0], rows_.triangles(row)};
   }
 
   [[nodiscard]] MeshSizes slab_sizes(int bk) const {
@@ -386,9 +364,9 @@ class DenseExtraction final : private VariantChooser {
     VertexBatch& batch = writer.batch();
     for_each_row(bj, bk, [&](int j, int k) {
       // The rows of a slice have consecutive numbers within a brick row, but not from slice to slice.
-      if (j == kBrickRows * bj) writer.continue_at(vertex_base(row_index(j, k))[0] - first);
-      const std::size_t row = row_index(j, k);
-      if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
+      if (j == kBrickRows * bj) writer.continue_at(rows_.vertices(rows_.index(j, k))[0] - first);
+      const std::size_t row = rows_.index(j, k);
+      if (rows_.vertices(row)[0] == rows_.vertices(row + 1)[0]) return;
       list_edges(*drawings_, cell_row(masks, j, k), edges);
       for (int d = 0; d < directions_; ++d) {
         const int direction = table_.directions[static_cast<std::size_t>(d)];
@@ -433,27 +411,29 @@ class DenseExtraction final : private VariantChooser {
   }
 
   void emit_triangles(mesh::Mesh& mesh, std::uint64_t first_triangle, const DenseMasks& masks, int j, int k) {
-    const std::size_t index = row_index(j, k);
-    if (triangle_base_[index] == triangle_base_[index + 1]) return;
+    const std::size_t index = rows_.index(j, k);
+    if (rows_.triangles(index) == rows_.triangles(index + 1)) return;
     const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
       std::array<std::uint32_t, kMaxStreams> first{};
       std::size_t s = 0;
       for (const auto& stream : kCellStreams<kDirections>.streams) {
-        first[s++] = vertex_base(
-            row_index(j + (stream.row & 1), k + (stream.row >> 1)))[direction_index<kDirections>(stream.direction)];
+        first[s++] = rows_.vertices(
+            rows_.index(j + (stream.row & 1), k + (stream.row >> 1)))[direction_index<kDirections>(stream.direction)];
       }
       return first;
     };
     const auto first = directions_ == 3 ? first_numbers(std::integral_constant<int, 3>{})
                                         : first_numbers(std::integral_constant<int, 7>{});
-    const auto room = mesh.triangles.span().subspan(triangle_base_[index] - first_triangle,
-                                                    triangle_base_[index + 1] - triangle_base_[index]);
+    const auto room = mesh.triangles.span().subspan(rows_.triangles(index) - first_triangle,
+                                                    rows_.triangles(index + 1) - rows_.triangles(index));
     if (!write_cells(*drawings_, cell_row(masks, j, k), *this, first, room)) samples_changed_ = true;
   }
 
   const field::ScalarField& field_;
   const ExtractOptions& options_;
   const Context& context_;
+  Ranks*
+      ranks_;  // which share the volume, slab by slab; null: this process does all of it. Without masks of all samples
   InsideRule rule_;
   DenseView<T> whole_;
   DenseView<T> view_;  // view of the region
@@ -464,15 +444,16 @@ class DenseExtraction final : private VariantChooser {
   std::optional<DenseMasks> masks_;         // of all samples; nullopt: passes compare the samples slab by slab
   InsideThreshold<T> threshold_{};          // if there are no masks of all samples
   std::vector<std::uint64_t> slab_hashes_;  // of the masks that were counted, likewise
+  SliceSides counted_sides_;                // of the own slabs, likewise
   BoundarySides sides_;
+  SlabRange own_;      // of this rank
+  SlabRange counted_;  // and those whose vertices it numbers
   BrickFlags bricks_;
   bool has_holes_ = false;                    // NaN samples were found under NanPolicy::hole
   std::atomic<bool> samples_changed_{false};  // the mapped file changed between two reads
   std::optional<CellDrawings> drawings_;
-  Reservation rows_memory_;  // for the bricks and the arrays below
-  // First counts, then the number of the first vertex and triangle; the entry after the last row holds the totals.
-  Buffer<std::uint32_t> vertex_base_;    // per row and direction
-  Buffer<std::uint64_t> triangle_base_;  // per row
+  Reservation rows_memory_;  // for the bricks and the table below
+  RowTable rows_;
 };
 
 }  // namespace
@@ -480,13 +461,20 @@ class DenseExtraction final : private VariantChooser {
 Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
                                  const ExtractOptions& options, const Context& context) {
   const auto region = TRY(dense_region(field, samples, options));
-  // Without masks of all samples, each sample is compared twice. Holes need them.
-  const glm::ivec3 dims(region.dims());
-  const bool by_slabs = DenseMasks::bytes(dims) > context.memory().left() / 2 && options.nan != NanPolicy::hole;
-  std::optional<DenseMasks> masks;
-  if (!by_slabs) masks = TRY(make_masks(field, dims, context));
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     const DenseView<T> view = dense_view<T>(samples);
+    if (Ranks* ranks = options.sink != nullptr ? options.sink->ranks() : nullptr; ranks != nullptr) {
+      DenseExtraction<T> share(field, view, region, std::nullopt, options, context, ranks);
+      auto extraction = extract_surface(field, options, share, context);
+      if (!extraction || extraction->taken) return extraction;
+      ranks->work_alone("the mesh is small, or samples are NaN");
+      if (!ranks->is_first()) return leave_to_first_rank();
+    }
+    // Without masks of all samples, each sample is compared twice. Holes need them.
+    const glm::ivec3 dims(region.dims());
+    const bool by_slabs = DenseMasks::bytes(dims) > context.memory().left() / 2 && options.nan != NanPolicy::hole;
+    std::optional<DenseMasks> masks;
+    if (!by_slabs) masks = TRY(make_masks(field, dims, context));
     DenseExtraction<T> surface(field, view, region, std::move(masks), options, context);
     return extract_surface(field, options, surface, context);
   });

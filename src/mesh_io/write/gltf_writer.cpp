@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "base/packed_values.hpp"
 #include "mesh_io/write/glb_container.hpp"
 #include "mesh_io/write/gltf_model.hpp"
 #include "mesh_io/write/gltf_packed_part.hpp"
@@ -158,10 +159,20 @@ class PartwiseGlbWriter final : public PartwiseWriter {
     return file_.fill(triangles_at_ + part.first_triangle * sizeof(glm::uvec3), std::as_bytes(part.triangles));
   }
 
+  [[nodiscard]] std::string facts() const override {
+    if (bounds_.empty()) return {};
+    return Packer().put(bounds_.begin()->first).put(all_bounds()).take();
+  }
+
+  void add_facts(std::string_view facts) override {
+    if (facts.empty()) return;
+    Unpacker from(facts);
+    const auto first = from.get<std::uint64_t>();
+    bounds_.emplace(first, from.get<mesh::GrowingBounds>());
+  }
+
   Result<void> finish(Notes& notes) override {
-    mesh::GrowingBounds all;
-    for (const auto& [vertex, bounds] : bounds_) all.add(bounds);
-    part_->bounds = all.get();
+    part_->bounds = all_bounds().get();
     GltfModel model(placement_);
     model.add(*part_);
     std::string text = model.json({}, -1, notes);
@@ -170,6 +181,12 @@ class PartwiseGlbWriter final : public PartwiseWriter {
   }
 
  private:
+  [[nodiscard]] mesh::GrowingBounds all_bounds() const {
+    mesh::GrowingBounds all;
+    for (const auto& [vertex, bounds] : bounds_) all.add(bounds);
+    return all;
+  }
+
   const mesh::Mesh& head_;
   std::string placement_;
   files::OutputFile& file_;

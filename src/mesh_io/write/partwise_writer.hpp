@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/note.hpp"
@@ -15,6 +17,10 @@ namespace isoextract::mesh_io {
 
 class PartwiseWriter : public mesh::MeshSink {
  public:
+  // Returns what a rank must tell rank 0 about its parts, if several write one file and all call begin() with the same
+  // shape. Rank 0 adds the facts of the others in their order, and finishes.
+  [[nodiscard]] virtual std::string facts() const { return {}; }
+  virtual void add_facts(std::string_view /*facts*/) {}
   // Writes the data that depend on all parts: in a GLB the bounds of the positions. Call once, after the last part.
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;
 };

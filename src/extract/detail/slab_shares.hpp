@@ -1,0 +1,60 @@
+// Slabs of one volume on several ranks (base/ranks.hpp). Each rank has consecutive slabs.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/packed_values.hpp"
+#include "base/ranks.hpp"
+#include "extract/dense_masks.hpp"
+#include "extract/mesh_assembly.hpp"
+
+namespace isoextract::extract {
+
+struct SlabRange {
+  int begin = 0;
+  int end = 0;
+
+  [[nodiscard]] int count() const { return end - begin; }
+};
+
+// Returns the slabs of this rank; all of them without ranks.
+[[nodiscard]] inline SlabRange own_slabs(int slabs, const Ranks* ranks) {
+  if (ranks == nullptr) return {0, slabs};
+  const auto part = [&](int rank) { return static_cast<int>(static_cast<std::int64_t>(slabs) * rank / ranks->size()); };
+  return {part(ranks->rank()), part(ranks->rank() + 1)};
+}
+
+// The counts of one rank, or their sum over all.
+struct SlabCounts {
+  MeshSizes sizes;
+  std::uint64_t bricks_crossed = 0;
+  SliceSides sides;
+
+  void add(const SlabCounts& other) {
+    sizes.vertices += other.sizes.vertices;
+    sizes.triangles += other.sizes.triangles;
+    bricks_crossed += other.bricks_crossed;
+    sides.add(other.sides);
+  }
+};
+
+struct SharedCounts {
+  SlabCounts before;  // of the ranks before this one
+  SlabCounts all;
+};
+
+// Adds the counts of all ranks, each of which calls it with its own. Fails as Ranks::gather().
+[[nodiscard]] inline Result<SharedCounts> share_counts(const SlabCounts& own, Ranks& ranks) {
+  const auto told = TRY(ranks.gather(Packer().put(own).take()));
+  SharedCounts counts;
+  for (int r = 0; r < ranks.size(); ++r) {
+    if (r == ranks.rank()) counts.before = counts.all;
+    counts.all.add(Unpacker(told[static_cast<std::size_t>(r)]).get<SlabCounts>());
+  }
+  return counts;
+}
+
+}  // namespace isoextract::extract
