@@ -21,6 +21,9 @@ struct FileStart {
 
 [[nodiscard]] bool starts_with(std::span<const std::byte> content, std::string_view magic);
 
+// Returns whether the content starts as a tar archive does (POSIX ustar).
+[[nodiscard]] bool is_tar(std::span<const std::byte> content);
+
 // Returns the error (ErrorCode::input) for a file that does not start with the signature of its format, which the
 // extension or an option has chosen. The message names the format, the expected signature, and the first 16 bytes of
 // the file (decompressed if it is gzip).

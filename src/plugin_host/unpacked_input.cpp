@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -26,22 +27,19 @@ using namespace std::string_view_literals;
 
 constexpr const char* kArchivePlugin = "archive";
 
-bool has_text_at(std::string_view content, std::size_t offset, std::string_view text) {
-  return content.size() >= offset && content.substr(offset).starts_with(text);
-}
-
 // Judges by the content, and for zip files by the name as well.
 bool is_packed(std::string_view content, const std::string& name, GzipFiles gzip) {
   const std::string lower = to_lower(name);
   const bool is_tar_name = lower.ends_with(".tgz") || lower.find(".tar.") != std::string::npos;
-  const bool is_bzip2 = content.starts_with("BZh") && has_text_at(content, 4, "1AY&SY");
+  const bool is_bzip2 =
+      content.starts_with("BZh") && content.substr(std::min<std::size_t>(4, content.size())).starts_with("1AY&SY");
   const bool is_xz = content.starts_with(
       "\xFD"
       "7zXZ\0"sv);
   const bool is_zstd = content.starts_with("\x28\xB5\x2F\xFD");
   const bool is_gzip = content.starts_with("\x1F\x8B");
   if (is_xz || is_zstd || is_bzip2 || (is_gzip && (gzip == GzipFiles::unpack || is_tar_name))) return true;
-  if (has_text_at(content, 257, "ustar")) return true;
+  if (files::is_tar(std::as_bytes(std::span(content)))) return true;
   if (!lower.ends_with(".zip") || !content.starts_with("PK\3\4"sv)) return false;
   const auto has = [&](std::string_view text) { return content.find(text) != std::string_view::npos; };
   const bool is_zarr = has("zarr.json") || has(".zgroup") || has(".zarray") || has(".zattrs");

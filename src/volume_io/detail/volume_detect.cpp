@@ -201,10 +201,7 @@ Result<std::string> unpack_for_volumes(const std::string& input, const ReadOptio
     const bool is_streamed = format_by_content({file->path(), content, true}) != nullptr;
     const VolumeFormat* chosen = options.format ? find_volume_format(*options.format) : nullptr;
     const bool is_claimed = format_by_content({inner, content, false}) != nullptr || options.raw || chosen != nullptr;
-    constexpr std::size_t kTarSignature = 257;  // its offset in a tar archive
-    const bool is_tar =
-        content.size() > kTarSignature && files::starts_with(std::span(content).subspan(kTarSignature), "ustar");
-    if (is_tar || (!is_streamed && is_claimed)) gzip = GzipFiles::unpack;
+    if (files::is_tar(content) || (!is_streamed && is_claimed)) gzip = GzipFiles::unpack;
   }
   auto path = plugin_host::unpacked_input(input, gzip, context);  // not const: a copy of a Result must not fail
   if (!path || *path == input || !is_folder(*path) || is_volume_folder(*path, context)) return path;

@@ -17,6 +17,7 @@
 #include "accuracy/mesh_distance.hpp"
 #include "edit/detail/edge_collapse.hpp"
 #include "field/demo_field.hpp"
+#include "support/edge_collapses.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 #include "support/sample_attributes.hpp"
@@ -336,25 +337,7 @@ TEST(BoundedSimplify, KeepsVertexAttributes) {
 mesh::Mesh collapsed(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles,
                      const std::vector<char>& locked, double distance) {
   CollapseState state(positions, positions, triangles);
-  std::vector<std::uint32_t> patch(triangles.size());
-  for (std::uint32_t t = 0; t < patch.size(); ++t) patch[t] = t;
-  const std::vector<char> wanted(positions.size(), 1);
-  CollapseLimits limits;
-  limits.distance = distance;
-  const std::vector<CollapseLog> logs{collapse_edges(state, patch, {locked, wanted}, limits, 0)};
-  std::vector<glm::uvec3> left;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (state.gone[t] == 0) left.push_back(state.corners[t]);
-  }
-  // All collapses can be undone; then the mesh equals the original.
-  std::vector<RestoredTriangle> changed;
-  std::size_t undone = 0;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    while (state.changed_by[t] != kNone) undone += undo_collapse(state.changed_by[t], state, logs, changed);
-  }
-  EXPECT_EQ(undone, logs[0].collapses.size());
-  EXPECT_EQ(state.corners, triangles);
-  EXPECT_EQ(std::count(state.gone.begin(), state.gone.end(), 0), static_cast<std::ptrdiff_t>(triangles.size()));
+  const auto left = test::collapse_and_undo(state, locked, distance);
   return test::make_mesh("collapsed", positions, left);
 }
 

@@ -18,6 +18,7 @@
 #include "accuracy/mesh_distance.hpp"
 #include "edit/detail/edge_collapse.hpp"
 #include "extract/voxels.hpp"
+#include "support/edge_collapses.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 #include "support/sample_meshes.hpp"
@@ -51,23 +52,7 @@ struct Book {
   // Collapses edges of all triangles as one patch, and returns what is left.
   std::vector<glm::uvec3> collapsed(double distance, const std::vector<VertexRole>& roles = {}) const {
     CollapseState state(positions, positions, triangles, {sheets, 3, roles});
-    std::vector<std::uint32_t> patch(triangles.size());
-    for (std::uint32_t t = 0; t < patch.size(); ++t) patch[t] = t;
-    const std::vector<char> locked(positions.size(), 0);
-    const std::vector<char> wanted(positions.size(), 1);
-    CollapseLimits limits;
-    limits.distance = distance;
-    const std::vector<CollapseLog> logs{collapse_edges(state, patch, {locked, wanted}, limits, 0)};
-    std::vector<glm::uvec3> left;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      if (state.gone[t] == 0) left.push_back(state.corners[t]);
-    }
-    std::vector<RestoredTriangle> changed;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      while (state.changed_by[t] != kNone) undo_collapse(state.changed_by[t], state, logs, changed);
-    }
-    EXPECT_EQ(state.corners, triangles);
-    return left;
+    return test::collapse_and_undo(state, std::vector<char>(positions.size(), 0), distance);
   }
 
   std::uint32_t length;
