@@ -81,8 +81,8 @@ class Simplifier {
   }
 
  private:
-  // Returns the number of undone collapses. `restored` are the triangles that came back since the last call and the last
-  // round; then holds those that this call brought back.
+  // Returns the number of undone collapses. `restored` are the triangles that came back since the last call and the
+  // last round; then holds those that this call brought back.
   Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored) {
     UndoneIntersections undone =
         TRY(undo_intersections(state_, logs_, restored, !patches_are_checked_, mesh_.name, context_));
@@ -387,7 +387,7 @@ class Simplifier {
   std::vector<char> refused_;  // vertices that must stay to keep the distance; empty: none
   std::vector<std::uint32_t> patch_of_;
   std::vector<CollapseLog> logs_;
-  std::uint64_t numbers_ = 0;  // collapses numbered so far
+  std::uint64_t numbers_ = 0;         // collapses numbered so far
   bool patches_are_checked_ = false;  // for intersections; a round needs a new check
   std::size_t left_;
   double farthest_squared_ = 0;  // largest squared distance of samples and new triangles

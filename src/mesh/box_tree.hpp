@@ -62,9 +62,7 @@ class BoxQuery {
 
  private:
   // The last lanes hold coordinates that pass.
-  [[nodiscard]] bool meets(const Float4& low, const Float4& high) const {
-    return !any4((low > high_) | (low_ > high));
-  }
+  [[nodiscard]] bool meets(const Float4& low, const Float4& high) const { return !any4((low > high_) | (low_ > high)); }
 
   Float4 low_;
   Float4 high_;

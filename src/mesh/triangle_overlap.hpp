@@ -34,9 +34,7 @@ struct CornerLanes {
   Float4 x, y, z;
 
   explicit CornerLanes(const std::array<glm::vec3, 3>& t)
-      : x{t[0].x, t[1].x, t[2].x, t[2].x},
-        y{t[0].y, t[1].y, t[2].y, t[2].y},
-        z{t[0].z, t[1].z, t[2].z, t[2].z} {}
+      : x{t[0].x, t[1].x, t[2].x, t[2].x}, y{t[0].y, t[1].y, t[2].y, t[2].y}, z{t[0].z, t[1].z, t[2].z, t[2].z} {}
 };
 
 // Rejects most pairs with a triangle by its plane, without a call of find_overlap().

@@ -52,9 +52,8 @@ class TriangleTree {
 
   // Returns the greatest squared distance of the points to one triangle; or, if that is above `enough_squared`, any of
   // the squared distances above it.
-  [[nodiscard]] double max_distance_squared(
-      std::uint32_t slot, std::span<const glm::dvec3> points,
-      double enough_squared = std::numeric_limits<double>::infinity()) const;
+  [[nodiscard]] double max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points,
+                                            double enough_squared = std::numeric_limits<double>::infinity()) const;
 
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
   // Returns the index in the constructor's `triangles` of the triangle in a slot.

@@ -29,6 +29,7 @@ class PatchCollapse : private PatchMesh {
     log_.first = first;
     version_.assign(vertices_.size(), 0);
     cheapest_.resize(vertices_.size());
+    waits_.assign(vertices_.size(), 0);
     sum_quadrics();
   }
 
@@ -41,6 +42,7 @@ class PatchCollapse : private PatchMesh {
       if (candidate.cost > limit_squared_) break;
       queue_.pop();
       if (candidate.version != version_[candidate.vertex]) continue;
+      waits_[candidate.vertex] = 0;
       try_to_remove(candidate);
     }
     return std::move(log_);
@@ -120,14 +122,17 @@ class PatchCollapse : private PatchMesh {
   void push_neighbor(std::uint32_t v, std::uint32_t removed, std::uint32_t to) {
     Target& cheapest = cheapest_[v];
     if (cheapest.vertex == kNone || cheapest.vertex == removed || cheapest.vertex == to) return push(v);
-    ++version_[v];
     if (fixed_[v] != 0) return;
-    cheapest.add({least_cost(v, to), to});
+    const Target other{least_cost(v, to), to};
+    if (waits_[v] != 0 && !(other.cost < cheapest.cost)) return;  // its candidate still holds
+    ++version_[v];
+    cheapest.add(other);
     queue(v);
   }
 
   void queue(std::uint32_t v) {
-    if (cheapest_[v].cost <= limit_squared_) queue_.push({cheapest_[v].cost, v, version_[v], kNone});
+    waits_[v] = cheapest_[v].cost <= limit_squared_ ? 1 : 0;
+    if (waits_[v] != 0) queue_.push({cheapest_[v].cost, v, version_[v], kNone});
   }
 
   void try_to_remove(const Candidate& candidate) {
@@ -462,7 +467,8 @@ class PatchCollapse : private PatchMesh {
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // counts changes around a vertex; candidates with an older version are void
-  std::vector<Target> cheapest_;  // when the vertex was pushed
+  std::vector<Target> cheapest_;        // when the vertex was pushed
+  std::vector<char> waits_;             // 1: the queue holds a candidate of the present version without a chosen target
   std::priority_queue<Candidate> queue_;
   Ring ring_;
   Ring pushed_;

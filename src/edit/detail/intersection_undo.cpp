@@ -38,9 +38,7 @@ mesh::FloatBox box_of(const CollapseState& state, std::uint32_t t) {
   return mesh::box_around(a, b, c);
 }
 
-bool has_area(const mesh::PlacedTriangle& t) {
-  return !mesh::are_collinear(t.corners[0], t.corners[1], t.corners[2]);
-}
+bool has_area(const mesh::PlacedTriangle& t) { return !mesh::are_collinear(t.corners[0], t.corners[1], t.corners[2]); }
 
 // Returns whether two triangles intersect and a collapse may be to blame. Copies of a triangle do not intersect.
 bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
@@ -49,7 +47,8 @@ bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
   if (mesh::PlaneFilter(corners_of(state, a)).is_apart(mesh::CornerLanes(corners_of(state, b)))) return false;
   const mesh::PlacedTriangle p = placed(state, a);
   const mesh::PlacedTriangle q = placed(state, b);
-  return mesh::find_overlap(p, q).meet && has_area(p) && has_area(q) && !std::ranges::is_permutation(p.corners, q.corners);
+  return mesh::find_overlap(p, q).meet && has_area(p) && has_area(q) &&
+         !std::ranges::is_permutation(p.corners, q.corners);
 }
 
 // Finds intersections between triangles that were changed last by different patches, or by one and by none. The guard
@@ -122,9 +121,7 @@ class PairsOfPatches {
       for (const std::uint32_t t : tree_.numbers_of(a)) look_at(t, tree_.numbers_of(b), found);
       return;
     }
-    const auto part = [&](std::size_t i) {
-      return [&, i] { between(a.child(i / 2), b.child(i % 2), found); };
-    };
+    const auto part = [&](std::size_t i) { return [&, i] { between(a.child(i / 2), b.child(i % 2), found); }; };
     if (is_large(a)) {
       tbb::parallel_invoke(part(0), part(1), part(2), part(3));
     } else {

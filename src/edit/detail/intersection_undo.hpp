@@ -20,10 +20,10 @@ struct UndoneIntersections {
 };
 
 // Undoes the last collapse of one of two intersecting triangles until all pairs left are of the original mesh, or were
-// counted as such by the guard. `restored` are the triangles that undone collapses brought back since the last check or,
-// if `is_first`, at all since edges were collapsed. Without `is_first`, looks only at their pairs. `logs` are sorted by
-// `first`; `name` is that of the mesh, for messages. The result does not depend on the number of threads. Fails with
-// ErrorCode::out_of_memory or ErrorCode::cancelled.
+// counted as such by the guard. `restored` are the triangles that undone collapses brought back since the last check
+// or, if `is_first`, at all since edges were collapsed. Without `is_first`, looks only at their pairs. `logs` are
+// sorted by `first`; `name` is that of the mesh, for messages. The result does not depend on the number of threads.
+// Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
 [[nodiscard]] Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
                                                              std::span<const RestoredTriangle> restored, bool is_first,
                                                              const std::string& name, const Context& context);

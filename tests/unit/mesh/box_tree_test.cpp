@@ -63,8 +63,8 @@ TEST(BoxFilter, BoundsDistancesFromBelow) {
     const auto point = [&] { return scale * glm::dvec3(part(random), part(random), part(random)) + place; };
     std::array<glm::vec3, 3> corners;
     for (glm::vec3& corner : corners) {
-      corner = glm::vec3(glm::clamp(point(), -double{std::numeric_limits<float>::max()},
-                                    double{std::numeric_limits<float>::max()}));
+      corner = glm::vec3(
+          glm::clamp(point(), -double{std::numeric_limits<float>::max()}, double{std::numeric_limits<float>::max()}));
     }
     const FloatBox box = box_around(corners[0], corners[1], corners[2]);
     const glm::dvec3 p = point();

@@ -120,7 +120,7 @@ Mesh flat_grid(unsigned n, const glm::vec3& right, const glm::vec3& up) {
 
 TEST(TriangleOverlapTest, MatchesRationalArithmetic) {
   std::map<std::pair<std::size_t, bool>, int> seen;  // shared corners, and whether they meet
-  std::array<int, 3> rejected{};  // by the plane of the first triangle, by shared corners
+  std::array<int, 3> rejected{};                     // by the plane of the first triangle, by shared corners
   for (const int size : {1, 2, 3, 8}) {
     const auto triangles = random_triangles(900, size, static_cast<unsigned>(size));
     for (std::size_t i = 0; i < triangles.size(); ++i) {
