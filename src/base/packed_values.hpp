@@ -46,7 +46,8 @@ class Unpacker {
   template <class T>
   [[nodiscard]] T get() {
     if constexpr (std::is_same_v<T, std::string>) {
-      const std::size_t size = std::min<std::size_t>(get<std::uint64_t>(), rest_.size());
+      const auto told = get<std::uint64_t>();
+      const auto size = std::min<std::size_t>(told, rest_.size());
       T text(rest_.substr(0, size));
       rest_.remove_prefix(size);
       return text;
