@@ -107,8 +107,31 @@ def measure(setting):
         if name in BESIDE:
             others.append(beside(setting, arguments, rounds, versions))
     commands = [f"simplify_peers.py box 220 {BOX}", *(row["command"] for row in rows)]
-    figures = {"bound_voxels": BOUND, "ladder": LADDER, "rounds": rounds, "rows": rows, "beside": others}
+    figures = {"bound_voxels": BOUND, "ladder": LADDER, "rounds": rounds, "rows": rows, "beside": others, "costs": earlier_costs()}
     return measured.finish([record.cores()], versions, commands, figures)
+
+
+def earlier_costs():
+    """The rows of the page that compare commits: measured once, by hand."""
+    file = record.ROOT / "docs" / "measurements" / f"{NAME}.json"
+    return json.loads(file.read_text())["figures"].get("costs", []) if file.exists() else []
+
+
+def costs_section(rows):
+    if not rows:
+        return ""
+    lines = [[f"`{row['commit']}`", f"`{row['input']}`", number(row["threads"]), number(row["triangles"]),
+              f"{row['cpu_seconds'][0]:.1f} to {row['cpu_seconds'][1]:.1f}", number(row["memory_mib"]),
+              number(row["bytes_a_triangle"])] for row in rows]
+    heads = ["commit", "mesh", "threads:", "triangles left:", "CPU, s:", "peak memory, MiB:", "bytes a triangle:"]
+    return f"""
+## What it costs, commit by commit
+
+CPU time and memory of the simplification alone, `--simplify {BOUND}`, optimised build, programs run in turn on two cores that others
+used too. So only rows of one mesh can be compared, and times of a machine at rest are lower.
+
+{table(heads, lines)}
+"""
 
 
 def kept(pair):
@@ -155,4 +178,4 @@ of {figures['rounds']}, each in a process of its own; for `gltfpack`, the npm pa
 run of it that simplifies nothing. The peers use one thread. None of them tells a distance, so none of their time went to one.
 
 {peers}
-"""
+{costs_section(figures.get("costs", []))}"""

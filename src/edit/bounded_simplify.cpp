@@ -399,7 +399,7 @@ std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& optio
   constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
   constexpr std::uint64_t kPatch =
       4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1 + IntersectionGuard::kTriangleBytes;
-  constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 25;
+  constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 14 * sizeof(double) + 5 * sizeof(std::uint32_t) + 26;
   const bool counted = options.triangles > 0;
   const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) + sizeof(MergedCorners) +
                                  std::max({kPlaces + kPatch, kProofTriangleBytes, counted ? kMeasureTriangleBytes : 0});
