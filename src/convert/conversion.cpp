@@ -45,10 +45,13 @@
 namespace isoextract::convert {
 namespace {
 
-// Returns whether the job writes one mesh file of one surface. Whether ranks can share others is not known before the
-// input is read.
-bool writes_one_mesh(const ConversionJob& job) {
-  return job.writes<MeshFileOptions>() != nullptr && job.outputs.size() == 1 && job.outputs.front().isos.size() == 1;
+// Returns whether the job writes one surface to one file of a format that takes meshes part by part. Whether ranks can
+// share it may depend on the input, too.
+bool writes_parts(const ConversionJob& job) {
+  const auto* meshes = job.writes<MeshFileOptions>();
+  const bool takes_parts = meshes != nullptr && !meshes->ascii && !meshes->packing.packs() &&
+                           (meshes->format == mesh_io::MeshFormat::ply || meshes->format == mesh_io::MeshFormat::glb);
+  return takes_parts && job.outputs.size() == 1 && job.outputs.front().isos.size() == 1;
 }
 
 class Conversion {
@@ -66,7 +69,7 @@ class Conversion {
         collector_(collector) {}
 
   Result<void> run() {
-    if (Ranks* ranks = this->ranks(); ranks != nullptr && !writes_one_mesh(job_)) {
+    if (Ranks* ranks = this->ranks(); ranks != nullptr && !writes_parts(job_)) {
       ranks->work_alone("an option or the output needs the whole mesh in one process");
       if (!ranks->is_first()) return leave_to_first_rank();
     }

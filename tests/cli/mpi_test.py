@@ -198,7 +198,8 @@ class VolumeTest(MpiTest):
                     ("nets.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "surface-nets"),
                     ("voxels.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "voxels"),
                     ("simple.ply", "an option", "demo:gyroid?size=40", "--iso", "0", "--simplify", "0.1"),
-                    ("small.glb", "the mesh is small", "demo:gyroid?size=20", "--iso", "0")):
+                    ("small.glb", "the mesh is small", "demo:gyroid?size=20", "--iso", "0"),
+                    ("text.obj", "an option", "demo:gyroid?size=20", "--iso", "0")):
                 with self.subTest(ranks=ranks, name=name):
                     self.assert_same(ranks, name, self.ALONE + why, *arguments)
 
