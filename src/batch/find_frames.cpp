@@ -84,12 +84,10 @@ Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>&
 Result<Frames> without_files(const files::FramePattern& pattern, const std::optional<FrameRange>& range,
                              const std::string& input) {
   if (!range) {
-    return fail(
-        ErrorCode::usage,
-        fmt::format(
-            "{}: expected the numbers of the frames, because no files tell how many a demo field has",
-            printable(input)),
-        {Remedy::give, Setting::frames});
+    return fail(ErrorCode::usage,
+                fmt::format("{}: expected the numbers of the frames, because no files tell how many a demo field has",
+                            printable(input)),
+                {Remedy::give, Setting::frames});
   }
   Frames frames;
   for (const std::int64_t number : range->numbers()) frames.frames.push_back({number, pattern.expand(number), {}});
@@ -317,8 +315,9 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
     if (fs::exists(status) && (!is_folder || volume_io::is_volume_folder(input, Context()))) continue;
     if (volume_io::find_inner_path(input)) continue;
     if (!fs::exists(status) && is_file_name(input) && input.find_first_of("./{#*") == std::string::npos) {
-      return fail(ErrorCode::usage, fmt::format("{}: expected a file as one of {} inputs, found no file of this name",
-                                                printable(input), inputs.size()),
+      return fail(ErrorCode::usage,
+                  fmt::format("{}: expected a file as one of {} inputs, found no file of this name", printable(input),
+                              inputs.size()),
                   "if the word belongs to an option's value, quote the whole value");
     }
     bool several = is_folder;
@@ -360,9 +359,9 @@ std::optional<std::string> find_one_volume(std::span<const std::string> inputs) 
     if (!entry.is_directory(none) && extensions.contains(fs::path(name).extension().string())) beside.push_back(name);
   });
   if (!listed) return std::nullopt;
-  const bool is_any_missing =
-      std::ranges::count_if(beside, [&](const std::string& name) { return names.contains(name); }) !=
-      static_cast<std::ptrdiff_t>(names.size());
+  const bool is_any_missing = std::ranges::count_if(beside, [&](const std::string& name) {
+                                return names.contains(name);
+                              }) != static_cast<std::ptrdiff_t>(names.size());
   if (is_any_missing) return std::nullopt;
   const std::vector<Sequence> sequences = sequences_of(inputs);
   if (sequences.size() == 1 && volume_io::has_picture_extension(inputs.front())) {
@@ -377,7 +376,7 @@ std::optional<std::string> find_one_volume(std::span<const std::string> inputs) 
   }
   const std::string path = folder.empty() ? "." : folder;
   return beside.size() == names.size() && volume_io::is_volume_folder(path, Context()) ? std::optional(path)
-                                                                                         : std::nullopt;
+                                                                                       : std::nullopt;
 }
 
 std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames) {

@@ -219,8 +219,9 @@ Result<void> IsoTable::check_covers(std::span<const std::int64_t> frames) const 
   if (missing.empty()) return {};
   std::ranges::sort(missing);
   missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
-  return fail(ErrorCode::input, fmt::format("{}: expected a row for every frame, found none for {}", name_,
-                                            text_of(runs_of(missing), kShownFrames)),
+  return fail(ErrorCode::input,
+              fmt::format("{}: expected a row for every frame, found none for {}", name_,
+                          text_of(runs_of(missing), kShownFrames)),
               "add a row for each of these frames");
 }
 

@@ -38,12 +38,12 @@ class Findings {
     tell_shading();
     if (slicers_.empty()) {
       const std::uint64_t touching = check_.topology.nonmanifold_vertices;
-      slicer(
-          touching == 0
-              ? "It needs no repair: the mesh is closed, manifold, faces outward and does not intersect itself."
-              : fmt::format("It needs no repair: the mesh is closed, faces outward and does not intersect itself; surfaces "
-                            "touch at {}, which slicers accept.",
-                            amount(touching, "vertex", "vertices")));
+      slicer(touching == 0
+                 ? "It needs no repair: the mesh is closed, manifold, faces outward and does not intersect itself."
+                 : fmt::format(
+                       "It needs no repair: the mesh is closed, faces outward and does not intersect itself; surfaces "
+                       "touch at {}, which slicers accept.",
+                       amount(touching, "vertex", "vertices")));
     }
     tell_size();
     slicers_.insert(slicers_.end(), engines_.begin(), engines_.end());
@@ -87,8 +87,9 @@ class Findings {
       engine("It shows the inside of components that are inside out, if it draws only one side of triangles.");
     }
     if (const std::uint64_t undecided = check_.count(Shell::undecided); undecided > 0) {
-      slicer(fmt::format("It treats {} within an open component as cavities; close the mesh to find out whether they are.",
-                         amount(undecided, "component that faces inward", "components that face inward")));
+      slicer(
+          fmt::format("It treats {} within an open component as cavities; close the mesh to find out whether they are.",
+                      amount(undecided, "component that faces inward", "components that face inward")));
     }
     if (check_.topology.misoriented_edges > 0) {
       engine(fmt::format("It does not draw some triangles: neighbors have opposite winding at {}.",
@@ -115,7 +116,8 @@ class Findings {
   }
 
   void tell_bodies() {
-    const std::uint64_t bodies = check_.components.size() - check_.count(Shell::cavity) - check_.count(Shell::undecided);
+    const std::uint64_t bodies =
+        check_.components.size() - check_.count(Shell::cavity) - check_.count(Shell::undecided);
     if (bodies > 1) {
       std::uint64_t smallest = check_.triangles;
       for (const check::Component& component : check_.components) {

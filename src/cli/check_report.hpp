@@ -31,8 +31,8 @@ struct CheckReport {
 };
 
 // Returns why the file does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. Where a file
-// holds several meshes, each must meet it by itself, as a conversion with --require tests them: neighbors of a label map
-// have the triangles between them twice.
+// holds several meshes, each must meet it by itself, as a conversion with --require tests them: neighbors of a label
+// map have the triangles between them twice.
 [[nodiscard]] std::optional<std::string> unmet_reason(check::Requirement requirement, const CheckReport& report);
 
 // A consequence of the mesh's properties for a slicer or a game engine.

@@ -78,7 +78,8 @@ constexpr std::array kGuide{
               "Check the placement of the volume of the attribute."},
     NoteGuide{attribute_placement, "The volume of an attribute has another placement than the input.",
               "Check that both volumes are in the same world coordinates."},
-    NoteGuide{attribute_renamed, "The format does not allow the attribute's name, or another one has it, so the writer changes it.", ""},
+    NoteGuide{attribute_renamed,
+              "The format does not allow the attribute's name, or another one has it, so the writer changes it.", ""},
     NoteGuide{
         cell_size,
         "The samples are closer together than usual, to keep small spheres. Or some spheres are too small for the "
@@ -93,7 +94,8 @@ constexpr std::array kGuide{
     NoteGuide{labels_empty, "The file names labels that no sample has.", "None: they have no mesh."},
     NoteGuide{labels_lost, "The coarser grid has no sample of some labels.", "Choose a finer grid."},
     NoteGuide{labels_small, "Some labels have fewer voxels than --labels-min-voxels, and so no mesh.", ""},
-    NoteGuide{labels_unmatched, "A range or pattern of --labels matches no label of the file; with --empty also a number or a name.",
+    NoteGuide{labels_unmatched,
+              "A range or pattern of --labels matches no label of the file; with --empty also a number or a name.",
               "'isoextract info' lists the names."},
     NoteGuide{level_set_interpolated,
               "A written level set has interpolated values and the narrow band of the input, which is too narrow for "

@@ -45,15 +45,6 @@
 namespace isoextract::convert {
 namespace {
 
-// Returns whether the job writes one surface to one file of a format that takes meshes part by part. Whether ranks can
-// share it may depend on the input, too.
-bool writes_parts(const ConversionJob& job) {
-  const auto* meshes = job.writes<MeshFileOptions>();
-  const bool takes_parts = meshes != nullptr && !meshes->ascii && !meshes->packing.packs() &&
-                           (meshes->format == mesh_io::MeshFormat::ply || meshes->format == mesh_io::MeshFormat::glb);
-  return takes_parts && job.outputs.size() == 1 && job.outputs.front().isos.size() == 1;
-}
-
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
@@ -233,10 +224,8 @@ class Conversion {
     open_ = made.open;
     outcome_.bytes_uploaded += made.bytes_uploaded;
     std::ranges::move(made.lost, std::back_inserter(lost_));
-    if (!made.surface && made.surface.error().code == ErrorCode::out_of_memory && needs_whole_meshes_ &&
-        !source_.of_meshes && !labels_) {
-      made.surface.error().hint.steps.emplace_back(
-          "PLY and GLB files take a mesh in parts, unless edits, attributes, measurements or a report need it whole");
+    if (!made.surface && needs_whole_meshes_ && !source_.of_meshes && !labels_) {
+      add_partwise_hint(made.surface.error());
     }
     auto surface = TRY(std::move(made.surface));
     if (!surface) return {};
@@ -329,8 +318,7 @@ class Conversion {
         looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background, job_.source.roi.has_value());
     const bool asks_for_all = source_.isos.front().asked.kind == IsoChoice::Kind::all_labels;
     if (asks_for_all && missing) events_.note(*missing);
-    chosen_ = TRY(
-        choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, job_.empty, source_.label));
+    chosen_ = TRY(choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, job_.empty, source_.label));
     for (const Note& note : chosen_.notes) events_.note(note);
     // Of several layers, some may have none of the labels.
     if (is_layered_ || !chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};

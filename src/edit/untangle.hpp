@@ -32,7 +32,7 @@ struct UntangleOptions {
 struct UntangleFigures {
   std::uint64_t pairs_before = 0;  // intersecting pairs of triangles (mesh/self_intersections.hpp), counted up to 2^20
   std::uint64_t pairs_after = 0;   // counted up to 2^20
-  bool more_before = false;  // there were more pairs than pairs_before, which is the limit of the search
+  bool more_before = false;        // there were more pairs than pairs_before, which is the limit of the search
   std::uint64_t flips = 0;         // flipped edges
   std::uint64_t moved = 0;         // moved vertices
   double greatest_move = 0;        // in the space of UntangleOptions::to_metric

@@ -106,8 +106,9 @@ Result<ContentState> hash_part(const FilePart& part, const Context& context) {
   for (const ByteRange& range : part.ranges) {
     const std::uint64_t found = file.size() - std::min(file.size(), range.offset);
     if (found < range.bytes) {
-      return fail(ErrorCode::input, fmt::format("{}: expected {} bytes from byte {} on, found {}: the file became shorter during the run", file.name(),
-                                                range.bytes, range.offset, found));
+      return fail(ErrorCode::input,
+                  fmt::format("{}: expected {} bytes from byte {} on, found {}: the file became shorter during the run",
+                              file.name(), range.bytes, range.offset, found));
     }
     TRY(add_range(file, range, hasher));
   }

@@ -61,7 +61,7 @@ class BoxQuery {
   }
 
  private:
-  // The last lanes hold coordinates that pass.
+  // Returns whether the boxes meet; the last lanes hold coordinates that pass.
   [[nodiscard]] bool meets(const Float4& low, const Float4& high) const { return !any4((low > high_) | (low_ > high)); }
 
   Float4 low_;

@@ -48,9 +48,8 @@ struct TriangleBound {
 
 // Bounds the distance of a triangle from the surface in `tree`. `known` is a distance already found at another
 // triangle, or 0: an upper end up to limits.accepted_upper(known) is accepted, however wide the interval. `hint` is a
-// slot of the tree, preferably near. `others` are slots that may be near parts of the triangle, if it is known that
-// neither they nor the hint are within limits.enough of all of it: they save searches, and the lower end of the
-// interval may be lower.
+// slot of the tree, preferably near. `others` are slots that may be near parts of the triangle; neither they nor the
+// hint may be within limits.enough of all of it. They save searches, but the lower end of the interval may be lower.
 //
 // Computes in double and ignores rounding: about 1e-16 of the coordinates, up to 1e-8 of the size of an almost
 // degenerate triangle.

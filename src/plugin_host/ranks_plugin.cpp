@@ -115,7 +115,7 @@ Result<std::unique_ptr<RankLink>> join_ranks(const LaunchedRank& launched, Plugi
     return fail(
         ErrorCode::unavailable,
         fmt::format("{}: the launcher started {} processes, but MPI connects {}", label, launched.size, own.size),
-        fmt::format("use the launcher that belongs to the MPI of the plug-in (with Slurm: srun --mpi=pmix); {}",
+        fmt::format("use the launcher that belongs to the MPI of the plug-in (with Slurm: the type pmix of srun); {}",
                     alone));
   }
   return std::make_unique<PluginLink>(plugin, own);

@@ -174,7 +174,8 @@ struct ConvertFlags : OptionSet {
       parse_attribute,
       "Attribute for the vertices, interpolated. Several times for several attributes. FROM is an attribute of the "
       "particles, another grid of the file (velocity[x], or velocity for all components), another file, or a grid of "
-      "another file: FILE.vdb[GRID]; without FROM it has the same NAME. With '?' an input that lacks it is converted without "
+      "another file: FILE.vdb[GRID]; without FROM it has the same NAME. With '?' an input that lacks it is converted "
+      "without "
       "it. KIND is scalar, color, vector, point or normal; vectors, points and normals turn and scale with the mesh. "
       "Without KIND the file decides, then the name (v, velocity, N, Cd, P, ...). KEY is spacing or origin, for a file "
       "that states none and differs in shape from the input; nodata, in place of --nodata; volume or component, for a "

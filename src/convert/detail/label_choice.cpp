@@ -19,8 +19,7 @@ namespace {
 std::string hint_of_names(const std::string& given, const std::vector<std::string>& names) {
   constexpr std::size_t kMostTold = 12;
   if (names.empty()) return "";
-  const auto same =
-      std::ranges::find(names, to_lower(given), [](const std::string& name) { return to_lower(name); });
+  const auto same = std::ranges::find(names, to_lower(given), [](const std::string& name) { return to_lower(name); });
   const std::string near = same != names.end() ? *same : nearest_name(given, names);
   if (!near.empty()) return fmt::format("did you mean '{}'?", printable(near));
   std::vector<std::string> told;

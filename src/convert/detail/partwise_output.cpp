@@ -19,6 +19,19 @@ bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
 
 }  // namespace
 
+bool writes_parts(const ConversionJob& job) {
+  const auto* meshes = job.writes<MeshFileOptions>();
+  const bool takes_parts = meshes != nullptr && !meshes->ascii && !meshes->packing.packs() &&
+                           (meshes->format == mesh_io::MeshFormat::ply || meshes->format == mesh_io::MeshFormat::glb);
+  return takes_parts && job.outputs.size() == 1 && job.outputs.front().isos.size() == 1;
+}
+
+void add_partwise_hint(Error& error) {
+  if (error.code != ErrorCode::out_of_memory) return;
+  error.hint.steps.emplace_back(
+      "PLY and GLB files take a mesh in parts, unless edits, attributes, measurements or a report need it whole");
+}
+
 std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source, const SurfaceList& all,
                                                 const SurfaceId& id, mesh_io::MeshWriter& writer, Ranks* ranks) {
   if (needs_whole_mesh(job, source)) return nullptr;

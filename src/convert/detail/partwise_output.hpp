@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/source.hpp"
 #include "convert/stages/vertex_colors.hpp"
@@ -34,9 +35,16 @@ class PartwiseOutput final : public mesh::MeshSink {
   Ranks* ranks_;
 };
 
+// Returns whether the job writes one surface to one file of a format that takes meshes part by part. Whether ranks can
+// share it may depend on the input, too.
+[[nodiscard]] bool writes_parts(const ConversionJob& job);
+
+// If a surface failed for lack of memory, adds to its hint which files take a mesh in parts.
+void add_partwise_hint(Error& error);
+
 // Returns a sink that writes the surface `id` as the only mesh of the writer's file. Returns null if a stage of the job
-// needs the whole mesh, or if the job writes no mesh file. `ranks` write the file together; may be null. `all` lists the
-// surfaces of the grid. `job`, `source`, `all` and the writer must outlive the sink.
+// needs the whole mesh, or if the job writes no mesh file. `ranks` write the file together; may be null. `all` lists
+// the surfaces of the grid. `job`, `source`, `all` and the writer must outlive the sink.
 [[nodiscard]] std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source,
                                                               const SurfaceList& all, const SurfaceId& id,
                                                               mesh_io::MeshWriter& writer, Ranks* ranks);

@@ -35,10 +35,9 @@ std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& cho
   if (steps.empty()) steps.emplace_back("nothing to do");
   if (facts.holes_left > 0) {
     const std::string all = counted(facts.holes_left, "hole");
-    steps.push_back(facts.holes_too_long == 0
-                        ? fmt::format("left {} open", all)
-                        : fmt::format("left {} open, {} of more than {} edges", all, facts.holes_too_long,
-                                      choice.most_hole_edges));
+    steps.push_back(facts.holes_too_long == 0 ? fmt::format("left {} open", all)
+                                              : fmt::format("left {} open, {} of more than {} edges", all,
+                                                            facts.holes_too_long, choice.most_hole_edges));
   }
   if (facts.contradictions > 0) {
     steps.push_back(fmt::format("{} of one-sided patches stay", counted(facts.contradictions, "edge")));
@@ -82,8 +81,8 @@ Result<StageReport> repair_surface(Surface& surface, const StageContext& stage) 
                     {Key::verdict, verdict}},
                    facts.time);
   report.did = "repaired";
-  report.lines.push_back({fmt::format("repaired{}: {}; then {}; {:.2f} s", surface.id.place(), steps_text(facts, *choice),
-                                      verdict, facts.time.wall_seconds)});
+  report.lines.push_back({fmt::format("repaired{}: {}; then {}; {:.2f} s", surface.id.place(),
+                                      steps_text(facts, *choice), verdict, facts.time.wall_seconds)});
   return report;
 }
 

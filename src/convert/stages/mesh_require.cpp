@@ -35,17 +35,17 @@ Result<mesh::Mesh> welded_copy(const mesh::Mesh& mesh, const Context& context) {
 
 std::string line_of(const edit::UntangleFigures& done, const Surface& surface, const Source& source) {
   const std::string place = surface.id.place();
-  if (done.pairs_before == 0)
-    return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
+  if (done.pairs_before == 0) return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
   std::string moved = "no vertices moved";
   if (done.moved > 0) {
     moved = fmt::format("{} vertices moved by at most {:.3g} {}", done.moved, done.greatest_move,
                         source.of_meshes ? "typical edge lengths" : "voxels");
   }
-  return fmt::format("untangled{}: {} of {}{} pairs of intersecting triangles left; {} edges flipped, {} in {} rounds; "
-                     "{:.2f} s",
-                     place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, moved, done.rounds,
-                     done.time.wall_seconds);
+  return fmt::format(
+      "untangled{}: {} of {}{} pairs of intersecting triangles left; {} edges flipped, {} in {} rounds; "
+      "{:.2f} s",
+      place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, moved, done.rounds,
+      done.time.wall_seconds);
 }
 
 bool requires_one(const ConversionJob& job, check::Requirement one) {

@@ -57,7 +57,7 @@ std::uint64_t wanted(const TriangleCount& count, std::uint64_t there) {
 struct ComponentCount {
   std::uint64_t components = 0;
   std::uint64_t cavities = 0;  // closed components that face inward
-  std::uint64_t outside = 0;  // cavities inside no body: an even number of closed components around them
+  std::uint64_t outside = 0;   // cavities inside no body: an even number of closed components around them
 };
 
 // Counts components before and after each simplification. Cheaper than measure_components(), which also examines edges

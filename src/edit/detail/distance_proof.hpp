@@ -31,7 +31,7 @@ struct Proof {
   int passes = 0;  // measurements; the first covers the whole mesh
 };
 
-// What a proof found. A later proof of the same state then measures only what undone collapses changed.
+// The distances that a proof found. A later proof of the same state then measures only what undone collapses changed.
 struct ProvenDistances {
   std::vector<DistanceBounds> original;    // of each original triangle to the simplified mesh; empty: none measured yet
   std::vector<RestoredTriangle> restored;  // by collapses undone after the proof, or by the proof itself

@@ -128,7 +128,8 @@ class TopologyReader {
   static void check_range(const glm::ivec3& origin) {
     for (int axis = 0; axis < 3; ++axis) {
       if (origin[axis] >= -field::kMaxSparseIndex && origin[axis] < field::kMaxSparseIndex) continue;
-      throw UnsupportedVdb(fmt::format("expected voxel indices from -2^29 to 2^29 - 1 along {}, found {}", "xyz"[axis], origin[axis]));
+      throw UnsupportedVdb(
+          fmt::format("expected voxel indices from -2^29 to 2^29 - 1 along {}, found {}", "xyz"[axis], origin[axis]));
     }
   }
 
