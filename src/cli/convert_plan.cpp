@@ -257,7 +257,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   }
   auto outputs = TRY(plan_outputs(flags, {&source, 1}, format.format, other_files(flags, {&source, 1}, report)));
   plan->job.outputs = std::move(outputs.front());
-  plan->make_folders = flags.output && flags.output->ends_with('/');
+  plan->make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
   return plan;
 }
 

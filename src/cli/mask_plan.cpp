@@ -63,7 +63,9 @@ Result<std::vector<std::string>> find_masks(std::span<const std::string> inputs,
       return refuse_usage(fmt::format("{}: expected each mask once, found this input twice", printable(input)));
     }
   }
-  return std::vector(inputs.begin(), inputs.end());
+  std::vector<std::string> masks(inputs.begin(), inputs.end());
+  std::ranges::sort(masks, files::NaturalLess());
+  return masks;
 }
 
 std::string name_of_masks(std::span<const std::string> masks) {
@@ -90,6 +92,7 @@ Result<void> take_masks(ConvertFlags& flags) {
   TRY(refuse(flags.labels.background, "the background of masks is 0"));
   TRY(refuse(flags.labels.names, "the files of the masks give the names"));
   for (const Option* option : flags.batch.options()) {
+    if (option == &flags.batch.make_folders) continue;
     TRY(refuse(*option, "all inputs are one conversion, not a sequence"));
   }
   if (!flags.labels.chosen) flags.labels.chosen = std::vector{convert::IsoChoice::all_labels()};

@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <csignal>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -64,9 +63,7 @@ Result<int> run_arguments(const std::vector<std::string>& arguments) {
 // Removes unfinished files and says so, then ends the process by the signal's default action. Calls only functions that
 // are safe in a signal handler.
 extern "C" void on_end(int signal) {
-  constexpr std::string_view kTold = "\nisoextract: interrupted; it has removed unfinished output\n";
   files::OutputFile::remove_unfinished();
-  [[maybe_unused]] const auto told = ::write(STDERR_FILENO, kTold.data(), kTold.size());
   tell_ended_by_signal();
   std::signal(signal, SIG_DFL);
   std::raise(signal);

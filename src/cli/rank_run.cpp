@@ -43,6 +43,7 @@ std::unique_ptr<Joined>& joined() {
   return one;
 }
 
+std::atomic<bool> is_rank{false};           // this process is one of several ranks
 std::atomic<bool> speaks_for_ranks{false};  // this is rank 0 of several
 
 int report(const Error& error) {
@@ -132,6 +133,7 @@ int run_on_ranks(const std::vector<std::string>& arguments, const std::function<
   if (!link) return report(link.error());
   joined() = std::make_unique<Joined>(std::move(*link));
   Ranks& ranks = joined()->ranks;
+  is_rank = true;
   speaks_for_ranks = ranks.is_first();
   const auto code = guarded([&]() -> Result<int> {
     TRY(meet(*joined(), arguments));
@@ -181,11 +183,13 @@ std::string imbalance_text(const std::vector<double>& seconds) {
 }
 
 void tell_ended_by_signal() noexcept {
-  if (!speaks_for_ranks) return;
-  constexpr std::string_view kText =
+  constexpr std::string_view kAlone = "\nisoextract: interrupted; it has removed unfinished output\n";
+  constexpr std::string_view kOfRanks =
       "isoextract: error: a signal ended the run; mpirun sends one to all ranks if one of them ends early\n"
       "  hint: no file is incomplete; --resume continues a sequence\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText.data(), kText.size());
+  if (is_rank && !speaks_for_ranks) return;
+  const std::string_view text = is_rank ? kOfRanks : kAlone;
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
 Result<void> agree(const std::string& same) {

@@ -38,8 +38,8 @@ void share_machine();
 [[nodiscard]] double imbalance_of(const std::vector<double>& seconds);
 [[nodiscard]] std::string imbalance_text(const std::vector<double>& seconds);
 
-// Writes a message if this is the first of several ranks. For handlers of signals that end the process:
-// async-signal-safe.
+// Writes that a signal ends the run, unless this is a rank other than the first. For handlers of signals that end the
+// process: async-signal-safe.
 void tell_ended_by_signal() noexcept;
 
 // Fails at all ranks if `same`, such as the hash of a plan, differs between them. Returns at once if this process is

@@ -55,7 +55,7 @@ SettingWords setting_words(Setting setting) {
     case Setting::parts: return {{"--roi X0,Y0,Z0,X1,Y1,Z1"}, " to extract the volume in parts"};
     case Setting::clip: return {{"--clip NX,NY,NZ,D"}, ""};
     case Setting::cap: return {{"--cap"}, ", which closes the surface at the faces of the volume"};
-    case Setting::repair: return {{"--repair"}, ", which fills holes"};
+    case Setting::repair: return {{"--repair"}, ", which welds, orients, removes duplicates and fills holes"};
     case Setting::hole_edges: return {{"--repair EDGES"}, ", to fill longer holes"};
     case Setting::nan_policy: return {{"--nan POLICY"}, ""};
     case Setting::empty_policy: return {{"--empty skip", "--empty write"}, " if an empty surface is no error"};

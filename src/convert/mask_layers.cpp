@@ -195,7 +195,7 @@ Result<Mask> read_mask(const std::string& path, const volume_io::ReadOptions& op
     return fail(ErrorCode::input,
                 fmt::format("{}: expected the grid of {}, {}; found {}", label, field_label(*grid), grid_text(*grid),
                             grid_text(mask.field)),
-                "all masks need one grid; convert this one in a run of its own");
+                "all masks need one grid; convert the masks of each grid in a run of their own");
   }
   mask.found = TRY(field::visit_sample_type(mask.field.type(), [&]<class T>(std::type_identity<T> /*type*/) {
     return scan_mask<T>(label, mask.field, occupied);

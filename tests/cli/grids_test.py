@@ -162,7 +162,7 @@ class GridsTest(ProgramTest):
 
     def test_voxels_beyond_the_limit_are_not_supported_and_no_damage(self):
         self.write("out.vdb", grid("out", {(600_000_000, 0, 0): 1.0}))
-        self.assert_fails(2, self.run_program("out.vdb", "--iso", "0.5"), "not supported: voxels at index", "2^29")
+        self.assert_fails(2, self.run_program("out.vdb", "--iso", "0.5"), "not supported: expected voxel indices from -2^29 to 2^29 - 1 along x")
 
     def test_an_empty_grid_is_told_from_a_file_that_cannot_be_read(self):
         self.write("empty.vdb", grid("nothing"))

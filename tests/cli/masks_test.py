@@ -186,12 +186,33 @@ class MasksTest(ProgramTest):
         meshes, run = self.meshes("seg", "--masks", "--labels", "kidney*")
         self.assertEqual(list(meshes), ["kidney_left", "kidney_right"])
         self.assertNotIn("labels-unmatched", run.err)
-        meshes, run = self.meshes("seg", "--masks", "--labels", "aorta,spleen")
+        self.assert_fails(2, self.run_program("seg", "--masks", "--labels", "aorta,kidny_left", "-o", "none.glb"),
+                          "no label is 'kidny_left'", "did you mean 'kidney_left'?")
+        meshes, run = self.meshes("seg", "--masks", "--labels", "aorta,spleen", "--empty", "skip")
         self.assertEqual(list(meshes), ["aorta"])
-        self.assertEqual(run.err.count("no label is 'spleen'"), run.err.count("note[labels-unmatched]"))
+        self.assertIn("no label is 'spleen'", run.err)
         meshes, _ = self.meshes("seg", "--masks", "--labels", "2")
         self.assertEqual(list(meshes), ["kidney_left"])
-        self.assert_fails(2, self.run_program("seg", "--masks", "--labels", "spleen", "-o", "none.glb"), "the choice includes none of")
+        self.assert_fails(2, self.run_program("seg", "--masks", "--labels", "spleen", "-o", "none.glb"), "no label is 'spleen'", "the names are ")
+
+    def test_an_empty_mask_by_its_name_is_an_error(self):
+        self.write_balls()
+        self.write("gallbladder.nii", np.zeros_like(self.left))
+        run = self.run_program("seg", "--masks", "--labels", "gallbladder,kidney_left", "-o", "none.glb")
+        self.assert_fails(2, run, "no sample has the label 'gallbladder'", "--empty skip")
+
+    def test_numbers_follow_natural_order_in_a_list_too(self):
+        for name, mask in (("10", self.left), ("2", self.box), ("1", self.right)):
+            self.write(f"{name}.nii", mask)
+        folder, _ = self.meshes("seg", "--masks", "--labels", "2")
+        listed, _ = self.meshes("seg/1.nii", "seg/10.nii", "seg/2.nii", "--masks", "--labels", "2")
+        self.assertEqual((list(folder), list(listed)), (["2"], ["2"]))
+
+    def test_missing_folders_are_made_on_request(self):
+        self.write_balls()
+        self.assert_fails(4, self.run_program("seg", "--masks", "-o", "made/{name}.stl"), "made")
+        self.convert("seg", "--masks", "-o", "made/{name}.stl", "--mkdir")
+        self.assertEqual(sorted(path.name for path in (self.folder / "made").iterdir()), ["kidney_left.stl", "kidney_right.stl"])
 
     def test_a_file_for_each_mask(self):
         self.write_balls()

@@ -51,6 +51,15 @@ class PrintableTest(ProgramTest):
         self.assert_fails(6, run, "the mesh fails closed: ", "give a larger --repair EDGES")
         self.assertRegex(self.convert("open.ply", "--repair=4", "-o", "out.ply").err, r"left \d+ holes open, \d+ of more than 4 edges")
 
+    def test_a_mesh_that_repair_helps_is_told_so(self):
+        self.convert("demo:sphere?size=12", "--iso", "0", "-o", "ball.obj")
+        text = (self.folder / "ball.obj").read_text()
+        lines = [" ".join([line.split()[0], *line.split()[:0:-1]]) if line.startswith("f ") else line for line in text.splitlines()]
+        (self.folder / "turned.obj").write_text("\n".join(lines) + "\n")
+        run = self.run_program("turned.obj", "--require", "printable", "-o", "out.stl")
+        self.assert_fails(6, run, "the mesh fails outward: 1 component inside out", "use --repair")
+        self.convert("turned.obj", "--require", "printable", "--repair", "-o", "out.stl")
+
     def test_met_requirements_change_nothing(self):
         for edit in (("--triangles", "500"), ("--smooth", "10"), ("--clip", "1,2,3,0.1")):
             self.convert("demo:torus?size=24", "--iso", "0", "--cap", *edit, "-o", "a.ply")

@@ -44,7 +44,13 @@ Result<void> select(const std::string& text, const LabelAppearance& looks, Empty
   std::vector<std::string> terms;
   for (const LabelSelection::UnmatchedTerm& term : selection->unmatched()) {
     if (term.is_one_label && empty == EmptyPolicy::error) {
-      Hint hint(hint_of_names(term.text, looks.names()));
+      const std::vector<std::string> names = looks.names();
+      if (std::ranges::find(names, term.text) != names.end()) {
+        return fail(ErrorCode::no_surface,
+                    fmt::format("{}: no sample has the label '{}'", source, printable(term.text)),
+                    {Remedy::use, Setting::empty_policy});
+      }
+      Hint hint(hint_of_names(term.text, names));
       hint.steps.emplace_back(Remedy::use, Setting::empty_policy);
       return fail(ErrorCode::no_surface, fmt::format("{}: no label is '{}'", source, printable(term.text)),
                   std::move(hint));

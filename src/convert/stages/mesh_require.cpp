@@ -1,5 +1,7 @@
 // The stages that make a surface what --require asks for, and test it.
 #include <algorithm>
+#include <array>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -52,12 +54,19 @@ bool requires_one(const ConversionJob& job, check::Requirement one) {
   return std::ranges::find(job.edits.require, one) != job.edits.require.end();
 }
 
-// What closes the surface, if that is known.
-Hint closing_hint(const Surface& surface, const StageContext& stage) {
-  if (stage.source.of_meshes) {
-    return stage.job.edits.repair ? Hint(Remedy::raise, Setting::hole_edges) : Hint(Remedy::use, Setting::repair);
+// Returns the option that helps the mesh to meet requirements, if one is known.
+Hint hint_for(std::span<const check::Requirement> unmet, const Surface& surface, const StageContext& stage) {
+  using Requirement = check::Requirement;
+  const auto lacks = [&](Requirement one) { return std::ranges::find(unmet, one) != unmet.end(); };
+  if (!stage.source.of_meshes) {
+    return lacks(Requirement::closed) && surface.end.at_data_boundary ? Hint(Remedy::use, Setting::cap) : Hint();
   }
-  return surface.end.at_data_boundary ? Hint(Remedy::use, Setting::cap) : Hint();
+  if (stage.job.edits.repair) {
+    return lacks(Requirement::closed) ? Hint(Remedy::raise, Setting::hole_edges) : Hint();
+  }
+  constexpr std::array kRepaired{Requirement::closed, Requirement::oriented, Requirement::outward,
+                                 Requirement::no_zero_area, Requirement::no_duplicates};
+  return std::ranges::any_of(kRepaired, lacks) ? Hint(Remedy::use, Setting::repair) : Hint();
 }
 
 }  // namespace
@@ -101,20 +110,21 @@ Result<StageReport> require_properties(Surface& surface, const StageContext& sta
   } else {
     found = TRY(check::check_mesh(surface.mesh, stage.context));
   }
-  std::vector<std::string_view> unmet;
+  std::vector<check::Requirement> unmet;
+  std::vector<std::string_view> words;
   std::vector<std::string> reasons;
   for (const check::Requirement one : required) {
     const auto reason = check::unmet_reason(one, found);
     if (!reason) continue;
-    unmet.push_back(word_of(one));
+    unmet.push_back(one);
+    words.push_back(word_of(one));
     if (std::ranges::find(reasons, *reason) == reasons.end()) reasons.push_back(*reason);
   }
   if (unmet.empty()) return StageReport();
-  const bool is_open = std::ranges::find(unmet, word_of(check::Requirement::closed)) != unmet.end();
   return fail(ErrorCode::verification,
-              fmt::format("{}: the mesh fails {}: {}", stage.subject(surface), fmt::join(unmet, ", "),
+              fmt::format("{}: the mesh fails {}: {}", stage.subject(surface), fmt::join(words, ", "),
                           fmt::join(reasons, "; ")),
-              is_open ? closing_hint(surface, stage) : Hint());
+              hint_for(unmet, surface, stage));
 }
 
 }  // namespace isoextract::convert

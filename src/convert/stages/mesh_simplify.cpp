@@ -306,6 +306,7 @@ StageTime share_of(const StageTime& time, std::uint64_t part, std::uint64_t whol
 
 // Returns the line that tells by how much the volume of a label changes most.
 StageReport::Line line_of_volumes(std::span<const HeldLabel> labels, std::span<const double> before) {
+  constexpr double kLeast = 1e-6;  // less is rounding
   std::size_t most = 0;
   double greatest = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
@@ -315,7 +316,7 @@ StageReport::Line line_of_volumes(std::span<const HeldLabel> labels, std::span<c
     most = i;
     greatest = change;
   }
-  if (greatest == 0) return {"no label changed its volume"};
+  if (std::abs(greatest) < kLeast) return {"no label changed its volume"};
   return {fmt::format("the volume changed most at {}: {:.3g} % {}", labels[most].surface->id.name(),
                       100 * std::abs(greatest), greatest > 0 ? "more" : "less")};
 }

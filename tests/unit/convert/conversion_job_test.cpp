@@ -77,6 +77,7 @@ ConversionJob full_job() {
   job.color = ColorChoice{"heat", edit::Colormap::turbo, std::array{-1.5, 2.25}};
   job.label_names = LabelTableFile{"lut.txt", "0123"};
   job.opacity = {0.25, 1};
+  job.source.masks = {"liver.nii.gz", "spleen.nii.gz"};
   job.edits.repair = RepairChoice{12};
   job.edits.pieces = {MinComponentSize{edit::ComponentMeasure::area, 2.5, true}, true, 3, true};
   job.edits.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
@@ -99,7 +100,7 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 67U);
+  EXPECT_EQ(full.size(), 68U);
   for (const auto& [name, value] : full.items()) {
     // ListsMembersOfEveryFileKind
     const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";

@@ -197,7 +197,7 @@ TEST(VdbDamage, RejectsMalformedFiles) {
        {"count of metadata", with(57, std::uint32_t{0xffffffff}), "damaged"},
        {"negative count of grids", with(61, std::int32_t{-1}), "expected 0 or more grids, the header states -1"},
        {"huge count of grids", with(61, std::int32_t{0x7fffffff}), "damaged"},
-       {"length of the name", with(name - 4, std::uint32_t{0xffffffff}), "4294967295 characters"},
+       {"length of the name", with(name - 4, std::uint32_t{0xffffffff}), "a name of 4294967295 bytes"},
        {"unknown type", unknown_type, "found none"},
        {"grid before the header", with(offsets, std::int64_t{8}), "its header states bytes 8 to"},
        {"grid behind the file", with(offsets + 16, std::int64_t{1} << 40), "to 1099511627776"},
