@@ -11,7 +11,7 @@
 
 namespace isoextract::cli {
 
-// Returns the files of the masks: the inputs in their order, or the volumes in the folder that is the only input, in
+// Returns the files of the masks, the inputs or the volumes in the folder that is the only input, in
 // natural order; a note tells of its other files. Fails with ErrorCode::usage if an input is a folder among several, is
 // stdin, or occurs twice, and with ErrorCode::input if a folder has no volume or cannot be read.
 [[nodiscard]] Result<std::vector<std::string>> find_masks(std::span<const std::string> inputs, Notes& notes);
