@@ -171,9 +171,9 @@ class UsageTest(ProgramTest):
         self.assertIn("hint: put options before '--'", err)
         self.assertIn("'--iso=0.5' comes after '--'", self.refused("--", "-f.vdb", "--iso=0.5"))
         self.assertIn("unexpected argument 'c'", self.refused("verify", "--iso", "0", "--", "a", "b", "c"))
-        err = self.refused("--iso", "0", "-o", "c.ply", "--", "-a", "-b")
-        self.assertIn("-a", err)
-        self.assertIn("-b", err)
+        err = self.refused("--iso", "0", "-o", "c.ply", "--", "-a.vdb", "-b.vdb")
+        self.assertIn("-a.vdb", err)
+        self.assertIn("-b.vdb", err)
 
     def test_a_file_named_like_an_option_is_told_how_it_is_written(self):
         self.write_raw("-f.raw", (2, 2, 2), lambda x, y, z: x)
