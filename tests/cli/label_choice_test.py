@@ -106,6 +106,9 @@ class LabelChoiceTest(ProgramTest):
         names, run = self.names("--labels", "1,Kidney*,30-40", *table)
         self.assertEqual(names, ["Hippocampus left"])
         self.assertIn("note[labels-unmatched]: slabs.raw: no label is 'Kidney*' or '30-40'", run.err)
+        (self.folder / "more.txt").write_text(TABLE.replace("Skull", "Spleen").replace("a/b", "Skull"))
+        run = self.run_program(*self.map, "--roi", "0,0,0,4,3,2", "--labels", "1,Skull", "--label-names", "more.txt", "-o", "x.glb")
+        self.assert_fails(2, run, "slabs.raw: no sample has the label 'Skull'", "--empty skip")
         for wrong, hint in (("skull", "did you mean 'Skull'?"), ("Scull", "did you mean 'Skull'?"),
                             ("Kidney", "the names are Hippocampus left, Hippocampus right, ")):
             run = self.run_program(*self.map, "--labels", f"1,{wrong}", *table, "-o", "x.glb")
