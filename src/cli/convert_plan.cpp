@@ -22,6 +22,7 @@
 #include "cli/picture_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/rank_run.hpp"
 #include "cli/vertex_plan.hpp"
 #include "cli/voxel_plan.hpp"
 #include "files/file_bytes.hpp"
