@@ -1,4 +1,5 @@
-// Values as bytes, for messages between processes of this program on machines of one kind.
+// Values as bytes, for messages between processes of this program on machines of one kind: children
+// (sandbox/message.hpp) and ranks.
 #pragma once
 
 #include <algorithm>
@@ -32,25 +33,25 @@ class Packer {
     return *this;
   }
 
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
   [[nodiscard]] std::string take() { return std::move(bytes_); }
 
  private:
   std::string bytes_;
 };
 
-// Reads values in the order in which they were put. Behind the end every value is zero or empty.
+// Reads values in the order in which they were put. Behind the end every value is zero or empty, and is_whole() becomes
+// false. The bytes must outlive the unpacker.
 class Unpacker {
  public:
+  Unpacker() = default;
   explicit Unpacker(std::string_view bytes) : rest_(bytes) {}
 
   template <class T>
   [[nodiscard]] T get() {
     if constexpr (std::is_same_v<T, std::string>) {
       const auto told = get<std::uint64_t>();
-      const auto size = std::min<std::size_t>(told, rest_.size());
-      T text(rest_.substr(0, size));
-      rest_.remove_prefix(size);
-      return text;
+      return T(next(static_cast<std::size_t>(std::min<std::uint64_t>(told, std::string_view::npos))));
     } else if constexpr (std::is_same_v<T, Error>) {
       Error error{get<ErrorCode>(), {}, {}};
       error.message = get<std::string>();
@@ -64,14 +65,28 @@ class Unpacker {
     } else {
       static_assert(std::is_trivially_copyable_v<T>);
       T value{};
-      if (rest_.size() >= sizeof(T)) std::memcpy(&value, rest_.data(), sizeof(T));
-      rest_.remove_prefix(std::min(sizeof(T), rest_.size()));
+      const std::string_view bytes = next(sizeof(T));
+      if (bytes.size() == sizeof(T)) std::memcpy(&value, bytes.data(), sizeof(T));
       return value;
     }
   }
 
+  // Returns whether every value read so far was there.
+  [[nodiscard]] bool is_whole() const { return is_whole_; }
+  // Returns the number of unread bytes.
+  [[nodiscard]] std::size_t left() const { return rest_.size(); }
+
  private:
+  // Takes the next `count` bytes, or all that are left.
+  std::string_view next(std::size_t count) {
+    is_whole_ = is_whole_ && count <= rest_.size();
+    const std::string_view bytes = rest_.substr(0, count);
+    rest_.remove_prefix(bytes.size());
+    return bytes;
+  }
+
   std::string_view rest_;
+  bool is_whole_ = true;
 };
 
 }  // namespace isoextract

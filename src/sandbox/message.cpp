@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cerrno>
 #include <cstring>
 
@@ -86,41 +85,23 @@ bool receive_all(int socket, std::span<std::byte> bytes, std::vector<Descriptor>
 }  // namespace
 
 MessageWriter& MessageWriter::number(std::uint64_t value) {
-  const auto bytes = std::as_bytes(std::span(&value, 1));
-  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  packer_.put(value);
   return *this;
 }
 
-MessageWriter& MessageWriter::real(double value) { return number(std::bit_cast<std::uint64_t>(value)); }
+MessageWriter& MessageWriter::real(double value) {
+  packer_.put(value);
+  return *this;
+}
 
 MessageWriter& MessageWriter::text(std::string_view value) {
-  number(value.size());
-  const auto bytes = std::as_bytes(std::span(value));
-  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  packer_.put(value);
   return *this;
 }
 
-bool MessageReader::take(void* to, std::size_t count) {
-  is_whole_ = is_whole_ && count <= left();
-  if (is_whole_ && count > 0) std::memcpy(to, bytes_.data() + at_, count);
-  if (is_whole_) at_ += count;
-  return is_whole_;
-}
-
-std::uint64_t MessageReader::number() {
-  std::uint64_t value = 0;
-  return take(&value, sizeof(value)) ? value : 0;
-}
-
-double MessageReader::real() { return std::bit_cast<double>(number()); }
-
 std::string MessageReader::text() {
-  const std::uint64_t size = number();
-  is_whole_ = is_whole_ && size <= left();
-  if (!is_whole_) return {};
-  std::string value(static_cast<std::size_t>(size), '\0');
-  take(value.data(), value.size());
-  return value;
+  auto text = values_.get<std::string>();
+  return values_.is_whole() ? text : std::string();
 }
 
 bool send_message(int socket, const MessageWriter& message, int descriptor, bool wait) {

@@ -7,8 +7,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "base/packed_values.hpp"
 #include "sandbox/descriptor.hpp"
 
 namespace isoextract::sandbox {
@@ -21,10 +23,10 @@ class MessageWriter {
   MessageWriter& number(std::uint64_t value);
   MessageWriter& real(double value);
   MessageWriter& text(std::string_view value);
-  [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
+  [[nodiscard]] std::span<const std::byte> bytes() const { return std::as_bytes(std::span(packer_.bytes())); }
 
  private:
-  std::vector<std::byte> bytes_;
+  Packer packer_;
 };
 
 // Reads the fields of a MessageWriter in order. Past the end of the message it returns 0 and "", and is_whole() becomes
@@ -32,22 +34,25 @@ class MessageWriter {
 class MessageReader {
  public:
   MessageReader() = default;
-  explicit MessageReader(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
+  explicit MessageReader(std::vector<std::byte> bytes)
+      : bytes_(std::move(bytes)), values_({reinterpret_cast<const char*>(bytes_.data()), bytes_.size()}) {}
+  MessageReader(MessageReader&&) = default;  // values_ keeps its place: the bytes stay where they are
+  MessageReader& operator=(MessageReader&&) = default;
+  MessageReader(const MessageReader&) = delete;
+  MessageReader& operator=(const MessageReader&) = delete;
+  ~MessageReader() = default;
 
-  [[nodiscard]] std::uint64_t number();
-  [[nodiscard]] double real();
+  [[nodiscard]] std::uint64_t number() { return values_.get<std::uint64_t>(); }
+  [[nodiscard]] double real() { return values_.get<double>(); }
   [[nodiscard]] std::string text();
   // Returns whether every field read so far was there.
-  [[nodiscard]] bool is_whole() const { return is_whole_; }
-  // Returns the number of unread bytes, an upper bound for the number of entries of a list.
-  [[nodiscard]] std::uint64_t left() const { return bytes_.size() - at_; }
+  [[nodiscard]] bool is_whole() const { return values_.is_whole(); }
+  // Returns the number of unread bytes, an upper bound for the number of entries of a list; 0 if a field was missing.
+  [[nodiscard]] std::uint64_t left() const { return values_.left(); }
 
  private:
-  bool take(void* to, std::size_t count);
-
   std::vector<std::byte> bytes_;
-  std::size_t at_ = 0;
-  bool is_whole_ = true;
+  Unpacker values_;
 };
 
 // Sends a message, with a descriptor unless it is -1. If `wait` is false, fails instead of blocking when the socket's
