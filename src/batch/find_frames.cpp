@@ -230,19 +230,6 @@ tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string
   return fail(ErrorCode::input, std::move(message), std::move(hint));
 }
 
-// Returns whether the file has the samples of a header beside it: scan.raw beside scan.nhdr.
-bool has_header_beside(const fs::path& folder, const std::string& name) {
-  fs::path stem(name);
-  if (stem.extension() == ".gz" || stem.extension() == ".bz2") stem.replace_extension();
-  constexpr std::array<std::string_view, 4> kData{".raw", ".zraw", ".img", ".dat"};
-  if (std::ranges::find(kData, stem.extension().string()) == kData.end()) return false;
-  constexpr std::array<std::string_view, 4> kHeaders{".nhdr", ".mhd", ".hdr", ".ini"};
-  return std::ranges::any_of(kHeaders, [&](std::string_view extension) {
-    std::error_code none;
-    return fs::exists(folder / stem.replace_extension(extension), none);
-  });
-}
-
 // Finds volumes, else particles, else pictures, else meshes: tables, meshes and pictures often lie beside volumes.
 Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> names;
@@ -287,12 +274,10 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   if (!is_one && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
   FoundFrames found = numbered_frames(names, sequences, decimals, folder.ends_with('/') ? folder : folder + '/');
   if (others > 0) {
-    found.notes.push_back(
-        {NoteId::other_files, fmt::format("{}: {} other file{} the extension of {} format", printable(folder), others,
-                                          others == 1 ? " lacks" : "s lack",
-                                          are_particles ? "a particle"
-                                          : are_meshes  ? "a mesh"
-                                                        : "a volume")});
+    found.notes.push_back(note_of_other_files(folder, others,
+                                              are_particles ? "a particle"
+                                              : are_meshes  ? "a mesh"
+                                                            : "a volume"));
   }
   return found;
 }
@@ -341,6 +326,23 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
 
 }  // namespace
 
+bool has_header_beside(const std::string& folder, const std::string& name) {
+  fs::path stem(name);
+  if (stem.extension() == ".gz" || stem.extension() == ".bz2") stem.replace_extension();
+  constexpr std::array<std::string_view, 4> kData{".raw", ".zraw", ".img", ".dat"};
+  if (std::ranges::find(kData, stem.extension().string()) == kData.end()) return false;
+  constexpr std::array<std::string_view, 4> kHeaders{".nhdr", ".mhd", ".hdr", ".ini"};
+  return std::ranges::any_of(kHeaders, [&](std::string_view extension) {
+    std::error_code none;
+    return fs::exists(fs::path(folder) / stem.replace_extension(extension), none);
+  });
+}
+
+Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind) {
+  return {NoteId::other_files, fmt::format("{}: {} other file{} the extension of {} format", printable(folder), count,
+                                           count == 1 ? " lacks" : "s lack", kind)};
+}
+
 std::optional<std::string> find_one_volume(std::span<const std::string> inputs) {
   if (inputs.size() < 2) return std::nullopt;
   const std::string folder = inputs.front().substr(0, inputs.front().find_last_of('/') + 1);
@@ -363,8 +365,9 @@ std::optional<std::string> find_one_volume(std::span<const std::string> inputs) 
                                 return names.contains(name);
                               }) != static_cast<std::ptrdiff_t>(names.size());
   if (is_any_missing) return std::nullopt;
-  const std::vector<Sequence> sequences = sequences_of(inputs);
-  if (sequences.size() == 1 && volume_io::has_picture_extension(inputs.front())) {
+  if (volume_io::has_picture_extension(inputs.front())) {
+    const std::vector<Sequence> sequences = sequences_of(inputs);
+    if (sequences.size() != 1) return std::nullopt;
     const auto pattern = files::FramePattern::parse(sequences.front().pattern.substr(folder.size()));
     if (!pattern || !*pattern) return std::nullopt;
     const auto matching =

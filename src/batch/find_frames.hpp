@@ -5,10 +5,12 @@
 //   - one of a folder without volumes, particles, pictures and meshes, to name its format in the error.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
@@ -74,6 +76,12 @@ struct Frames {
 //   - `inputs` is empty, or there are more than kMaxFrames frames.
 [[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range,
                                          bool pictures_are_frames = false);
+
+// Returns whether the file has the samples of a header beside it, with which it is read: scan.raw beside scan.nhdr.
+[[nodiscard]] bool has_header_beside(const std::string& folder, const std::string& name);
+
+// Returns the note about files of a folder that a run passes over; `kind` completes "the extension of ... format".
+[[nodiscard]] Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind);
 
 // Returns the pattern of a stack or the volume folder that `inputs` are the files of, such as a shell's list for
 // slices/*.png. Returns nullopt if the list is incomplete, or if its files are several volumes. The files may be in any

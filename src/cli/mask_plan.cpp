@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
+#include "batch/find_frames.hpp"
 #include "cli/plan_parts.hpp"
 #include "convert/iso_choice.hpp"
 #include "files/file_bytes.hpp"
@@ -29,7 +30,7 @@ Result<std::vector<std::string>> masks_of_folder(const std::string& folder, Note
   std::vector<std::string> names;
   std::size_t others = 0;
   TRY(files::visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
-    if (name.starts_with('.')) return;
+    if (name.starts_with('.') || batch::has_header_beside(folder, name)) return;
     const bool is_volume = is_folder_of_files(entry.path()) ? false : volume_io::has_volume_extension(name);
     is_volume ? names.push_back(name) : void(++others);
   }));
@@ -40,10 +41,7 @@ Result<std::vector<std::string>> masks_of_folder(const std::string& folder, Note
   }
   std::ranges::sort(names, files::NaturalLess());
   for (std::string& name : names) name.insert(0, folder.ends_with('/') ? folder : folder + '/');
-  if (others > 0) {
-    notes.push_back({NoteId::other_files, fmt::format("{}: {} other file{} the extension of a volume format",
-                                                      printable(folder), others, others == 1 ? " lacks" : "s lack")});
-  }
+  if (others > 0) notes.push_back(batch::note_of_other_files(folder, others, "a volume"));
   return names;
 }
 

@@ -55,7 +55,7 @@ std::optional<plugin_host::LaunchedRank> launched() {
   return plugin_host::launched_rank([](const char* name) -> const char* { return std::getenv(name); });
 }
 
-// What ranks tell each other about themselves.
+// Describes a rank to the others.
 struct Presence {
   int node = 0;
   std::string processors;  // the bits of those that the rank may use

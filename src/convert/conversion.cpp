@@ -177,7 +177,6 @@ class Conversion {
       TRY(context_.check());
       if (!labels_) source_.set_inside_side(isos[begin].id.iso_or_zero());
       const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
-      needs_whole_meshes_ = sink == nullptr;
       TRY(check_sharing(sink != nullptr));
       auto group = TRY(maker(sink.get()).make_next(isos.subspan(begin)));
       const Result<std::optional<Surface>>& first = group.front().surface;
@@ -185,6 +184,9 @@ class Conversion {
         group.front() = maker(sink.get()).make(isos[begin]);
       }
       for (std::size_t i = 0; i < group.size(); ++i) {
+        if (!group[i].surface && sink == nullptr && !labels_ && !source_.of_meshes) {
+          add_partwise_hint(group[i].surface.error());
+        }
         TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
       }
       begin += group.size();
@@ -224,9 +226,6 @@ class Conversion {
     open_ = made.open;
     outcome_.bytes_uploaded += made.bytes_uploaded;
     std::ranges::move(made.lost, std::back_inserter(lost_));
-    if (!made.surface && needs_whole_meshes_ && !source_.of_meshes && !labels_) {
-      add_partwise_hint(made.surface.error());
-    }
     auto surface = TRY(std::move(made.surface));
     if (!surface) return {};
     if (!labels_ || collector_ != nullptr || !file.label_names.in_use()) {
@@ -468,7 +467,6 @@ class Conversion {
   std::size_t located_ = 0;                     // entries of Outcome::written whose files are known
   StageTime looking_;                           // time spent measuring meshes of the current file, for reports
   bool open_ = false;                           // the current surface may have boundary edges
-  bool needs_whole_meshes_ = true;              // the current surfaces do not go to their file in parts
   std::vector<LostSurface> lost_;               // of the current grid
 };
 

@@ -202,6 +202,16 @@ class MasksTest(ProgramTest):
         listed, _ = self.meshes("seg/1.nii", "seg/10.nii", "seg/2.nii", "--masks", "--labels", "2")
         self.assertEqual((list(folder), list(listed)), (["2"], ["2"]))
 
+    def test_samples_of_a_header_are_no_mask(self):
+        for name, mask in (("left", self.left), ("right", self.right)):
+            sizes = " ".join(map(str, mask.shape[::-1]))
+            (self.folder / "seg" / f"{name}.raw").write_bytes(mask.astype(np.uint8).tobytes())
+            (self.folder / "seg" / f"{name}.nhdr").write_text(
+                f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {sizes}\nencoding: raw\ndata file: {name}.raw\n\n")
+        meshes, run = self.meshes("seg", "--masks")
+        self.assertEqual(list(meshes), ["left", "right"])
+        self.assertNotIn("other-files", run.err)
+
     def test_missing_folders_are_made_on_request(self):
         self.write_balls()
         self.assert_fails(4, self.run_program("seg", "--masks", "-o", "made/{name}.stl"), "made")
