@@ -183,12 +183,12 @@ std::string imbalance_text(const std::vector<double>& seconds) {
 }
 
 void tell_ended_by_signal() noexcept {
-  constexpr std::string_view kAlone = "\nisoextract: interrupted; it has removed unfinished output\n";
+  constexpr std::string_view kByItself = "\nisoextract: interrupted; it has removed unfinished output\n";
   constexpr std::string_view kOfRanks =
       "isoextract: error: a signal ended the run; mpirun sends one to all ranks if one of them ends early\n"
       "  hint: no file is incomplete; --resume continues a sequence\n";
   if (is_rank && !speaks_for_ranks) return;
-  const std::string_view text = is_rank ? kOfRanks : kAlone;
+  const std::string_view text = is_rank ? kOfRanks : kByItself;
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 

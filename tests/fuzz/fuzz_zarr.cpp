@@ -74,9 +74,9 @@ struct Host {
   std::atomic<std::uint64_t> used{0};
   isoextract_plugin_host calls{this,
                                [](void* self, std::uint64_t bytes) {
-                                 auto& used = static_cast<Host*>(self)->used;
-                                 if (bytes > kMemory || used + bytes > kMemory) return 1;
-                                 used += bytes;
+                                 auto& taken = static_cast<Host*>(self)->used;
+                                 if (bytes > kMemory || taken + bytes > kMemory) return 1;
+                                 taken += bytes;
                                  return 0;
                                },
                                [](void* self, std::uint64_t bytes) { static_cast<Host*>(self)->used -= bytes; },
