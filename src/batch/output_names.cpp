@@ -181,11 +181,14 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                             source.more_grids.size() + 1),
                 "put {grid} into the name to get a file for each, or write all into a glb");
   }
-  if ((source.isos.size() < 2 && !all_labels) || tells_apart) return {};
+  // Of several labels with the same name, the writer refuses the second.
+  const bool is_one =
+      source.isos.empty() || (source.isos.size() == 1 && (!all_labels || source.isos.front().is_label_name()));
+  if (is_one || tells_apart) return {};
   if (all_labels) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: one {} file holds one surface, but all labels can give several",
-                            label_of_source(source), info.name),
+                fmt::format("{}: one {} file holds one surface, but {} can give several", label_of_source(source),
+                            info.name, convert::text_of(source.isos.front())),
                 "put {label} or {name} into the name to get a file for each, or write all into a glb");
   }
   std::vector<std::string_view> others;

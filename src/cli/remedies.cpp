@@ -143,11 +143,14 @@ std::string step_words(const Step& step) {
 void set_options_of_hints(std::vector<std::string> names) { known_options() = std::move(names); }
 
 std::string hint_text(const Hint& hint) {
-  std::vector<std::string> steps;
+  std::string text;
   for (const Step& step : hint.steps) {
-    if (std::string words = step_words(step); !words.empty()) steps.push_back(std::move(words));
+    const std::string words = step_words(step);
+    if (words.empty()) continue;
+    if (!text.empty()) text += text.ends_with('?') ? " If not, " : "; ";
+    text += words;
   }
-  return fmt::format("{}", fmt::join(steps, "; "));
+  return text;
 }
 
 }  // namespace isoextract::cli

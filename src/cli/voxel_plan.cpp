@@ -112,7 +112,7 @@ Result<void> take_labels(ConvertFlags& flags) {
   TRY(refuse_both(flags.labels.chosen, flags.batch.iso_table));
   if (flags.labels.is_set_of_labels() && flags.output && flags.output->find("{iso}") != std::string::npos) {
     return refuse_usage(
-        "--labels all does not work with {iso} in -o: isoextract needs the file names before it reads the labels",
+        "only numbers of labels work with {iso} in -o: isoextract needs the file names before it reads the labels",
         "put {label} or {name} into the name instead, or write all labels into one glb");
   }
   return {};

@@ -164,8 +164,8 @@ class Conversion {
       }
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
-    if (is_layered_ && !in_pieces && job_.empty == EmptyPolicy::error) {
-      return tl::unexpected(no_label(source_.label, job_.surface.background, source_.field.labels.size()));
+    if (labels_ && !in_pieces && std::ranges::all_of(skipped, is_nothing)) {
+      TRY(tell_no_label(source_, job_, labels_->labels().size(), output, events_));
     }
     // A surface split into bodies has one file for each body, so `output` itself names no file.
     return in_pieces ? Result<void>() : leave_out(output, skipped);
@@ -321,8 +321,7 @@ class Conversion {
     for (const Note& note : chosen_.notes) events_.note(note);
     // Of several layers, some may have none of the labels.
     if (is_layered_ || !chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
-    if (source_.empty) return tl::unexpected(empty_source(source_));
-    return tl::unexpected(no_label(source_.label, job_.surface.background, labels_->labels().size()));
+    return tl::unexpected(no_label(source_, job_.surface.background, labels_->labels().size()));
   }
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }

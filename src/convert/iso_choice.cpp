@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "convert/json_values.hpp"
+#include "convert/label_selection.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -36,6 +37,11 @@ SurfaceId surface_id_of_mesh(std::string_view text) {
   std::uint64_t number = 0;
   if (digits > 0) std::from_chars(text.data() + digits, text.data() + text.size(), number);
   return FileMesh{number};
+}
+
+bool IsoChoice::is_label_name() const {
+  const auto labels = kind == Kind::selected_labels ? LabelSelection::parse(selection) : std::nullopt;
+  return labels && labels->is_one_name();
 }
 
 std::string text_of(const IsoChoice& choice) {

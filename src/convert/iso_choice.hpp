@@ -85,6 +85,8 @@ struct IsoChoice {
   [[nodiscard]] bool is_label() const { return is_label_set() || id.is_label(); }
   // Returns whether only the label map tells which labels these are.
   [[nodiscard]] bool is_label_set() const { return kind == Kind::all_labels || kind == Kind::selected_labels; }
+  // Returns whether it is a label set of one name. The label map can still have several labels of that name.
+  [[nodiscard]] bool is_label_name() const;
   // Returns whether the iso value has to be found in the field.
   [[nodiscard]] bool is_found() const {
     return kind == Kind::suggested || kind == Kind::zero || kind == Kind::percentile;

@@ -40,6 +40,8 @@ bool matches(std::string_view pattern, std::string_view text) {
   return std::ranges::all_of(pattern.substr(p), [](char c) { return c == '*'; });
 }
 
+constexpr std::string_view kWildcards = "*?";
+
 }  // namespace
 
 std::optional<LabelSelection> LabelSelection::parse(std::string_view text) {
@@ -92,11 +94,18 @@ bool LabelSelection::contains(std::int64_t label, std::string_view name) {
   return chosen && !excluded;
 }
 
+bool LabelSelection::is_one_name() const {
+  const Term& term = terms_.front();
+  return terms_.size() == 1 && !term.excludes && term.is_name &&
+         term.text.find_first_of(kWildcards) == std::string::npos;
+}
+
 std::vector<LabelSelection::UnmatchedTerm> LabelSelection::unmatched() const {
   std::vector<UnmatchedTerm> found;
   for (const Term& term : terms_) {
     if (term.excludes || term.matched) continue;
-    const bool is_one = term.is_name ? term.text.find_first_of("*?") == std::string::npos : term.first == term.last;
+    const bool is_one =
+        term.is_name ? term.text.find_first_of(kWildcards) == std::string::npos : term.first == term.last;
     found.push_back({term.text, is_one});
   }
   return found;

@@ -26,6 +26,9 @@ class LabelSelection {
   // Returns whether the selection has the label. `name`: empty if the label has none. Remembers which terms matched.
   [[nodiscard]] bool contains(std::int64_t label, std::string_view name);
 
+  // Returns whether it is one name, without "!", * and ?. Several labels can still have that name.
+  [[nodiscard]] bool is_one_name() const;
+
   struct UnmatchedTerm {
     std::string text;
     bool is_one_label = false;  // a number, or a name without * and ?

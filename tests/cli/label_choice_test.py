@@ -4,6 +4,7 @@ import collections
 import gzip
 import itertools
 import json
+import re
 import struct
 
 from support import ProgramTest, main, read_glb, read_stl
@@ -120,6 +121,28 @@ class LabelChoiceTest(ProgramTest):
                           "the choice includes none of the 6 labels in the file")
         for wrong in ("1,", "!", "4-2", ""):
             self.assert_fails(1, self.run_program(*self.map, "--labels", wrong, "-o", "x.glb"), "1-40,Hippocampus*,!Skull")
+
+    def test_a_label_by_its_name_goes_to_a_format_of_one_surface(self):
+        table = ("--label-names", "names.txt")
+        self.convert(*self.map, "--labels", "Skull", *table, "-o", "name.stl")
+        names, _ = self.names("--labels", "Skull", *table)
+        self.assertEqual(names, ["Skull"])
+        number = re.search(r"^\s*(\d+).*Skull", TABLE, re.M)[1]
+        self.convert(*self.map, "--labels", number, *table, "-o", "number.stl")
+        self.assertEqual((self.folder / "name.stl").read_bytes(), (self.folder / "number.stl").read_bytes())
+        (self.folder / "twice.txt").write_text(TABLE.replace("Hippocampus left", "Skull"))
+        for names, chosen, message in ((table, "Sk*", "one stl file holds one surface, but labels Sk* can give several"),
+                                       (("--label-names", "twice.txt"), "Skull", "the format stl holds one mesh, found 2")):
+            self.assert_fails(1, self.run_program(*self.map, "--labels", chosen, *names, "-o", "several.stl"), message)
+            self.assertFalse((self.folder / "several.stl").exists())
+
+    def test_a_file_that_is_not_written_is_told(self):
+        for empty in ("skip", "write"):
+            for chosen, reason in (("Kidney*", "the choice includes none of the 6 labels in the file"),
+                                   ("77-79", "the choice includes none of the 6 labels in the file")):
+                run = self.convert(*self.map, "--labels", chosen, "--empty", empty, "-o", "x.glb")
+                self.assertIn(f"note[no-surface]: slabs.raw: {reason}; the conversion did not write x.glb", run.err)
+                self.assertFalse((self.folder / "x.glb").exists())
 
     def test_small_labels_are_left_out(self):
         names, run = self.names("--labels", "all", "--labels-min-voxels", "61")

@@ -32,15 +32,25 @@ Result<void> leave_out_empty(const Source& source, const ConversionJob& job, con
   return {};
 }
 
-Error no_label(const std::string& source, std::int64_t background, std::size_t labels) {
+Error no_label(const Source& source, std::int64_t background, std::size_t labels) {
+  if (source.empty) return empty_source(source);
   if (labels == 0) {
     return {ErrorCode::no_surface,
-            fmt::format("{}: no sample has a label other than {}", source, background),
+            fmt::format("{}: no sample has a label other than {}", source.label, background),
             {Remedy::use, Setting::empty_policy}};
   }
   return {ErrorCode::no_surface,
-          fmt::format("{}: the choice includes none of the {} labels in the file", source, labels),
+          fmt::format("{}: the choice includes none of the {} labels in the file", source.label, labels),
           {Remedy::use, Setting::empty_policy}};
+}
+
+Result<void> tell_no_label(const Source& source, const ConversionJob& job, std::size_t labels,
+                           const OutputFileJob& output, Events& events) {
+  const Error none = no_label(source, job.surface.background, labels);
+  if (job.empty == EmptyPolicy::error) return tl::unexpected(none);
+  events.note({NoteId::no_surface,
+               fmt::format("{}; the conversion did not write {}", none.message, files::output_label(output.path))});
+  return {};
 }
 
 Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked, bool are_labels,

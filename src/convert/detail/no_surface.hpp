@@ -23,8 +23,14 @@ namespace isoextract::convert {
 [[nodiscard]] Result<void> leave_out_empty(const Source& source, const ConversionJob& job, const OutputFileJob& output,
                                            const Context& context, Events& events);
 
-// Returns the error for a label map of whose `labels` labels none is left, or that has none besides the background.
-[[nodiscard]] Error no_label(const std::string& source, std::int64_t background, std::size_t labels);
+// Returns the error for an empty source, for a label map of whose `labels` labels none is left, or for one that has none
+// besides the background.
+[[nodiscard]] Error no_label(const Source& source, std::int64_t background, std::size_t labels);
+
+// Notes that an output was not written because none of `labels` labels is left. Fails with no_label() for
+// EmptyPolicy::error.
+[[nodiscard]] Result<void> tell_no_label(const Source& source, const ConversionJob& job, std::size_t labels,
+                                         const OutputFileJob& output, Events& events);
 
 // Returns the error for a surface without triangles. Examines all samples, unless the source is empty, the surface is a
 // label's (`are_labels`), or clipping left nothing of it. `cut_away` then has its bounds before clipping, in output

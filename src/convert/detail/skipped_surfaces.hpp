@@ -24,6 +24,8 @@ struct SkippedSurfaces {
   std::map<std::string, std::vector<std::string>> reasons;  // texts of iso values, by reason
 };
 
+[[nodiscard]] inline bool is_nothing(const SkippedSurfaces& skipped) { return skipped.reasons.empty(); }
+
 // Returns the surfaces of `asked` that are not among `written`.
 [[nodiscard]] SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
                                                std::span<const SurfaceId> written, std::span<const LostSurface> lost,

@@ -62,6 +62,13 @@ TEST(LabelSelection, NamesTermsWithoutALabel) {
   EXPECT_TRUE(selection->unmatched().empty());
 }
 
+TEST(LabelSelection, KnowsOneName) {
+  for (const char* text : {"Skull", "3rd-Ventricle"}) EXPECT_TRUE(LabelSelection::parse(text)->is_one_name()) << text;
+  for (const char* text : {"Skull,Brain", "!Skull", "Sk*", "?kull", "1-4", "all", "5"}) {
+    EXPECT_FALSE(LabelSelection::parse(text)->is_one_name()) << text;
+  }
+}
+
 TEST(LabelFileNames, GivesEachLabelItsOwn) {
   EXPECT_FALSE(LabelFileNames("out_{piece}.stl").in_use());
   LabelFileNames names("o/{label}_{name}.stl");
