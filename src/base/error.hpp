@@ -119,6 +119,7 @@ enum class Setting {
   half_floats,
   output_name,
   animation,
+  masks,  // files of one grid, joined to one output
   unit,
   scale,     // all options that scale the mesh
   position,  // all options that move the mesh

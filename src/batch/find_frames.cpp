@@ -35,6 +35,7 @@ struct FoundFrames {
   std::vector<Frame> frames;
   bool numbered = true;  // by their names; false: by position, which leaves no gaps
   Notes notes;
+  bool have_numbers = true;
 };
 
 // Returns the numbers missing between the frames, at the greatest step that all numbers share. `frames` is not empty.
@@ -78,6 +79,7 @@ Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>&
   }
   frames.frames = std::move(found.frames);
   frames.notes = std::move(found.notes);
+  frames.have_numbers = found.have_numbers;
   return frames;
 }
 
@@ -188,6 +190,7 @@ FoundFrames numbered_frames(std::span<const std::string> names, std::span<const 
                             const std::optional<DecimalOrder>& decimals, const std::string& folder) {
   FoundFrames found;
   found.numbered = sequences.size() == 1 && !decimals;
+  found.have_numbers = found.numbered || decimals;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::size_t name = decimals ? decimals->names[i] : i;
     const std::int64_t number = found.numbered ? sequences.front().members[i].number : static_cast<std::int64_t>(i) + 1;
@@ -317,7 +320,7 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
                 "give the folder or the pattern as the only input");
   }
   if (all_files) return numbered_frames(inputs, sequences_of(inputs), order_by_decimals(inputs), {});
-  FoundFrames found{{}, false, {{NoteId::frame_order, note_by_position(inputs.size())}}};
+  FoundFrames found{{}, false, {{NoteId::frame_order, note_by_position(inputs.size())}}, false};
   for (const std::string& input : inputs) {
     found.frames.push_back({static_cast<std::int64_t>(found.frames.size()) + 1, input, {}});
   }

@@ -35,6 +35,7 @@ struct Frames {
   std::vector<Frame> frames;   // at least one, ordered by number, without duplicates
   std::vector<FrameRun> gaps;  // with a range: its numbers without a frame; else the numbers missing between frames
   Notes notes;                 // how the inputs were read, one sentence each, safe to print on a terminal
+  bool have_numbers = true;    // in their names, whole or with decimals; false: a name says nothing of the order
 };
 
 // Returns the numbers of the range without a frame. `frames` are ordered by number.

@@ -99,7 +99,8 @@ class FileUses {
                                                             label_of_source(*first.source), label),
                 {{Remedy::change, Setting::output_name,
                   "with {frame:04}, {}, {stem}, {grid} or {iso} in it, to tell the outputs apart"},
-                 {Remedy::use, Setting::animation}});
+                 {Remedy::use, Setting::animation},
+                 {Remedy::use, Setting::masks}});
   }
 
   files::LocationKeys& places_;

@@ -47,17 +47,25 @@ std::optional<std::pair<double, double>> range_of(const SequenceReport& report,
   return range;
 }
 
-// `surfaces` are the options that choose them: "--iso 0.5".
-std::string example_of(const SequenceReport& report, const std::string& surfaces) {
+// `surfaces` are the options that choose them: "--iso 0.5". `joined`: all inputs give one output.
+std::string example_of(const SequenceReport& report, const std::string& surfaces, bool joined = false) {
   const std::string name_of_input = report.input.substr(0, report.input.find_last_not_of('/') + 1);
   std::string stem = batch::stem_of(name_of_input);
   if (stem.empty() || stem.front() == '.') stem = "frame";
   const auto pattern = files::FramePattern::parse(stem);
-  const std::string name = pattern && pattern->has_value() ? stem : batch::template_of(stem) + "_{:04}";
+  const std::string end = joined ? "" : "_{:04}";
+  const std::string name = pattern && pattern->has_value() ? stem : batch::template_of(stem) + end;
   std::string arguments;
   for (const std::string& argument : report.arguments) arguments += " " + argument;
   return fmt::format("isoextract {}{} {} -o {}", shell_quoted(report.input), arguments, surfaces,
                      shell_quoted(name + ".glb"));
+}
+
+// Files of other names than numbers, each with one label, are masks of one grid.
+std::string example_of_labels(const SequenceReport& report) {
+  const auto other = [](const FrameSummary& frame) { return frame.has_labels && !frame.is_mask; };
+  if (report.have_numbers || std::ranges::any_of(report.frames, other)) return example_of(report, std::string(kAllLabels));
+  return example_of(report, "--masks", true);
 }
 
 std::string iso_option(double iso) { return fmt::format("--iso {}", iso); }
@@ -91,6 +99,7 @@ FrameSummary summary_of(std::int64_t frame, const InputReport& report) {
   }
   summary.passed = field::surface_range(report.field->field, report.field->statistics);
   summary.has_labels = report.field->labels.has_value();
+  summary.is_mask = summary.has_labels && report.field->labels->map.labels.size() == 1;
   if (report.field->suggestion.separates && !summary.has_labels) {
     summary.iso = report.field->suggestion.iso;
     summary.method = report.field->suggestion.method;
@@ -136,7 +145,7 @@ std::string text_of(const SequenceReport& report) {
   }
   if (const std::size_t labels = frames_of_labels(report); labels > 0) {
     lines.add("labels", fmt::format("{} of {} frames are label maps or masks", labels, count));
-    lines.add("command", example_of(report, std::string(kAllLabels)));
+    lines.add("command", example_of_labels(report));
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (i == kShownFrames && count > 2 * kShownFrames) {
@@ -182,7 +191,7 @@ convert::Json json_of(const SequenceReport& report) {
     json["suggestion"] = {{"iso", nullptr},
                           {"labels", "all"},
                           {"frames", labels},
-                          {"command", example_of(report, std::string(kAllLabels))}};
+                          {"command", example_of_labels(report)}};
   }
   return json;
 }

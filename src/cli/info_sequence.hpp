@@ -24,6 +24,7 @@ struct FrameSummary {
   std::optional<double> iso;                  // the suggested value, if it separates inside from outside
   std::string method;                         // name of the method that found `iso`
   bool has_labels = false;                    // a label map or mask, which has no `iso`
+  bool is_mask = false;                       // of one label
   std::optional<Error> error;
 };
 
@@ -32,6 +33,7 @@ struct FrameSummary {
 struct SequenceReport {
   std::string input;                     // as given: a pattern or a folder
   std::vector<FrameSummary> frames;      // in ascending order
+  bool have_numbers = false;             // the names of the frames
   std::vector<batch::FrameRun> gaps;     // missing frame numbers
   std::vector<std::string> arguments;    // the input options, to repeat in an example
   std::optional<SequenceRadius> radius;  // of all frames, if they hold particles

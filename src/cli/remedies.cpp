@@ -68,6 +68,7 @@ SettingWords setting_words(Setting setting) {
     case Setting::half_floats: return {{"--half"}, ""};
     case Setting::output_name: return {{"name after -o"}, ""};
     case Setting::animation: return {{"--animate"}, " to write all frames into one .glb"};
+    case Setting::masks: return {{"--masks"}, " if each file is a mask of one object, on one grid"};
     case Setting::unit: return {{"--unit UNIT"}, ", for example --unit mm"};
     case Setting::scale: return {{"--spacing", "--scale", "--unit", "--to-unit", "--space"}, ""};
     case Setting::position:

@@ -171,7 +171,7 @@ Result<Scan> scan_mask(const std::string& label, const field::ScalarField& field
                 hint);
   }
   return fail(ErrorCode::input,
-              fmt::format("{}: expected a mask, with 0 and one other value, found 0, {} and {}", label, value(inside),
+              fmt::format("{}: expected a mask, with 0 and one other value, found {} and {}", label, value(inside),
                           value(values[found.other])),
               hint);
 }

@@ -142,7 +142,7 @@ class MasksTest(ProgramTest):
         ct = self.left.astype(np.int16) + 4 * self.right.astype(np.int16)
         (self.folder / "seg" / "ct.nii").write_bytes(nifti(ct))
         self.assert_fails(2, self.run_program("seg/kidney_left.nii.gz", "seg/ct.nii", "--masks", "-o", "out.glb"),
-                          "seg/ct.nii: expected a mask, with 0 and one other value, found 0, 4 and 1")
+                          "seg/ct.nii: expected a mask, with 0 and one other value, found 4 and 1")
         probability = self.left.astype(np.float32)
         probability[3, 3, 3] = np.nan
         (self.folder / "seg" / "ct.nii").write_bytes(nifti(probability))
@@ -293,6 +293,20 @@ class MasksTest(ProgramTest):
         self.assert_fails(2, self.run_program("seg/missing.nii", "--masks", "-o", "out.glb"), "seg/missing.nii")
         (self.folder / "none").mkdir()
         self.assert_fails(2, self.run_program("none", "--masks", "-o", "out.glb"), "none: no file in the folder")
+
+    def test_files_that_look_like_masks_lead_to_the_option(self):
+        self.write_balls()
+        run = self.run_program("seg", "--labels", "all", "-o", "out.glb")
+        self.assert_fails(1, run, "would both write this file", "use --masks if each file is a mask of one object, on one grid")
+        text = self.convert("info", "seg").text
+        self.assertIn("  command       isoextract seg --masks -o seg.glb\n", text)
+        self.convert("seg", "--masks", "-o", "seg.glb")
+        (report,) = json.loads(self.convert("info", "seg", "--json").text)
+        jsonschema.validate([report], json.loads((SOURCE / "docs" / "schemas" / "info.schema.json").read_text()))
+        self.assertEqual(report["suggestion"]["command"], "isoextract seg --masks -o seg.glb")
+        both = self.left.astype(np.uint8) + 2 * self.right.astype(np.uint8)
+        (self.folder / "seg" / "atlas.nii").write_bytes(nifti(both))
+        self.assertIn("isoextract seg --labels all -o 'seg_{:04}.glb'", self.convert("info", "seg").text)
 
     def test_info_lists_the_masks(self):
         self.write_balls()
