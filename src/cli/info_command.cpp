@@ -256,7 +256,8 @@ class InfoPage {
       return;
     }
     for (const Note& note : found->notes) messages_.note(note);
-    SequenceReport sequence{input, {}, found->have_numbers, std::move(found->gaps), plan_.input_arguments, radius_of(*found), {}, {}};
+    SequenceReport sequence{
+        input, {}, found->have_numbers, std::move(found->gaps), plan_.input_arguments, radius_of(*found), {}, {}};
     InfoPlan plan = plan_;
     if (sequence.radius) plan.particles.sequence_radius = sequence.radius->radius;
     plan.particles.sequence_spacing = spacing_of(*found);

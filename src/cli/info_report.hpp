@@ -19,8 +19,9 @@
 
 namespace isoextract::cli {
 
-// The option that `info` suggests for label maps and masks.
+// The options that `info` suggests for label maps and masks, and for masks with a file each.
 inline constexpr std::string_view kAllLabels = "--labels all";
+inline constexpr std::string_view kAllMasks = "--masks --labels all";
 
 // The results for the field that was read.
 struct FieldReport {

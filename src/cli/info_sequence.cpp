@@ -64,8 +64,9 @@ std::string example_of(const SequenceReport& report, const std::string& surfaces
 // Files of other names than numbers, each with one label, are masks of one grid.
 std::string example_of_labels(const SequenceReport& report) {
   const auto other = [](const FrameSummary& frame) { return frame.has_labels && !frame.is_mask; };
-  if (report.have_numbers || std::ranges::any_of(report.frames, other)) return example_of(report, std::string(kAllLabels));
-  return example_of(report, "--masks", true);
+  if (report.have_numbers || std::ranges::any_of(report.frames, other))
+    return example_of(report, std::string(kAllLabels));
+  return example_of(report, std::string(kAllMasks), true);
 }
 
 std::string iso_option(double iso) { return fmt::format("--iso {}", iso); }
@@ -188,10 +189,8 @@ convert::Json json_of(const SequenceReport& report) {
                           {"frames", iso->separates},
                           {"command", example_of(report, iso_option(iso->iso))}};
   } else if (const std::size_t labels = frames_of_labels(report); labels > 0) {
-    json["suggestion"] = {{"iso", nullptr},
-                          {"labels", "all"},
-                          {"frames", labels},
-                          {"command", example_of_labels(report)}};
+    json["suggestion"] = {
+        {"iso", nullptr}, {"labels", "all"}, {"frames", labels}, {"command", example_of_labels(report)}};
   }
   return json;
 }

@@ -133,7 +133,8 @@ bool reads_mesh(const ConvertFlags& flags) {
 }
 
 Result<void> take_mesh(ConvertFlags& flags, const std::string& input, const Context& context) {
-  if (flags.heightfield || flags.input.format || files::is_standard_input(input)) return {};
+  const bool is_raw = flags.input.dims && files::is_standard_input(input);
+  if (flags.heightfield || flags.input.format || is_raw) return {};
   const auto found = mesh_io::find_mesh_format(input, context.beside());
   // The reader of particles says best what a PLY with faces lacks.
   if (!found || (*found == mesh_io::MeshFormat::ply && flags.particles.any_set())) return {};

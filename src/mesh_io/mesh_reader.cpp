@@ -10,6 +10,7 @@
 #include <exception>
 #include <limits>
 #include <new>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -62,19 +63,20 @@ Reader reader_by_beginning(std::string_view text, std::uint64_t size) {
   return is_obj_text(text) ? read_obj : nullptr;
 }
 
+constexpr std::array<std::pair<MeshFormat, Reader>, 6> kReaders{{{MeshFormat::obj, read_obj},
+                                                                 {MeshFormat::stl, read_stl},
+                                                                 {MeshFormat::ply, read_ply},
+                                                                 {MeshFormat::glb, read_glb},
+                                                                 {MeshFormat::gltf, read_gltf},
+                                                                 {MeshFormat::drc, read_drc}}};
+
 Reader reader_of(const MeshSource& source) {
   const std::string_view text = source.text();
   if (const Reader marked = reader_by_mark(text)) return marked;
   const auto by_extension = mesh_format_by_path(source.file.path());
   if (by_extension) {
-    switch (*by_extension) {
-      case MeshFormat::obj: return read_obj;
-      case MeshFormat::stl: return read_stl;
-      case MeshFormat::ply: return read_ply;
-      case MeshFormat::glb: return read_glb;
-      case MeshFormat::gltf: return read_gltf;
-      case MeshFormat::drc: return read_drc;
-    }
+    const auto entry = std::ranges::find(kReaders, *by_extension, &std::pair<MeshFormat, Reader>::first);
+    if (entry != kReaders.end()) return entry->second;
   } else if (const Reader found = reader_by_beginning(text, text.size())) {
     return found;
   }
@@ -290,6 +292,11 @@ std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path, co
   const Reader marked = reader_by_mark(text);
   if (marked == read_glb) return by_extension == MeshFormat::gltf ? by_extension : MeshFormat::glb;
   if (marked == read_drc) return MeshFormat::drc;
+  if (marked == nullptr && files::is_standard_input(path)) {
+    const Reader reader = reader_by_beginning(text, file->size());
+    const auto entry = std::ranges::find(kReaders, reader, &std::pair<MeshFormat, Reader>::second);
+    return entry == kReaders.end() ? std::nullopt : std::optional(entry->first);
+  }
   if (marked == nullptr) return by_extension == MeshFormat::ply ? std::nullopt : by_extension;
   TextScanner lines(text);
   while (lines.next_line()) {

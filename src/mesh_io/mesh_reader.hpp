@@ -88,7 +88,8 @@ struct MeshFile {
 // Returns whether the file begins like one of the mesh formats, whatever its name. A PLY may hold particles instead.
 [[nodiscard]] bool holds_mesh(const std::filesystem::path& path, const Context& context);
 
-// Returns the format of a mesh file: by its magic bytes, else by the extension. Returns nullopt for other files, for a
+// Returns the format of a mesh file: by its magic bytes, else by the extension, or by the beginning of standard input.
+// Returns nullopt for other files, for a
 // PLY without faces, which holds particles, and for folders.
 [[nodiscard]] std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path, const Context& context);
 

@@ -299,11 +299,11 @@ class MasksTest(ProgramTest):
         run = self.run_program("seg", "--labels", "all", "-o", "out.glb")
         self.assert_fails(1, run, "would both write this file", "use --masks if each file is a mask of one object, on one grid")
         text = self.convert("info", "seg").text
-        self.assertIn("  command       isoextract seg --masks -o seg.glb\n", text)
+        self.assertIn("  command       isoextract seg --masks --labels all -o seg.glb\n", text)
         self.convert("seg", "--masks", "-o", "seg.glb")
         (report,) = json.loads(self.convert("info", "seg", "--json").text)
         jsonschema.validate([report], json.loads((SOURCE / "docs" / "schemas" / "info.schema.json").read_text()))
-        self.assertEqual(report["suggestion"]["command"], "isoextract seg --masks -o seg.glb")
+        self.assertEqual(report["suggestion"]["command"], "isoextract seg --masks --labels all -o seg.glb")
         both = self.left.astype(np.uint8) + 2 * self.right.astype(np.uint8)
         (self.folder / "seg" / "atlas.nii").write_bytes(nifti(both))
         self.assertIn("isoextract seg --labels all -o 'seg_{:04}.glb'", self.convert("info", "seg").text)

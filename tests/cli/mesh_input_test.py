@@ -2,6 +2,7 @@
 
 import json
 import struct
+import subprocess
 
 import jsonschema
 from support import SOURCE, SPHERE, ProgramTest, main, needs_modules, read_glb, read_obj, read_ply, read_stl
@@ -71,6 +72,31 @@ class MeshInputTest(ProgramTest):
         self.convert("a.stl", "-o", "g.drc")
         self.convert("g.drc", "-o", "h.ply")
         self.assertEqual(len(self.mesh("h.ply").triangles), len(expected))
+
+    def test_the_content_tells_the_format_of_standard_input(self):
+        self.convert(*BLOB, "-o", "a.stl")
+        self.convert("a.stl", "-o", "text.stl", "--ascii")
+        for name in ("a.stl", "text.stl", "b.obj", "c.ply", "d.glb", "e.drc"):
+            if name[0] != "a" and name != "text.stl":
+                self.convert("a.stl", "-o", name)
+            edits = ("--triangles", "50%", "--smooth", "3")
+            self.convert(name, *edits, "-o", "file.ply")
+            with open(self.folder / name, "rb") as file:  # mapped
+                self.convert("-", *edits, "-o", "stdin.ply", stdin=file)
+            with subprocess.Popen(["cat", self.folder / name], stdout=subprocess.PIPE) as cat:
+                run = self.convert("-", *edits, "-o", "pipe.ply", stdin=cat.stdout)
+            self.assertIn("standard input -> pipe.ply: ", run.err)
+            expected = (self.folder / "file.ply").read_bytes()
+            for made in ("stdin.ply", "pipe.ply"):
+                self.assertEqual((self.folder / made).read_bytes(), expected, name)
+        with open(self.folder / "a.stl", "rb") as file:
+            run = self.run_program("-", "--iso", "1", "-o", "x.ply", stdin=file)
+            self.assert_fails(1, run, "--iso has no effect on the mesh standard input")
+        # The samples of a raw file may begin in any way.
+        (self.folder / "a.raw").write_bytes(b"solid" + (self.folder / "a.stl").read_bytes()[:7995])
+        with open(self.folder / "a.raw", "rb") as file:
+            run = self.convert("-", "--dims", "20,20,20", "--dtype", "u8", "--iso", "20", "-o", "raw.ply", stdin=file)
+            self.assertIn("standard input iso 20 -> raw.ply", run.err)
 
     def test_edits_give_the_bytes_that_the_volume_gives(self):
         self.convert(*RING, "-o", "mesh.ply")
