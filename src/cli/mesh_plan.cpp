@@ -66,7 +66,6 @@ std::vector<Misplaced> options_of_fields(const ConvertFlags& flags) {
       {&flags.no_merge, kExtraction},
       {&flags.t_junctions, kExtraction},
       {&flags.attributes, "attributes come from fields and particles; the output keeps those of the mesh file anyway"},
-      {&flags.color, "colors come from fields and particles; the output keeps those of the mesh file anyway"},
       {&flags.placement.to_space, "a mesh file states no patient space"},
       {&flags.half, "it stores the samples of a field"},
       {&flags.error, "the error of a surface is its distance to the isosurface of a field"},
@@ -83,6 +82,10 @@ Result<void> check_values(const ConvertFlags& flags) {
     return refuse_usage(
         fmt::format("--simplify {}: the distance is in voxels, which a mesh does not have", flags.simplify->distance),
         fmt::format("give it in the units of the mesh: --simplify {}world", flags.simplify->distance));
+  }
+  if (flags.color && !flags.color->attribute) {
+    return refuse_usage("--color-by iso: only a field has iso values",
+                        "give the name of a vertex attribute of the mesh");
   }
   const auto& least = flags.edits.least;
   if (least && least->measure != edit::ComponentMeasure::triangles && !least->in_world_units) {

@@ -249,15 +249,20 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
   if (!flags.color->attribute) return {};
   convert::AttributeChoice wanted = *flags.color->attribute;
   job.color->attribute = wanted.name;
+  // The name alone refers to the attribute of --attribute, or of a mesh file.
+  convert::AttributeChoice name_alone;
+  name_alone.name = name_alone.from = wanted.name;
+  if (job.source.mesh) {
+    if (wanted == name_alone) return {};
+    return refuse_usage("--color-by NAME takes no FROM, '?' or settings for a mesh, whose attributes it names",
+                        fmt::format("use --color-by {}", wanted.name));
+  }
   const auto same = std::ranges::find(attributes, wanted.name, &convert::AttributeChoice::name);
   if (same == attributes.end()) {
     wanted.written = false;
     attributes.push_back(std::move(wanted));
     return {};
   }
-  // The name alone refers to the attribute of --attribute.
-  convert::AttributeChoice name_alone;
-  name_alone.name = name_alone.from = wanted.name;
   if (wanted == name_alone || wanted == *same) return {};
   if (wanted.from == same->from) {
     return refuse_usage(

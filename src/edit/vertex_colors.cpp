@@ -22,12 +22,12 @@ class ColorValues {
   [[nodiscard]] double operator()(std::size_t vertex) const {
     const std::byte* at = attribute_.values.data() + vertex * attribute_.stride();
     double squared = 0;
-    float value = 0;
+    double value = 0;
     for (std::size_t c = 0; c < attribute_.components; ++c) {
-      std::memcpy(&value, at + c * sizeof value, sizeof value);
-      squared += static_cast<double>(value) * static_cast<double>(value);
+      value = mesh::component_value(at + c * component_size(attribute_.type), attribute_.type, attribute_.normalized);
+      squared += value * value;
     }
-    return attribute_.components == 1 ? static_cast<double>(value) : std::sqrt(squared);
+    return attribute_.components == 1 ? value : std::sqrt(squared);
   }
 
  private:
@@ -114,6 +114,7 @@ Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribu
     }
     not_numbers.fetch_add(gray, std::memory_order_relaxed);
   });
+  std::erase_if(mesh.attributes, [](const mesh::Attribute& other) { return other.role == mesh::AttributeRole::color; });
   mesh.attributes.push_back(std::move(made));
   mesh.memory.take(std::move(memory));
   return ValueColors{ends, not_numbers.load()};

@@ -31,9 +31,9 @@ struct ValueColors {
   std::uint64_t not_numbers = 0;  // vertices with a NaN value, which are gray
 };
 
-// Adds colors by a float32 attribute that the mesh must have; of several components, by their length. Without `range`
-// uses the range of the finite values, 0 to 0 if there are none. Fails with ErrorCode::out_of_memory if memory is
-// short.
+// Adds colors by an attribute that the mesh must have; of several components, by their length. Replaces colors that it
+// has. Without `range` uses the range of the finite values, 0 to 0 if there are none. Fails with
+// ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribute, Colormap map,
                                                   const std::optional<ValueRange>& range, ColorStorage storage,
                                                   const Context& context);

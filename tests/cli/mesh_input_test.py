@@ -43,11 +43,11 @@ def stl_bytes(vertices, triangles):
     return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(records)
 
 
-def ply_text(vertices, triangles, colors=None):
+def ply_text(vertices, triangles, colors=None, kind="float", quality=None):
     lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}", *(f"property float {c}" for c in "xyz"),
              *(f"property uchar {c}" for c in ("red", "green", "blue") if colors),
-             f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
-    rows = [(*v, *(colors[i] if colors else ())) for i, v in enumerate(vertices)]
+             *([f"property {kind} quality"] if quality else []), f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
+    rows = [(*v, *(colors[i] if colors else ()), *([quality[i]] if quality else [])) for i, v in enumerate(vertices)]
     return "\n".join([*lines, *(" ".join(map(str, r)) for r in rows), *("3 %d %d %d" % t for t in triangles), ""])
 
 
@@ -162,6 +162,36 @@ class MeshInputTest(ProgramTest):
         self.assertLess(abs(linear[:, :3] - expected).max(), 1e-5)
         self.assertEqual(linear[:, 3].min(), 1)
 
+    def test_colors_by_an_attribute_of_the_file(self):
+        vertices = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+        triangles = [(0, 3, 1), (0, 2, 3), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
+                     (2, 7, 3), (2, 6, 7), (0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5)]
+        wrong = [(1, 2, 3)] * 8
+        for kind, values in (("float", [0, .5, 1, 2, 3, 4, 5, 6]), ("double", [1e-3 * i for i in range(8)]),
+                             ("uchar", [0, 1, 5, 255, 3, 4, 5, 6]), ("short", [-5, 1, 5, 300, 3, 4, 5, 6])):
+            (self.folder / "a.ply").write_text(ply_text(vertices, triangles, wrong, kind, values))
+            for limits in ((), (-1.0, 4.0)):
+                low, high = limits or (min(values), max(values))
+                option = "quality:gray" + (f":{low},{high}" if limits else "")
+                run = self.convert("a.ply", "--color-by", option, "-o", "b.ply", "--ascii")
+                self.assertIn(f"colors of mesh: quality, gray from {low:g} to {high:g}", run.err)
+                header, made = (self.folder / "b.ply").read_text().split("end_header\n")
+                self.assertEqual(header.count("property uchar red"), 1)
+                names = [line.split()[-1] for line in header.splitlines() if line.startswith("property") and "list" not in line]
+                for row in made.splitlines()[:8]:
+                    found = dict(zip(names, row.split()))
+                    at = vertices.index(tuple(int(float(found[axis])) for axis in "xyz"))
+                    gray = round(255 * min(max((values[at] - low) / (high - low), 0), 1))
+                    self.assertAlmostEqual(int(found["red"]), gray, delta=1)
+                    self.assertAlmostEqual(float(found["quality"]), values[at], delta=1e-9 + 1e-7 * abs(values[at]))
+        self.convert("a.ply", "--color-by", "quality", "-o", "b.glb")
+        for option, code, message in (("qualty", 2, "expected the vertex attribute 'qualty', found quality"),
+                                      ("quality?", 1, "takes no FROM, '?' or settings"),
+                                      ("quality=x.vdb", 1, "takes no FROM"), ("iso", 1, "only a field has iso values")):
+            self.assert_fails(code, self.run_program("a.ply", "--color-by", option, "-o", "c.ply"), message)
+            self.assertFalse((self.folder / "c.ply").exists())
+        self.assertIn("did you mean 'quality'?", self.run_program("a.ply", "--color-by", "qualty", "-o", "c.ply").err)
+
     def test_options_that_need_a_field(self):
         vertices, triangles = box((0, 0, 0), (1, 1, 1))
         (self.folder / "a.stl").write_bytes(stl_bytes(vertices, triangles))
@@ -169,8 +199,8 @@ class MeshInputTest(ProgramTest):
                 ("--iso", "0.5"), ("--method", "mt"), ("--roi", "0,0,0,1,1,1"), ("--roi-snap",), ("--resolution", "9"),
                 ("--voxel-size", "1"), ("--kernel", "cubic"), ("--filter", "median"), ("--blur", "1"), ("--nan", "hole"),
                 ("--labels", "all"), ("--labels-min-voxels", "3"), ("--background", "1"), ("--label-names", "a.txt"),
-                ("--relax", "3"), ("--no-merge",), ("--t-junctions",), ("--attribute", "v"), ("--color-by", "v"),
-                ("--color-by", "iso"), ("--to-space", "ras"), ("--half",), ("--error",), ("--verify",),
+                ("--relax", "3"), ("--no-merge",), ("--t-junctions",), ("--attribute", "v"),
+                ("--to-space", "ras"), ("--half",), ("--error",), ("--verify",),
                 ("--backend", "gpu"), ("--device", "0"), ("--grid", "a"), ("--volume", "1"), ("--component", "1"),
                 ("--spacing", "1"), ("--origin", "0,0,0"), ("--inside", "below"), ("--nodata", "0"),
                 ("--dims", "1,1,1"), ("--particles", "sph"), ("--radius", "1"), ("--select", "x > 1")):

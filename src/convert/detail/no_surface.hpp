@@ -23,8 +23,8 @@ namespace isoextract::convert {
 [[nodiscard]] Result<void> leave_out_empty(const Source& source, const ConversionJob& job, const OutputFileJob& output,
                                            const Context& context, Events& events);
 
-// Returns the error for an empty source, for a label map of whose `labels` labels none is left, or for one that has none
-// besides the background.
+// Returns the error for an empty source, for a label map of whose `labels` labels none is left, or for one that has
+// none besides the background.
 [[nodiscard]] Error no_label(const Source& source, std::int64_t background, std::size_t labels);
 
 // Notes that an output was not written because none of `labels` labels is left. Fails with no_label() for

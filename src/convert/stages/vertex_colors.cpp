@@ -6,7 +6,9 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "base/nearest_name.hpp"
 #include "base/printable.hpp"
 #include "base/srgb.hpp"
 #include "convert/stages/surface_stages.hpp"
@@ -65,13 +67,31 @@ void adjust_material(const ConversionJob& job, bool open, std::optional<mesh::Ma
   material->double_sided |= open;
 }
 
+// Fails for a mesh of a file without the attribute.
+Result<void> check_has(const mesh::Mesh& mesh, const std::string& attribute) {
+  std::vector<std::string> names;
+  for (const mesh::Attribute& found : mesh.attributes) {
+    if (found.role == mesh::AttributeRole::other) names.push_back(found.name);
+  }
+  if (std::ranges::find(names, attribute) != names.end()) return {};
+  const std::string near = nearest_name(attribute, names);
+  std::ranges::transform(names, names.begin(), [](const std::string& name) { return printable(name); });
+  return fail(ErrorCode::input,
+              fmt::format("{}: expected the vertex attribute '{}', found {}", printable(mesh.name),
+                          printable(attribute), names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))),
+              near.empty() ? "" : fmt::format("did you mean '{}'?", printable(near)));
+}
+
 Result<StageReport> color_by_attribute(Surface& surface, const StageContext& stage) {
   const ConversionJob& job = stage.job;
   if (!job.color || !job.color->attribute) return StageReport();
   const std::string& attribute = *job.color->attribute;
   const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
-  // sample_vertex_attributes() or the source has reported it.
-  if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) return StageReport();
+  if (stage.source.of_meshes) {
+    TRY(check_has(surface.mesh, attribute));
+  } else if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) {
+    return StageReport();  // sample_vertex_attributes() or the source has reported it
+  }
   const auto made = TRY(edit::color_by_values(
       surface.mesh, attribute, job.color->map, job.color->range,
       mesh_io::is_gltf(job.meshes().format) ? edit::ColorStorage::linear_u16 : edit::ColorStorage::srgb_u8,
