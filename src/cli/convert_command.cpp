@@ -147,6 +147,13 @@ class ConversionPrinter final : public convert::Events {
     watch_.restart();
   }
 
+  // Returns "3", or "3 (Spleen)" for a label with a name.
+  static std::string id_and_name(const convert::WrittenOutput::Part& part) {
+    constexpr std::size_t kMostOfName = 40;
+    const bool has_name = part.id.is_label() && !part.name.ends_with(part.id.name());
+    return has_name ? fmt::format("{} ({})", part.id.text(), printable(part.name, kMostOfName)) : part.id.text();
+  }
+
   // Returns " iso 0.3, 0.5", or " 3000 labels from 1 to 3000" if there are more labels than a reader takes in; for a
   // mesh file "", or " (3 meshes)".
   [[nodiscard]] std::string surfaces_text(const convert::WrittenOutput& output) const {
@@ -156,7 +163,7 @@ class ConversionPrinter final : public convert::Events {
     }
     constexpr std::size_t kMostListed = 20;
     std::vector<std::string> ids;
-    for (const convert::WrittenOutput::Part& part : output.surfaces) ids.push_back(part.id.text());
+    for (const convert::WrittenOutput::Part& part : output.surfaces) ids.push_back(id_and_name(part));
     ids = without_repeats(ids);
     if (ids.size() <= kMostListed || !output.surfaces.front().id.is_label()) {
       return fmt::format(" {} {}", word_, fmt::join(ids, ", "));

@@ -171,7 +171,8 @@ class LabelChoiceTest(ProgramTest):
             self.assertEqual(row[3:5], ["12", "yes"])
         self.assertEqual([row[-1] for row in table[:4]], ["Hippocampus left", "Hippocampus right", "Skull", "a/b"])
         _, run = self.names("--labels", "all", "--label-names", "names.txt")
-        self.assertNotIn("Hippocampus", run.err)
+        self.assertNotIn("voxels", run.err)
+        self.assertIn("slabs.raw label 1 (Hippocampus left), 2 (Hippocampus right), 3 (Skull), 4 (a/b), 5, 6 -> ", run.err)
 
     def test_background(self):
         self.write_raw("zero.raw", (4, 4, 4), lambda x, y, z: 0 if x < 2 else 7, "B")
