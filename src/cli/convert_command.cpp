@@ -198,6 +198,10 @@ class ConversionPrinter final : public convert::Events {
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
+  if (to_stdout && ranks_of_run() != nullptr) {
+    return fail(ErrorCode::usage, "stdout of several ranks passes through mpirun or srun, which may change bytes",
+                "give the output a file, with -o FILE");
+  }
   const auto* meshes = job.writes<convert::MeshFileOptions>();
   const auto* particles = job.writes<convert::ParticleFileOptions>();
   const bool is_text = (meshes != nullptr && (meshes->ascii || meshes->format == mesh_io::MeshFormat::obj)) ||

@@ -255,6 +255,12 @@ class VolumeTest(MpiTest):
 
 
 class RanksTest(MpiTest):
+    def test_stdout_of_ranks_is_refused(self):
+        run = self.run_ranks(2, "demo:sphere?size=8", "--iso", "0", "-o", "-", "--format", "ply")
+        self.assertEqual(run.code, 1, run.err)
+        self.assertIn("stdout of several ranks passes through mpirun or srun, which may change bytes", run.err)
+        self.assertNotIn("end_header", run.text)
+
     def test_errors_are_told_once(self):
         run = self.run_ranks(3, "none_{:04}.raw", "--iso", "0", "-o", "f_{:04}.ply")
         self.assertEqual(run.code, 2, run.err)
