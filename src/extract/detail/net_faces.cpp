@@ -39,6 +39,28 @@ constexpr std::size_t voxel_above(unsigned face) { return voxel_below(face) | st
 
 constexpr unsigned kFacesAround = 12;
 
+// The faces around a corner between voxels inside and outside, as bits: the voxel below or above the face is inside.
+struct FaceSides {
+  std::uint16_t below = 0;
+  std::uint16_t above = 0;
+};
+
+// Of each pattern of corner_fans.hpp. A table, because GCC 12 (-O2 without assertions) compiles the comparison of the two
+// voxels in join_shells() wrongly: faces with the label below them were not joined.
+constexpr std::array<FaceSides, 256> make_face_sides() {
+  std::array<FaceSides, 256> all{};
+  for (unsigned pattern = 0; pattern < 256; ++pattern) {
+    for (unsigned f = 0; f < kFacesAround; ++f) {
+      const unsigned below = pattern >> voxel_below(f) & 1;
+      const unsigned above = pattern >> voxel_above(f) & 1;
+      if (below > above) all[pattern].below |= static_cast<std::uint16_t>(1U << f);
+      if (above > below) all[pattern].above |= static_cast<std::uint16_t>(1U << f);
+    }
+  }
+  return all;
+}
+constexpr std::array<FaceSides, 256> kFaceSides = make_face_sides();
+
 // The faces that have the corner as their lowest one.
 constexpr std::uint16_t kOwnFaces =
     1U << face_at_corner(0, 0, 0) | 1U << face_at_corner(1, 0, 0) | 1U << face_at_corner(2, 0, 0);
@@ -252,9 +274,9 @@ Result<void> NetFaces::join_shells(const NetGrid& grid, const LabelChunks& label
           std::array<std::uint32_t, 4> first{kNoShell, kNoShell, kNoShell, kNoShell};
           for_each_bit(sides_[k], [&](int f) {
             const std::uint32_t face = *list++;
-            const bool below = (pattern >> voxel_below(static_cast<unsigned>(f)) & 1) != 0;
-            if (below == ((pattern >> voxel_above(static_cast<unsigned>(f)) & 1) != 0)) return;
-            const std::uint32_t node = 2 * face + (below ? 0 : 1);
+            const FaceSides& around = kFaceSides[pattern];
+            if (((around.below | around.above) >> f & 1) == 0) return;
+            const std::uint32_t node = 2 * face + (around.above >> f & 1);
             std::uint32_t& one = first[corner_fans()[pattern].of_face[static_cast<std::size_t>(f)]];
             if (one == kNoShell) {
               one = node;
