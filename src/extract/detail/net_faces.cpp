@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <utility>
 #include <vector>
 
@@ -39,35 +38,53 @@ constexpr std::size_t voxel_above(unsigned face) { return voxel_below(face) | st
 
 constexpr unsigned kFacesAround = 12;
 
+// The faces around a corner between voxels inside and outside, as bits: the voxel below or above the face is inside.
+struct FaceSides {
+  std::uint16_t below = 0;
+  std::uint16_t above = 0;
+};
+
+// Of each pattern of corner_fans.hpp. A table, because GCC 12 (-O2 without assertions) compiles the comparison of the
+// two voxels in join_shells() wrongly: faces with the label below them were not joined.
+constexpr std::array<FaceSides, 256> make_face_sides() {
+  std::array<FaceSides, 256> all{};
+  for (unsigned pattern = 0; pattern < 256; ++pattern) {
+    for (unsigned f = 0; f < kFacesAround; ++f) {
+      const unsigned below = pattern >> voxel_below(f) & 1;
+      const unsigned above = pattern >> voxel_above(f) & 1;
+      if (below > above) all[pattern].below |= static_cast<std::uint16_t>(1U << f);
+      if (above > below) all[pattern].above |= static_cast<std::uint16_t>(1U << f);
+    }
+  }
+  return all;
+}
+constexpr std::array<FaceSides, 256> kFaceSides = make_face_sides();
+
 // The faces that have the corner as their lowest one.
 constexpr std::uint16_t kOwnFaces =
     1U << face_at_corner(0, 0, 0) | 1U << face_at_corner(1, 0, 0) | 1U << face_at_corner(2, 0, 0);
 
-constexpr std::array<std::array<int, 2>, 4> kCornerSteps{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+// The faces that have a point as their lowest one, before that of each axis, by the axes of all of them.
+constexpr std::array<std::array<std::uint8_t, 3>, 8> kFacesBefore{
+    {{0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}, {0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}}};
 
-// The numbers of the points up to one step above the corners of a chunk.
-class UpperPoints {
- public:
-  UpperPoints(const NetGrid& grid, std::size_t chunk) : grid_(grid) {
-    for (int n = 0; n < 8; ++n) next_[static_cast<std::size_t>(n)] = grid.find(grid.origins()[chunk] + chunk_step(n));
+// The step from the place of a corner to that of the lowest corner of each face around it.
+constexpr std::array<int, kFacesAround> make_ways_down() {
+  std::array<int, kFacesAround> ways{};
+  for (unsigned f = 0; f < kFacesAround; ++f) {
+    const unsigned axis = f / 4;
+    if ((f & 1) == 0) ways[f] -= NearPlaces::kSteps[axis == 0 ? 1 : 0];
+    if ((f & 2) == 0) ways[f] -= NearPlaces::kSteps[axis == 2 ? 1 : 2];
   }
-
-  // Returns the number of the point at a corner that has one, from the lowest corner of the chunk.
-  [[nodiscard]] std::uint32_t number(const glm::ivec3& corner) const {
-    const unsigned chunk = static_cast<unsigned>(corner.x >> 6 | corner.y >> 3 << 1 | corner.z >> 3 << 2);
-    return grid_.row(next_[chunk], corner.y, corner.z).number(corner.x & 63);
-  }
-
- private:
-  const NetGrid& grid_;
-  std::array<std::int32_t, 8> next_{};
-};
+  return ways;
+}
+constexpr std::array<int, kFacesAround> kWaysDown = make_ways_down();
 
 // Sets of nodes, joined from several threads (Anderson, Woll: Wait-free parallel algorithms for the union-find problem.
 // 1991). The root of a set is its lowest node, so the result does not depend on the order.
 class JoinedSets {
  public:
-  explicit JoinedSets(Buffer<std::uint32_t>& parent) : parent_(parent) {}
+  explicit JoinedSets(Buffer<NetFaces::Shells>& parents) : parents_(parents) {}
 
   std::uint32_t root(std::uint32_t node) const {
     for (;;) {
@@ -93,10 +110,10 @@ class JoinedSets {
 
  private:
   [[nodiscard]] std::atomic_ref<std::uint32_t> at(std::uint32_t node) const {
-    return std::atomic_ref<std::uint32_t>(parent_[node]);
+    return std::atomic_ref<std::uint32_t>(parents_[node / 2][node & 1]);
   }
 
-  Buffer<std::uint32_t>& parent_;
+  Buffer<NetFaces::Shells>& parents_;  // of node 2 * face + side
 };
 
 }  // namespace
@@ -104,16 +121,17 @@ class JoinedSets {
 Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
                                 const std::string& what) {
   NetFaces faces;
-  auto held = TRY(context.reserve(grid.size() * (sizeof(std::uint16_t) + sizeof(std::uint32_t)) +
-                                      (grid.origins().size() + 2) * sizeof(std::uint32_t),
-                                  what));
+  auto held = TRY(context.reserve(
+      grid.size() * sizeof(std::uint16_t) + (64 * grid.origins().size() + 1) * sizeof(std::uint32_t), what));
   faces.memory_.push_back(std::move(held));
   faces.find_sides(grid, labels);
   TRY(context.check());
-  TRY(faces.list_faces(grid, labels, context, what));
+  TRY(faces.number_faces(grid, context, what));
+  faces.mark_labeled(grid, labels);
   TRY(context.check());
-  TRY(faces.join_shells(grid, labels, context, what));
-  faces.sides_ = Buffer<std::uint16_t>();
+  faces.join_shells(grid, labels);
+  TRY(context.check());
+  faces.number_shells();
   return faces;
 }
 
@@ -137,124 +155,73 @@ void NetFaces::find_sides(const NetGrid& grid, const LabelChunks& labels) {
   });
 }
 
-Result<void> NetFaces::list_faces(const NetGrid& grid, const LabelChunks& labels, const Context& context,
-                                  const std::string& what) {
+Result<void> NetFaces::number_faces(const NetGrid& grid, const Context& context, const std::string& what) {
   const std::size_t chunks = grid.origins().size();
-  first_around_ = Buffer<std::uint32_t>(grid.size() + 1);
-  first_of_chunk_ = Buffer<std::uint32_t>(chunks);
-  struct Counts {
-    std::uint64_t around = 0;
-    std::uint64_t own = 0;
-  };
-  auto made = TRY(make_reserved_buffer<Counts>(chunks, context, what));
-  Buffer<Counts>& before = made->values;
-  const auto add = [&](Counts& counts, std::size_t k) {
-    counts.around += static_cast<std::uint64_t>(std::popcount(sides_[k]));
-    counts.own += static_cast<std::uint64_t>(std::popcount(static_cast<std::uint16_t>(sides_[k] & kOwnFaces)));
-  };
+  first_of_rows_ = Buffer<std::uint32_t>(64 * chunks + 1);
+  std::fill(first_of_rows_.begin(), first_of_rows_.end(), std::uint32_t{0});
   for_each_index(chunks, [&](std::size_t c) {
-    Counts counts;
-    const auto [begin, end] = grid.points(c);
-    for (std::size_t k = begin; k != end; ++k) add(counts, k);
-    before[c] = counts;
+    grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
+      std::uint32_t& count = first_of_rows_[64 * c + chunk_row(y, z)];
+      std::uint32_t k = row.first;
+      for_each_bit(row.used, [&](int) { count += static_cast<std::uint32_t>(count_bits(own_axes(k++))); });
+    });
   });
-  Counts all;
-  for (Counts& counts : before) {
-    const Counts here = std::exchange(counts, all);
-    all.around += here.around;
-    all.own += here.own;
-  }
+  std::uint64_t all = 0;
+  for (std::uint32_t& first : first_of_rows_) all += std::exchange(first, static_cast<std::uint32_t>(all));
   constexpr std::uint64_t kMost = ~std::uint32_t{0} / 4;
-  if (all.own > kMost) {
-    return fail(ErrorCode::input,
-                what + ": there are " + std::to_string(all.own) + " faces between labels; the limit is " +
-                    std::to_string(kMost),
-                {Remedy::use, Setting::parts});
+  if (all > kMost) {
+    return fail(
+        ErrorCode::input,
+        what + ": there are " + std::to_string(all) + " faces between labels; the limit is " + std::to_string(kMost),
+        {Remedy::use, Setting::parts});
   }
-  auto held = TRY(context.reserve(all.own * (sizeof(Face) + 1) + all.around * sizeof(std::uint32_t), what));
+  auto held = TRY(context.reserve(all * sizeof(Shells), what));
   memory_.push_back(std::move(held));
-  faces_ = Buffer<Face>(all.own);
-  axes_ = Buffer<std::uint8_t>(all.own);
-  around_ = Buffer<std::uint32_t>(all.around);
-  for_each_index(chunks, [&](std::size_t c) {
-    Counts counts = before[c];
-    first_of_chunk_[c] = static_cast<std::uint32_t>(counts.own);
-    const auto [begin, end] = grid.points(c);
-    for (std::size_t k = begin; k != end; ++k) {
-      first_around_[k] = static_cast<std::uint32_t>(counts.around);
-      add(counts, k);
-    }
-  });
-  first_around_[grid.size()] = static_cast<std::uint32_t>(all.around);
-  for_each_index(chunks, [&](std::size_t c) {
+  of_shells_ = Buffer<Shells>(all);
+  return context.check();
+}
+
+// Makes each side of a face that has a label a set of its own.
+void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
+  for_each_index(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
-    const UpperPoints points(grid, c);
-    std::uint32_t number = first_of_chunk_[c];
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       CornerWords labeled{};
       for (const NearLabels::Entry& entry : near.entries()) {
         const CornerWords words = corner_words(entry.near, y, z);
         for (std::size_t n = 0; n < words.size(); ++n) labeled[n] |= words[n];
       }
+      std::uint32_t number = first_of_row(c, chunk_row(y, z));
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) {
-        for_each_bit(sides_[k] & kOwnFaces, [&](int own_face) {
-          const int axis = own_face / 4;
-          axes_[number] = static_cast<std::uint8_t>(axis);
-          Face& face = faces_[number];
-          for (std::size_t n = 0; n < 4; ++n) {
-            const auto& [u, v] = kCornerSteps[n];
-            glm::ivec3 corner(bit, y, z);
-            corner[next_axis(axis, 1)] += u;
-            corner[next_axis(axis, 2)] += v;
-            const std::uint32_t point = n == 0 ? k : points.number(corner);
-            const unsigned lower = (1U << face_at_corner(axis, u, v)) - 1;
-            around_[first_around_[point] + static_cast<std::uint32_t>(std::popcount(sides_[point] & lower))] = number;
-            face.points[n] = point;
-          }
+        for_each_bit(sides_[k++] & kOwnFaces, [&](int own_face) {
           const auto f = static_cast<unsigned>(own_face);
-          for (std::uint32_t side = 0; side < 2; ++side) {
-            const std::size_t voxel = side == 0 ? voxel_below(f) : voxel_above(f);
-            face.shells[side] = (labeled[voxel] >> bit & 1) != 0 ? 2 * number + side : kNoShell;
-          }
+          const bool below = (labeled[voxel_below(f)] >> bit & 1) != 0;
+          const bool above = (labeled[voxel_above(f)] >> bit & 1) != 0;
+          of_shells_[number] = {below ? 2 * number : kNoShell, above ? 2 * number + 1 : kNoShell};
           ++number;
         });
-        ++k;
       });
     });
   });
-  return {};
 }
 
-// Joins the faces in each fan of each label around each point, then numbers the shells by their first face.
-Result<void> NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels, const Context& context,
-                                   const std::string& what) {
-  auto memory = TRY(make_reserved_buffer<std::uint32_t>(2 * faces_.size(), context, what));
-  Buffer<std::uint32_t>& parent = memory->values;
-  constexpr std::size_t kGrain = 1 << 12;
-  for_each_index(
-      faces_.size(),
-      [&](std::size_t f) {
-        parent[2 * f] = faces_[f].shells[0];
-        parent[2 * f + 1] = faces_[f].shells[1];
-      },
-      kGrain);
-  const JoinedSets sets(parent);
+// Joins the faces in each fan of each label around each point.
+void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
+  const JoinedSets sets(of_shells_);
   for_each_index(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
-    grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
+    const NearFaces faces(grid, *this, c);
+    grid.for_each_row(c, [&](const NetGrid::Row&, int y, int z) {
       for (const NearLabels::Entry& entry : near.entries()) {
         const CornerWords words = corner_words(entry.near, y, z);
         for_each_bit(mixed(words), [&](int bit) {
           const unsigned pattern = pattern_at(words, bit);
-          const std::uint32_t k = row.number(bit);
-          const std::uint32_t* list = around_.data() + first_around_[k];
+          const FaceSides& sides = kFaceSides[pattern];
+          const int place = NearPlaces::of(bit, y, z);
           std::array<std::uint32_t, 4> first{kNoShell, kNoShell, kNoShell, kNoShell};
-          for_each_bit(sides_[k], [&](int f) {
-            const std::uint32_t face = *list++;
-            const bool below = (pattern >> voxel_below(static_cast<unsigned>(f)) & 1) != 0;
-            if (below == ((pattern >> voxel_above(static_cast<unsigned>(f)) & 1) != 0)) return;
-            const std::uint32_t node = 2 * face + (below ? 0 : 1);
+          for_each_bit(static_cast<unsigned>(sides.below | sides.above), [&](int f) {
+            const std::uint32_t node = 2 * faces.number(place, f) + (sides.above >> f & 1);
             std::uint32_t& one = first[corner_fans()[pattern].of_face[static_cast<std::size_t>(f)]];
             if (one == kNoShell) {
               one = node;
@@ -266,18 +233,67 @@ Result<void> NetFaces::join_shells(const NetGrid& grid, const LabelChunks& label
       }
     });
   });
-  for (std::uint32_t node = 0; node < parent.size(); ++node) {
-    if (parent[node] == node) faces_[node / 2].shells[node & 1] = shells_++;
-  }
+}
+
+// Numbers the shells by their first face.
+void NetFaces::number_shells() {
+  constexpr std::size_t kGrain = 1 << 12;
+  const JoinedSets sets(of_shells_);
   for_each_index(
-      parent.size(),
-      [&](std::size_t n) {
-        if (parent[n] == kNoShell || parent[n] == n) return;
-        const std::uint32_t root = sets.root(static_cast<std::uint32_t>(n));
-        faces_[n / 2].shells[n & 1] = faces_[root / 2].shells[root & 1];
+      of_shells_.size(),
+      [&](std::size_t f) {
+        for (std::uint32_t& node : of_shells_[f]) {
+          if (node != kNoShell) std::atomic_ref(node).store(sets.root(node), std::memory_order_relaxed);
+        }
       },
       kGrain);
-  return context.check();
+  // The root of a set is its lowest node, so it has its number before the others need it.
+  std::uint32_t node = 0;
+  for (Shells& both : of_shells_) {
+    for (std::uint32_t& root : both) {
+      if (root == node) {
+        root = shells_++;
+      } else if (root != kNoShell) {
+        root = of_shells_[root / 2][root & 1];
+      }
+      ++node;
+    }
+  }
+}
+
+NearFaces::NearFaces(const NetGrid& grid, const NetFaces& faces, std::size_t chunk) {
+  for (int n = 0; n < 4; ++n) {
+    const int step_y = (n & 1) - 1;
+    const int step_z = (n >> 1) - 1;
+    const auto find = [&](int step_x) {
+      return grid.find(grid.origins()[chunk] + kVoxelChunk * glm::ivec3(step_x, step_y, step_z));
+    };
+    const std::int32_t lower = find(-1);
+    const std::int32_t middle = find(0);
+    for (int z = step_z < 0 ? 7 : 0; z < 8; ++z) {
+      for (int y = step_y < 0 ? 7 : 0; y < 8; ++y) {
+        const int place = NearPlaces::of(0, y + 8 * step_y, z + 8 * step_z);
+        if (const NetGrid::Row row = grid.row(lower, y, z); row.used >> 63 != 0) {
+          const std::uint32_t last = row.number(63);
+          const std::uint32_t end = faces.first_of_row(static_cast<std::size_t>(lower), chunk_row(y, z) + 1);
+          put(faces, place - 1, last, end - static_cast<std::uint32_t>(count_bits(faces.own_axes(last))));
+        }
+        const NetGrid::Row row = grid.row(middle, y, z);
+        if (row.used == 0) continue;
+        std::uint32_t number = faces.first_of_row(static_cast<std::size_t>(middle), chunk_row(y, z));
+        std::uint32_t k = row.first;
+        for_each_bit(row.used, [&](int bit) {
+          put(faces, place + bit, k, number);
+          number += static_cast<std::uint32_t>(count_bits(faces.own_axes(k++)));
+        });
+      }
+    }
+  }
+}
+
+std::uint32_t NearFaces::number(int place, int side) const {
+  const auto lowest = static_cast<std::size_t>(place + kWaysDown[static_cast<std::size_t>(side)]);
+  return first_[lowest] + kFacesBefore[axes_[lowest]][static_cast<std::size_t>(side / 4)];
 }
 
 }  // namespace isoextract::extract

@@ -3,16 +3,21 @@
 // A face is a square of four points between two voxels with different labels. A shell is a part of the surface of one
 // label that is connected through its vertices: the outer surface of a body, or that of a cavity. Each face belongs to
 // up to two shells, one for each of its labels.
+//
+// Only the shells of a face are stored. Its number follows from its first point and its axis: faces are sorted by them.
+// Its points and the faces around a point are found in tables of a chunk (NearPoints, NearFaces).
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
+#include <vector>
 
 #include "base/buffer.hpp"
 #include "base/context.hpp"
+#include "extract/detail/near_points.hpp"
 #include "extract/detail/net_grid.hpp"
+#include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
 
@@ -20,59 +25,84 @@ class NetFaces {
  public:
   static constexpr std::uint32_t kNoShell = ~std::uint32_t{0};
 
-  struct Face {
-    // The indices of the four points, counter-clockwise as seen from the upper side of the face; the first is at
-    // `corner`.
-    std::array<std::uint32_t, 4> points;
-    // The shells of the labels on the lower and upper sides; kNoShell for voxels without a label.
-    std::array<std::uint32_t, 2> shells;
-  };
+  // The shells of the labels on the lower and upper sides of a face; kNoShell for voxels without a label.
+  using Shells = std::array<std::uint32_t, 2>;
+
+  // The places (NearPlaces) of the points of a face across each axis from that of the first one, counter-clockwise as
+  // seen from the upper side.
+  static constexpr std::array<std::array<int, 4>, 3> kPoints{
+      {{0, NearPlaces::kSteps[1], NearPlaces::kSteps[1] + NearPlaces::kSteps[2], NearPlaces::kSteps[2]},
+       {0, NearPlaces::kSteps[2], NearPlaces::kSteps[2] + NearPlaces::kSteps[0], NearPlaces::kSteps[0]},
+       {0, NearPlaces::kSteps[0], NearPlaces::kSteps[0] + NearPlaces::kSteps[1], NearPlaces::kSteps[1]}}};
 
   // Runs in parallel; the result does not depend on the number of threads. Fails if memory runs out, if the context is
   // cancelled, and with ErrorCode::input if 32-bit numbers do not suffice. `what` starts the message about memory.
   [[nodiscard]] static Result<NetFaces> make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
                                              const std::string& what);
 
-  [[nodiscard]] std::span<const Face> faces() const { return faces_.span(); }
+  [[nodiscard]] std::size_t size() const { return of_shells_.size(); }
   [[nodiscard]] std::uint32_t shells() const { return shells_; }
+  [[nodiscard]] const Shells& shells_of(std::size_t face) const { return of_shells_[face]; }
 
-  // Returns the axis that a face lies across.
-  [[nodiscard]] int axis(std::size_t face) const { return axes_[face]; }
+  // Returns the faces around a point, as bits numbered as in corner_fans.hpp.
+  [[nodiscard]] unsigned sides(std::uint32_t point) const { return sides_[point]; }
 
-  // Calls f(number, corner of the first point) for the faces whose first point is in a chunk, in order.
+  // Returns the axes, as bits, across which faces have a point as their first one.
+  [[nodiscard]] unsigned own_axes(std::uint32_t point) const {
+    const unsigned sides = sides_[point];
+    return (sides >> 3 & 1) | (sides >> 6 & 2) | (sides >> 9 & 4);
+  }
+
+  // Returns the number of the first face whose first point is in a row of a chunk or after it.
+  [[nodiscard]] std::uint32_t first_of_row(std::size_t chunk, std::size_t row) const {
+    return first_of_rows_[64 * chunk + row];
+  }
+
+  // Calls f(number, axis, corner of the first point) for the faces whose first point is in a chunk, in order. The
+  // corner is counted from the lowest one of the chunk.
   template <class F>
   void for_each_of_chunk(const NetGrid& grid, std::size_t chunk, const F& f) const {
-    std::size_t number = first_of_chunk_[chunk];  // the faces are sorted by their first point
+    std::uint32_t number = first_of_row(chunk, 0);
     grid.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) {
-        const glm::ivec3 corner = grid.origins()[chunk] + glm::ivec3(bit, y, z);
-        for (; number < faces_.size() && faces_[number].points[0] == k; ++number) f(number, corner);
+        for_each_bit(own_axes(k), [&](int axis) { f(number++, axis, glm::ivec3(bit, y, z)); });
         ++k;
       });
     });
   }
 
-  // Returns the faces around a point.
-  [[nodiscard]] std::span<const std::uint32_t> around(std::uint32_t point) const {
-    return around_.span().subspan(first_around_[point], first_around_[point + 1] - first_around_[point]);
-  }
-
  private:
   void find_sides(const NetGrid& grid, const LabelChunks& labels);
-  [[nodiscard]] Result<void> list_faces(const NetGrid& grid, const LabelChunks& labels, const Context& context,
-                                        const std::string& what);
-  [[nodiscard]] Result<void> join_shells(const NetGrid& grid, const LabelChunks& labels, const Context& context,
-                                         const std::string& what);
+  [[nodiscard]] Result<void> number_faces(const NetGrid& grid, const Context& context, const std::string& what);
+  void mark_labeled(const NetGrid& grid, const LabelChunks& labels);
+  void join_shells(const NetGrid& grid, const LabelChunks& labels);
+  void number_shells();
 
-  Buffer<std::uint16_t> sides_;  // of each point: the faces around it, as bits numbered as in corner_fans.hpp
-  Buffer<std::uint32_t> first_around_;
-  Buffer<std::uint32_t> around_;
-  Buffer<std::uint32_t> first_of_chunk_;
-  Buffer<Face> faces_;
-  Buffer<std::uint8_t> axes_;
+  Buffer<std::uint16_t> sides_;          // of each point
+  Buffer<std::uint32_t> first_of_rows_;  // 64 of each chunk, then the number of faces
+  Buffer<Shells> of_shells_;
   std::uint32_t shells_ = 0;
   std::vector<Reservation> memory_;
+};
+
+// The numbers of the faces around the points of a chunk.
+class NearFaces {
+ public:
+  NearFaces(const NetGrid& grid, const NetFaces& faces, std::size_t chunk);
+
+  // Returns the number of face `side` (corner_fans.hpp) of those around the point at a place (NearPlaces).
+  [[nodiscard]] std::uint32_t number(int place, int side) const;
+
+ private:
+  void put(const NetFaces& faces, int place, std::uint32_t point, std::uint32_t first) {
+    first_[static_cast<std::size_t>(place)] = first;
+    axes_[static_cast<std::size_t>(place)] = static_cast<std::uint8_t>(faces.own_axes(point));
+  }
+
+  std::array<std::uint32_t, NearPlaces::kCount>
+      first_;  // the first of the faces that have the place as their lowest corner
+  std::array<std::uint8_t, NearPlaces::kCount> axes_;  // the axes of these faces
 };
 
 }  // namespace isoextract::extract

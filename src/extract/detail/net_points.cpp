@@ -55,9 +55,9 @@ Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relax
   context.progress().begin("smoothing corners", relaxations);
   points.grid_ = TRY(NetGrid::make(labels, context, what));
   TRY(points.find_middles(labels, context, what));
-  auto held = TRY(context.reserve(points.grid_.size() * sizeof(glm::vec3), what));
+  auto held = TRY(context.reserve((points.grid_.size() + 1) * sizeof(glm::vec3), what));
   points.memory_.push_back(std::move(held));
-  points.offsets_ = Buffer<glm::vec3>(points.grid_.size());
+  points.offsets_ = Buffer<glm::vec3>(points.grid_.size() + 1);
   std::fill(points.offsets_.begin(), points.offsets_.end(), glm::vec3(0));
   TRY(relax_net(points.grid_, labels, relaxations, points.offsets_, context, what));
   if (relaxations > 0) {

@@ -58,7 +58,7 @@ class NetPoints {
   NetGrid grid_;
   Buffer<std::int32_t> middles_number_;  // of each chunk of the grid
   Buffer<Middles> middles_;
-  Buffer<glm::vec3> offsets_;
+  Buffer<glm::vec3> offsets_;  // of the points; the last element belongs to none, so that 16 bytes can be read of each
   std::vector<Reservation> memory_;
 };
 

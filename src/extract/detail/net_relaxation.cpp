@@ -5,12 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <utility>
-#include <vector>
 
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
+#include "extract/detail/float4.hpp"
 #include "extract/detail/near_labels.hpp"
+#include "extract/detail/near_points.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
@@ -22,13 +22,23 @@ namespace {
 // eigenvalue of that is 4, and the step must not exceed its inverse (a part of 1/2).
 constexpr float kPart = 0.5F;
 
+// Of each set of axes: 0 for its axes, 1 for the others.
+constexpr std::array<Float4, 8> make_free_axes() {
+  std::array<Float4, 8> all{};
+  for (unsigned axes = 0; axes < 8; ++axes) {
+    all[axes] = Float4{(axes & 1) != 0 ? 0.0F : 1.0F, (axes & 2) != 0 ? 0.0F : 1.0F, (axes & 4) != 0 ? 0.0F : 1.0F, 1};
+  }
+  return all;
+}
+constexpr std::array<Float4, 8> kFreeAxes = make_free_axes();
+
 // The extrapolation between rounds. It makes n rounds as good as about n * n / 2 without it (Kim, Fessler: Optimized
 // first-order methods for smooth convex minimization. 2016).
 class Momentum {
  public:
   // Returns the position from which the next round starts. `start` and `end` are the last one's; `end_before`: that of
   // the one before.
-  [[nodiscard]] glm::vec3 next_start(const glm::vec3& start, const glm::vec3& end, const glm::vec3& end_before) const {
+  [[nodiscard]] Float4 next_start(Float4 start, Float4 end, Float4 end_before) const {
     return end + (theta_ - 1) / next_ * (end - end_before) + theta_ / next_ * (end - start);
   }
   void advance() {
@@ -79,33 +89,25 @@ class FaceCounts {
   std::array<std::array<std::uint64_t, 3>, kFaces> at_least_{};
 };
 
-// Three numbers and one that does not matter. The compiler adds all four at once.
-using Float4 [[gnu::vector_size(16)]] = float;
-
-// Reads a vector and the four bytes after it.
-Float4 load(const void* vector) {
-  Float4 loaded;
-  std::memcpy(&loaded, vector, sizeof(loaded));
-  return loaded;
-}
-
-// The sum of the steps to the neighbors across each set of faces, and their count as a factor.
+// The sum of the steps to the neighbors across a set of faces, and the inverse of their count.
 struct Steps {
   glm::vec3 sum{0};  // first, for load()
   float share = 0;
-  std::uint32_t count = 0;
+  std::array<Int4, kFaces> joined{};  // all bits of those in the set, none of the others
 };
 
 constexpr std::array<Steps, 64> make_steps() {
   std::array<Steps, 64> all{};
   for (unsigned faces = 1; faces < 64; ++faces) {
     Steps& steps = all[faces];
+    int count = 0;
     for (std::size_t face = 0; face < kFaces; ++face) {
       if ((faces >> face & 1) == 0) continue;
       steps.sum += glm::vec3(kFaceSteps[face]);
-      ++steps.count;
+      steps.joined[face] = Int4{-1, -1, -1, -1};
+      ++count;
     }
-    steps.share = 1 / static_cast<float>(steps.count);
+    steps.share = 1 / static_cast<float>(count);
   }
   return all;
 }
@@ -116,97 +118,62 @@ class Links {
  public:
   static Result<Links> make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
                             const std::string& what) {
-    Links links(grid);
-    const std::size_t chunks = grid.origins().size();
-    auto held = TRY(context.reserve(2 * grid.size() + chunks * sizeof(std::uint64_t), what));
-    links.memory_.push_back(std::move(held));
+    Links links(grid, labels.bounds());
+    links.memory_ = TRY(context.reserve(grid.size(), what));
     links.joined_ = Buffer<std::uint8_t>(grid.size());
-    links.fixed_ = Buffer<std::uint8_t>(grid.size());
-    links.first_ = Buffer<std::uint64_t>(chunks);
-    for_each_index(chunks, [&](std::size_t c) { links.find_joined(labels, c); });
-    std::uint64_t count = 0;
-    for (std::uint64_t& first : links.first_) count += std::exchange(first, count);
-    held = TRY(context.reserve(count * sizeof(std::uint32_t), what));
-    links.memory_.push_back(std::move(held));
-    links.others_ = Buffer<std::uint32_t>(count);
-    for_each_index(chunks, [&](std::size_t c) { links.list_others(c); });
+    for_each_index(grid.origins().size(), [&](std::size_t c) { links.find_joined(labels, c); });
     return links;
   }
 
-  [[nodiscard]] unsigned fixed(std::size_t point) const { return fixed_[point]; }
-
-  // Calls f(number, mean) for the points of a chunk, in order. The mean is that of the connected points, from the
-  // point's corner. `offsets` has an element after that of the last point.
+  // Calls f(number, mean, free axes) for the points of a chunk, in order. The mean is that of the connected points,
+  // from the point's corner. `offsets` has an element after that of the last point.
   template <class F>
   void for_each_mean(std::size_t chunk, const Buffer<glm::vec3>& offsets, const F& f) const {
-    const std::uint32_t* other = others_.data() + first_[chunk];
-    const auto [begin, end] = grid_.points(chunk);
-    for (std::size_t k = begin; k != end; ++k) {
-      const Steps& steps = kSteps[joined_[k]];
-      Float4 sum = load(&steps);
-      for (std::uint32_t n = 0; n < steps.count; ++n) sum += load(&offsets[*other++]);
-      sum *= steps.share;
-      f(k, glm::vec3(sum[0], sum[1], sum[2]));
-    }
-  }
-
- private:
-  explicit Links(const NetGrid& grid) : grid_(grid) {}
-
-  void find_joined(const LabelChunks& labels, std::size_t chunk) {
-    const NearLabels near(labels, grid_.origins()[chunk]);
-    const NearRest rest(labels, near, grid_.origins()[chunk]);
-    const std::array<NearChunks, 2> others = rest.near();
-    std::uint64_t count = 0;
-    grid_.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
-      FaceCounts counts;
-      for (const NearLabels::Entry& entry : near.entries()) counts.add(corner_words(entry.near, y, z));
-      for (const NearChunks& chunks : others) counts.add(corner_words(chunks, y, z));
-      std::uint32_t k = row.first;
-      for_each_bit(row.used, [&](int bit) {
-        joined_[k] = counts.joined(bit);
-        fixed_[k] =
-            static_cast<std::uint8_t>(fixed_axes(grid_.origins()[chunk] + glm::ivec3(bit, y, z), labels.bounds()));
-        count += kSteps[joined_[k++]].count;
-      });
+    constexpr std::array<int, kFaces> kWays{-NearPlaces::kSteps[0], NearPlaces::kSteps[0],  -NearPlaces::kSteps[1],
+                                            NearPlaces::kSteps[1],  -NearPlaces::kSteps[2], NearPlaces::kSteps[2]};
+    // A copy at places is faster to read than the list of points: the neighbors of a point are at fixed distances.
+    std::array<Int4, NearPlaces::kCount> near;
+    for_each_near_point(grid_, chunk, [&](int place, std::uint32_t k) {
+      std::memcpy(&near[static_cast<std::size_t>(place)], &offsets[k], sizeof(Int4));
     });
-    first_[chunk] = count;
-  }
-
-  void list_others(std::size_t chunk) {
-    const glm::ivec3 origin = grid_.origins()[chunk];
-    std::array<std::int32_t, kFaces> next{};
-    for (std::size_t face = 0; face < kFaces; ++face) next[face] = grid_.find(origin + kFaceSteps[face] * kVoxelChunk);
-    const auto self = static_cast<std::int32_t>(chunk);
-    std::uint32_t* other = others_.data() + first_[chunk];
     grid_.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
-      const std::array<NetGrid::Row, kFaces> rows{grid_.row(next[0], y, z),
-                                                  grid_.row(next[1], y, z),
-                                                  grid_.row(y > 0 ? self : next[2], y - 1, z),
-                                                  grid_.row(y < 7 ? self : next[3], y + 1, z),
-                                                  grid_.row(z > 0 ? self : next[4], y, z - 1),
-                                                  grid_.row(z < 7 ? self : next[5], y, z + 1)};
+      const RowFixedAxes fixed(grid_.origins()[chunk] + glm::ivec3(0, y, z), bounds_);
+      const int place = NearPlaces::of(0, y, z);
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) {
-        for_each_bit(joined_[k], [&](int face) { *other++ = neighbor(face, bit, k, rows); });
+        const Steps& steps = kSteps[joined_[k]];
+        Float4 sum = load(&steps);
+        // A sum over all six is faster than a loop over the connected ones: the processor cannot predict their number.
+        for (std::size_t face = 0; face < kFaces; ++face) {
+          sum += std::bit_cast<Float4>(near[static_cast<std::size_t>(place + bit + kWays[face])] & steps.joined[face]);
+        }
+        sum *= steps.share;
+        f(k, sum, kFreeAxes[fixed.at(bit)]);
         ++k;
       });
     });
   }
 
-  // Returns the number of the point across a face.
-  static std::uint32_t neighbor(int face, int bit, std::uint32_t k, const std::array<NetGrid::Row, kFaces>& rows) {
-    if (face == 0) return bit > 0 ? k - 1 : rows[0].number(63);
-    if (face == 1) return bit < 63 ? k + 1 : rows[1].first;
-    return rows[static_cast<std::size_t>(face)].number(bit);
+ private:
+  Links(const NetGrid& grid, const field::IndexBox& bounds) : grid_(grid), bounds_(bounds) {}
+
+  void find_joined(const LabelChunks& labels, std::size_t chunk) {
+    const NearLabels near(labels, grid_.origins()[chunk]);
+    const NearRest rest(labels, near, grid_.origins()[chunk]);
+    const std::array<NearChunks, 2> others = rest.near();
+    grid_.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
+      FaceCounts counts;
+      for (const NearLabels::Entry& entry : near.entries()) counts.add(corner_words(entry.near, y, z));
+      for (const NearChunks& chunks : others) counts.add(corner_words(chunks, y, z));
+      std::uint32_t k = row.first;
+      for_each_bit(row.used, [&](int bit) { joined_[k++] = counts.joined(bit); });
+    });
   }
 
   const NetGrid& grid_;
+  field::IndexBox bounds_;
   Buffer<std::uint8_t> joined_;  // of each point: the faces that lead to connected points, as bits
-  Buffer<std::uint8_t> fixed_;   // of each point: the axes along which it does not move
-  Buffer<std::uint64_t> first_;  // of each chunk, in others_
-  Buffer<std::uint32_t> others_;
-  std::vector<Reservation> memory_;
+  Reservation memory_;
 };
 
 }  // namespace
@@ -220,20 +187,22 @@ Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint
   Buffer<glm::vec3>& start = start_memory->values;
   Buffer<glm::vec3>& half = half_memory->values;
   std::copy(offsets.begin(), offsets.end(), start.begin());
-  start[grid.size()] = half[grid.size()] = glm::vec3(0);
+  half[grid.size()] = glm::vec3(0);
   Momentum momentum;
   for (std::uint64_t round = 0; round < rounds; ++round) {
     TRY(context.check());
     for_each_index(grid.origins().size(), [&](std::size_t c) {
-      links.for_each_mean(c, start, [&](std::size_t k, const glm::vec3& mean) {
-        half[k] = without_axes(start[k] + kPart * (mean - start[k]), links.fixed(k));
+      links.for_each_mean(c, start, [&](std::size_t k, Float4 mean, Float4 free_axes) {
+        const Float4 from = load(&start[k]);
+        store(half[k], (from + kPart * (mean - from)) * free_axes);
       });
     });
     for_each_index(grid.origins().size(), [&](std::size_t c) {
-      links.for_each_mean(c, half, [&](std::size_t k, const glm::vec3& mean) {
-        const glm::vec3 end = offset_within_cell(half[k] - kPart * (mean - half[k]), links.fixed(k));
-        start[k] = momentum.next_start(start[k], end, offsets[k]);
-        offsets[k] = end;
+      links.for_each_mean(c, half, [&](std::size_t k, Float4 mean, Float4 free_axes) {
+        const Float4 from = load(&half[k]);
+        const Float4 end = clamp((from - kPart * (mean - from)) * free_axes, kNetReach);
+        store(start[k], momentum.next_start(load(&start[k]), end, load(&offsets[k])));
+        store(offsets[k], end);
       });
     });
     momentum.advance();

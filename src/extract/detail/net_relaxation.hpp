@@ -18,8 +18,11 @@ namespace isoextract::extract {
 
 // The least distance of a point from the faces of its cell, in grid steps. It keeps triangles from losing their area.
 inline constexpr float kNetMargin = 0.02F;
+// The farthest that a point may be from its corner, along each axis.
+inline constexpr float kNetReach = 0.5F - kNetMargin;
 
-// Moves the points of `grid` in `rounds` rounds. `offsets`: of the points from their corners, in grid steps; 0 before.
+// Moves the points of `grid` in `rounds` rounds. `offsets`: of the points from their corners, in grid steps, and one
+// element more; 0 before.
 // Runs in parallel; the result does not depend on the number of threads. Fails if memory runs out and if the context is
 // cancelled. `what` starts the message about memory.
 [[nodiscard]] Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint64_t rounds,
@@ -34,6 +37,23 @@ inline constexpr float kNetMargin = 0.02F;
   return axes;
 }
 
+// The fixed axes of the corners of a row.
+class RowFixedAxes {
+ public:
+  // `first`: the first corner of the row.
+  RowFixedAxes(const glm::ivec3& first, const field::IndexBox& bounds)
+      : all_(fixed_axes({bounds.min.x - 1, first.y, first.z}, bounds)),
+        lowest_(bounds.min.x - first.x),
+        highest_(bounds.max.x + 1 - first.x) {}
+
+  [[nodiscard]] unsigned at(int bit) const { return all_ | (bit == lowest_ || bit == highest_ ? 1U : 0U); }
+
+ private:
+  unsigned all_;  // of all corners of the row
+  int lowest_;
+  int highest_;
+};
+
 [[nodiscard]] inline glm::vec3 without_axes(glm::vec3 offset, unsigned axes) {
   for (int axis = 0; axes != 0; ++axis, axes >>= 1) {
     if ((axes & 1) != 0) offset[axis] = 0;
@@ -43,8 +63,7 @@ inline constexpr float kNetMargin = 0.02F;
 
 // Returns the nearest offset that a point may have.
 [[nodiscard]] inline glm::vec3 offset_within_cell(const glm::vec3& offset, unsigned axes) {
-  constexpr float kReach = 0.5F - kNetMargin;
-  return without_axes(glm::clamp(offset, -kReach, kReach), axes);
+  return without_axes(glm::clamp(offset, -kNetReach, kNetReach), axes);
 }
 
 }  // namespace isoextract::extract

@@ -3,15 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
-
-#include <glm/gtc/matrix_inverse.hpp>
 
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
+#include "extract/detail/corner_words.hpp"
+#include "extract/detail/net_face_size.hpp"
 #include "extract/detail/net_faces.hpp"
 #include "extract/detail/net_relaxation.hpp"
+#include "extract/detail/reserved_list.hpp"
+#include "extract/detail/voxel_input.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
@@ -24,18 +29,10 @@ std::uint64_t to_units(double value) { return static_cast<std::uint64_t>(static_
 double from_units(std::uint64_t sum) { return static_cast<double>(static_cast<std::int64_t>(sum)) / kUnits; }
 
 constexpr int kMostPasses = 40;
+constexpr int kCoupledPasses = 2;      // choose the steps of all shells together
 constexpr float kLongestStep = 0.25F;  // of a point in one pass
 constexpr double kLeastGain = 0.5;
 constexpr double kMostGain = 4;
-constexpr std::size_t kPerBlock = 1 << 12;  // faces or points that one task visits
-std::size_t blocks_of(std::size_t count) { return (count + kPerBlock - 1) / kPerBlock; }
-
-// The corners of a face across an axis, from the first one.
-using Corners = std::array<glm::dvec3, 4>;
-constexpr std::array<Corners, 3> kCorners{
-    Corners{glm::dvec3(0), glm::dvec3(0, 1, 0), glm::dvec3(0, 1, 1), glm::dvec3(0, 0, 1)},
-    Corners{glm::dvec3(0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 1), glm::dvec3(1, 0, 0)},
-    Corners{glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(1, 1, 0), glm::dvec3(0, 1, 0)}};
 
 struct Shell {
   std::uint64_t excess = 0;  // volume of the net minus volume of the voxels
@@ -46,277 +43,434 @@ struct Shell {
   float step = 0;     // outward, in grid steps
   double gain = 1;    // corrects steps by the change of volume that the last one achieved
 
-  // Was right twice in a row. Once is not enough, as the moves for its neighbors may change it again.
-  bool is_settled = false;
-  bool was_right = false;
-
   [[nodiscard]] bool is_right() const { return std::abs(from_units(excess)) <= kNetVolumeTolerance * std::abs(voxels); }
 };
 
-// Adds the sums of consecutive faces of one shell at once.
+// Sums the faces of a chunk by shell, so that few sums are added to the shells that all threads share.
 class ShellSums {
  public:
   explicit ShellSums(std::vector<Shell>& shells) : shells_(shells) {}
   ShellSums(const ShellSums&) = delete;
   ShellSums& operator=(const ShellSums&) = delete;
-  ~ShellSums() { flush(); }
+  ~ShellSums() {
+    for (const Sum& sum : sums_) flush(sum);
+  }
 
-  void add(std::uint32_t shell, std::uint64_t excess, std::uint64_t area) {
-    if (shell != shell_) {
-      flush();
-      shell_ = shell;
-      excess_ = area_ = 0;
-    }
-    excess_ += excess;
-    area_ += area;
+  // Adds a face to the shell below it, and subtracts its volume from the shell above it.
+  void add(const NetFaces::Shells& shells, std::uint64_t volume, std::uint64_t area) {
+    add(shells[0], volume, area);
+    add(shells[1], ~volume + 1, area);
   }
 
  private:
-  void flush() {
-    if (shell_ == NetFaces::kNoShell) return;
-    Shell& shell = shells_[shell_];
-    std::atomic_ref(shell.excess).fetch_add(excess_, std::memory_order_relaxed);
-    std::atomic_ref(shell.area).fetch_add(area_, std::memory_order_relaxed);
+  struct Sum {
+    std::uint64_t volume = 0;
+    std::uint64_t area = 0;
+    std::uint32_t shell = NetFaces::kNoShell;
+  };
+
+  void add(std::uint32_t shell, std::uint64_t volume, std::uint64_t area) {
+    Sum& sum = sums_[shell % sums_.size()];
+    if (shell != sum.shell) {
+      flush(sum);
+      sum = {0, 0, shell};
+    }
+    sum.volume += volume;
+    sum.area += area;
+  }
+
+  void flush(const Sum& sum) {
+    if (sum.shell == NetFaces::kNoShell) return;
+    Shell& shell = shells_[sum.shell];
+    std::atomic_ref(shell.excess).fetch_add(sum.volume, std::memory_order_relaxed);
+    std::atomic_ref(shell.area).fetch_add(sum.area, std::memory_order_relaxed);
   }
 
   std::vector<Shell>& shells_;
-  std::uint32_t shell_ = NetFaces::kNoShell;
-  std::uint64_t excess_ = 0;
-  std::uint64_t area_ = 0;
+  std::array<Sum, 64> sums_;  // the latest ones
+};
+
+// The areas that shells have in common, by chunk.
+class ShellLinks {
+ public:
+  struct Link {
+    NetFaces::Shells shells;
+    std::uint32_t area;  // that can move, in kAreaUnits
+  };
+
+  // Beyond the links themselves.
+  static constexpr std::uint64_t kBytesPerShell = 5 * sizeof(double);
+  static constexpr std::uint64_t kBytesPerChunk = sizeof(ReservedList<Link>);
+
+  ShellLinks(std::size_t chunks, const Context& context, const std::string& what) {
+    of_chunks_.reserve(chunks);
+    for (std::size_t c = 0; c < chunks; ++c) of_chunks_.emplace_back(context, what);
+  }
+
+  // Sums the areas of one chunk.
+  class OfChunk {
+   public:
+    OfChunk(ShellLinks& links, std::size_t chunk, std::size_t faces)
+        : list_(links.of_chunks_[chunk]), table_(std::bit_ceil(2 * faces + 1)) {}
+
+    void add(const NetFaces::Shells& shells, float square_steps) {
+      const auto area = static_cast<std::uint32_t>(static_cast<double>(square_steps) * kAreaUnits);
+      const std::size_t mask = table_.size() - 1;
+      std::size_t at = ((shells[0] * 0x9E3779B1U ^ shells[1] * 0x85EBCA77U) >> 8) & mask;
+      for (; table_[at] != 0; at = (at + 1) & mask) {
+        Link& link = list_.values()[table_[at] - 1];
+        if (link.shells == shells) {
+          link.area += area;
+          return;
+        }
+      }
+      if (list_.add({shells, area})) table_[at] = static_cast<std::uint16_t>(list_.values().size());
+    }
+
+   private:
+    ReservedList<Link>& list_;
+    std::vector<std::uint16_t> table_;  // number of each link, plus 1; 0: none
+  };
+
+  // Fails if memory ran out.
+  [[nodiscard]] Result<void> check() const {
+    for (const ReservedList<Link>& list : of_chunks_) {
+      if (list.error()) return tl::unexpected(*list.error());
+    }
+    return {};
+  }
+
+  // Returns whether any shell of a chunk makes a step.
+  [[nodiscard]] bool any_step(std::size_t chunk, const std::vector<Shell>& shells) const {
+    const auto moves = [&](std::uint32_t shell) { return shell != NetFaces::kNoShell && shells[shell].step != 0; };
+    return std::ranges::any_of(of_chunks_[chunk].values(),
+                               [&](const Link& link) { return moves(link.shells[0]) || moves(link.shells[1]); });
+  }
+
+  // Chooses steps that together change all volumes as wanted, if no cell limits them. The change is a linear function
+  // of the steps, with a symmetric matrix. Scaled by its diagonal, it has eigenvalues from 0 to 2: Chebyshev's
+  // iteration needs nothing else. Sums are of integers, so they depend neither on the order of the shells nor on the
+  // chunks.
+  void solve(std::vector<Shell>& shells) const {
+    constexpr int kRounds = 16;
+    constexpr double kLowest = 0.1;  // steps that are nearly equal for all shells change no volume, and are left out
+    constexpr double kMiddle = (2 + kLowest) / 2;
+    constexpr double kHalf = (2 - kLowest) / 2;
+    const std::size_t count = shells.size();
+    std::vector<std::int64_t> diagonal(count, 0);
+    for_each_link([&](std::uint32_t a, std::uint32_t b, std::int64_t area) {
+      diagonal[a] += area;
+      if (b != NetFaces::kNoShell) diagonal[b] += area;
+    });
+    const auto scaled = [&](std::size_t s, double change) {
+      constexpr double kMost = 8;  // no point moves that far; keeps products small
+      return diagonal[s] > 0 ? std::clamp(change / (static_cast<double>(diagonal[s]) / kLinkUnits), -kMost, kMost)
+                             : 0.0;
+    };
+    std::vector<double> rest(count);
+    std::vector<std::int64_t> way(count);
+    std::vector<std::int64_t> steps(count, 0);
+    std::vector<std::int64_t> change(count);
+    for (std::size_t s = 0; s < count; ++s) {
+      rest[s] = -shells[s].gain * from_units(shells[s].excess);
+      way[s] = std::llround(scaled(s, rest[s]) / kMiddle * kStepUnits);
+    }
+    double factor = kHalf / kMiddle;
+    for (int round = 0; round < kRounds; ++round) {
+      std::ranges::fill(change, 0);
+      for_each_link([&](std::uint32_t a, std::uint32_t b, std::int64_t area) {
+        const std::int64_t flow = area * (b == NetFaces::kNoShell ? way[a] : way[a] - way[b]);
+        change[a] += flow;
+        if (b != NetFaces::kNoShell) change[b] -= flow;
+      });
+      const double next = 1 / (2 * kMiddle / kHalf - factor);
+      for (std::size_t s = 0; s < count; ++s) {
+        steps[s] += way[s];
+        rest[s] -= static_cast<double>(change[s]) / (kLinkUnits * kStepUnits);
+        way[s] = std::llround(next * factor * static_cast<double>(way[s]) +
+                              2 * next / kHalf * scaled(s, rest[s]) * kStepUnits);
+      }
+      factor = next;
+    }
+    for (std::size_t s = 0; s < count; ++s) {
+      shells[s].step = static_cast<float>(std::clamp(static_cast<double>(steps[s]) / kStepUnits, -1.0, 1.0));
+    }
+  }
+
+ private:
+  static constexpr double kAreaUnits = 1 << 16;         // per square grid step
+  static constexpr double kLinkUnits = 2 * kAreaUnits;  // of for_each_link()
+  static constexpr double kStepUnits = 1 << 20;         // per grid step
+
+  // Calls f(shell, other, area) for all links, where the other one may be kNoShell. The area is in half units, and that
+  // of a face between two shells counts half.
+  template <class F>
+  void for_each_link(const F& f) const {
+    for (const ReservedList<Link>& list : of_chunks_) {
+      for (const Link& link : list.values()) {
+        const auto [below, above] = link.shells;
+        const auto area = static_cast<std::int64_t>(link.area);
+        if (below == NetFaces::kNoShell) {
+          f(above, below, 2 * area);
+        } else {
+          f(below, above, above == NetFaces::kNoShell ? 2 * area : area);
+        }
+      }
+    }
+  }
+
+  std::vector<ReservedList<Link>> of_chunks_;
 };
 
 class VolumeKeeper {
  public:
-  // `fixed`: of each point, the axes along which it does not move. `is_still`: all 0.
-  VolumeKeeper(const NetFaces& faces, const Buffer<std::uint8_t>& fixed, const glm::dmat3& output_from_index,
-               Buffer<std::uint8_t>& is_still, Buffer<glm::vec3>& normals, Buffer<glm::vec3>& offsets)
-      : faces_(faces),
-        fixed_(fixed),
-        output_area_(glm::inverseTranspose(output_from_index)),
-        is_stretched_(is_stretched(output_from_index)),
-        is_still_(is_still),
-        normals_(normals),
+  VolumeKeeper(const NetGrid& grid, const NetFaces& faces, const field::IndexBox& bounds,
+               const glm::dmat3& output_from_index, Buffer<glm::vec3>& areas, Buffer<glm::vec3>& offsets)
+      : grid_(grid),
+        faces_(faces),
+        bounds_(bounds),
+        sizes_(offsets, output_from_index),
+        areas_(areas),
         offsets_(offsets),
         shells_(faces.shells()),
-        settled_faces_(blocks_of(faces.faces().size())),
-        still_points_(blocks_of(offsets.size())) {}
+        upper_(grid.origins().size()),
+        has_steps_(grid.origins().size()),
+        is_marked_(grid.origins().size()),
+        moving_(grid.origins().size()) {
+    for_each_index(grid.origins().size(), [&](std::size_t c) {
+      for (int n = 0; n < 8; ++n) upper_[c][static_cast<std::size_t>(n)] = grid.find(grid.origins()[c] + chunk_step(n));
+    });
+  }
 
-  Result<void> run(const NetGrid& grid, const Context& context) {
-    measure_voxels(grid);
+  // Returns the bytes that a keeper takes beyond its arguments.
+  static std::uint64_t bytes(std::uint64_t shells, std::uint64_t chunks) {
+    return shells * (sizeof(Shell) + ShellLinks::kBytesPerShell) +
+           chunks * (ShellLinks::kBytesPerChunk + sizeof(Upper) + 2 + sizeof(ChunkBits));
+  }
+
+  Result<void> run(const Context& context, const std::string& what) {
+    measure_voxels();
+    measure_all();
+    const ShellLinks links = TRY(link_shells(context, what));
     for (int pass = 0; pass < kMostPasses; ++pass) {
       TRY(context.check());
-      const bool measures_all = std::ranges::none_of(shells_, &Shell::is_settled);
-      measure_excess();
-      if (choose_steps()) {
-        move_points();
-      } else if (measures_all) {
-        break;
+      if (!choose_changes()) break;
+      if (pass < kCoupledPasses) {
+        links.solve(shells_);
       } else {
-        // Moves for one shell may have changed another that was right before.
-        for (Shell& shell : shells_) shell.is_settled = shell.was_right = false;
-        std::fill(is_still_.begin(), is_still_.end(), std::uint8_t{0});
-        std::ranges::fill(settled_faces_, std::uint8_t{0});
-        std::ranges::fill(still_points_, std::uint8_t{0});
+        choose_steps_alone();
+      }
+      for_each_index(grid_.origins().size(),
+                     [&](std::size_t c) { has_steps_[c] = links.any_step(c, shells_) ? 1 : 0; });
+      // Adding faces to the sums once is less work than to add and subtract most of them.
+      if (2 * std::ranges::count(has_steps_, 1) > static_cast<std::ptrdiff_t>(has_steps_.size())) {
+        move_points([](std::size_t, std::size_t) { return ~std::uint64_t{0}; });
+        measure_all();
+      } else {
+        mark_moving();
+        add_moving(-1);
+        move_points([&](std::size_t c, std::size_t row) { return is_marked_[c] != 0 ? moving_[c][row] : 0; });
+        add_moving(1);
       }
     }
     return {};
   }
 
  private:
-  // Returns whether the map changes the ratio of lengths.
-  static bool is_stretched(const glm::dmat3& map) {
-    const glm::dmat3 squares = glm::transpose(map) * map;
-    const double scale = squares[0][0];
-    for (int column = 0; column < 3; ++column) {
-      for (int row = 0; row < 3; ++row) {
-        if (std::abs(squares[column][row] - (row == column ? scale : 0)) > 1e-9 * scale) return true;
-      }
-    }
-    return false;
-  }
-
-  struct Size {
-    glm::dvec3 area;  // as a normal
-    double volume;    // between the voxel face and the two triangles that the mesh will have
-  };
-
-  [[nodiscard]] Size size_of(std::size_t number) const {
-    const NetFaces::Face& face = faces_.faces()[number];
-    const int up = faces_.axis(number);
-    Corners offsets;
-    Corners moved;
-    for (std::size_t n = 0; n < 4; ++n) {
-      offsets[n] = glm::dvec3(offsets_[face.points[n]]);
-      moved[n] = kCorners[static_cast<std::size_t>(up)][n] + offsets[n];
-    }
-    const glm::dvec3 a = moved[1] - moved[0];
-    const glm::dvec3 b = moved[2] - moved[0];
-    const glm::dvec3 c = moved[3] - moved[0];
-    // Twice the areas of the triangles around the corners.
-    const std::array<glm::dvec3, 4> around{glm::cross(a, c), glm::cross(a, b), glm::cross(b - a, c - a),
-                                           glm::cross(b, c)};
-    const glm::dvec3 area = 0.5 * (around[1] + around[3]);
-    const auto size = [&](std::size_t corner) {
-      const glm::dvec3 output = is_stretched_ ? output_area_ * around[corner] : around[corner];
-      return glm::dot(output, output);
-    };
-    // The rule of OutlinePolygon::write_bent().
-    const bool is_through_apex = std::min(size(0), size(2)) < std::min(size(1), size(3));
-    // The volume is the sum of area, as seen from above, times mean height of the triangles. The voxel face has height
-    // 0.
-    const auto height = [&](std::size_t corner) { return offsets[corner][up]; };
-    const auto below = [&](std::size_t triangle, std::size_t p, std::size_t q, std::size_t r) {
-      return around[triangle][up] * (height(p) + height(q) + height(r));
-    };
-    const double top = is_through_apex ? below(1, 0, 1, 2) + below(3, 0, 2, 3) : below(0, 0, 1, 3) + below(2, 1, 2, 3);
-    return {area, top / 6 + walls_of(offsets, up) / 12};
-  }
-
-  // Returns 12 times the volume below the walls between the sides of a voxel face and those of its moved corners. A
-  // wall is the mean of its two divisions into triangles. Neighbors have the same walls with the opposite sign.
-  [[nodiscard]] static double walls_of(const Corners& offsets, int up) {
-    const int u = (up + 1) % 3;
-    const int v = (up + 2) % 3;
-    double walls = 0;
-    for (std::size_t n = 0; n < 4; ++n) {
-      const glm::dvec3& here = offsets[n];
-      const glm::dvec3& next = offsets[(n + 1) % 4];
-      // The sides of the voxel face are +u, +v, -u and -v. The cross product of a side with an offset:
-      const int other = n % 2 == 0 ? v : u;
-      const double sign = n == 0 || n == 3 ? 1 : -1;
-      const double at_here = sign * here[other];
-      const double at_next = sign * next[other];
-      const double between = next[u] * here[v] - next[v] * here[u];
-      walls += next[up] * at_next + here[up] * at_here + (next[up] + here[up]) * (at_here + at_next + 2 * between);
-    }
-    return walls;
-  }
-
-  void measure_voxels(const NetGrid& grid) {
-    for_each_index(grid.origins().size(), [&](std::size_t c) {
-      ShellSums below(shells_);
-      ShellSums above(shells_);
-      faces_.for_each_of_chunk(grid, c, [&](std::size_t number, const glm::ivec3& corner) {
-        if (faces_.axis(number) != 0) return;  // the faces across one axis tell the volume
-        const NetFaces::Face& face = faces_.faces()[number];
-        const auto volume = static_cast<std::uint64_t>(std::int64_t{corner.x});
-        below.add(face.shells[0], volume, 0);
-        above.add(face.shells[1], ~volume + 1, 0);
+  void measure_voxels() {
+    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+      ShellSums sums(shells_);
+      faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
+        if (axis != 0) return;  // the faces across one axis tell the volume
+        sums.add(faces_.shells_of(number), to_units(grid_.origins()[c].x + corner.x), 0);
       });
     });
-    for (Shell& shell : shells_) shell.voxels = static_cast<double>(static_cast<std::int64_t>(shell.excess));
+    for (Shell& shell : shells_) shell.voxels = from_units(std::exchange(shell.excess, 0));
   }
 
-  void measure_excess() {
-    for (Shell& shell : shells_) {
-      if (!shell.is_settled) shell.excess = shell.area = 0;
-    }
-    for_each_index(settled_faces_.size(), [&](std::size_t block) {
-      if (settled_faces_[block] != 0) return;
-      ShellSums below(shells_);
-      ShellSums above(shells_);
-      bool any = false;
-      const std::size_t end = std::min((block + 1) * kPerBlock, faces_.faces().size());
-      for (std::size_t number = block * kPerBlock; number != end; ++number) {
-        any |= measure_face(number, below, above);
-      }
-      settled_faces_[block] = any ? 0 : 1;
+  // Sums the areas that shells have in common.
+  Result<ShellLinks> link_shells(const Context& context, const std::string& what) {
+    ShellLinks links(grid_.origins().size(), context, what);
+    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+      ShellLinks::OfChunk areas(links, c, faces_.first_of_row(c, 64) - faces_.first_of_row(c, 0));
+      faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
+        const bool is_fixed = (fixed_axes(grid_.origins()[c] + corner, bounds_) >> axis & 1) != 0;
+        areas.add(faces_.shells_of(number), is_fixed ? 0.0F : glm::length(areas_[number]));
+      });
+    });
+    TRY(links.check());
+    return links;
+  }
+
+  // Measures all faces.
+  void measure_all() {
+    for (Shell& shell : shells_) shell.excess = shell.area = 0;
+    for_each_index(grid_.origins().size(),
+                   [&](std::size_t c) { add_faces(c, 1, [](std::size_t) { return ~std::uint64_t{0}; }); });
+  }
+
+  // Adds the faces of a chunk to the sums of their shells, times a sign: those whose first point is in which(row).
+  template <class Which>
+  void add_faces(std::size_t chunk, int sign, const Which& which) {
+    const NearPoints near(grid_, chunk);
+    ShellSums sums(shells_);
+    const auto factor = static_cast<std::uint64_t>(std::int64_t{sign});
+    grid_.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
+      const std::uint64_t asked = which(chunk_row(y, z));
+      if ((asked & row.used) == 0) return;
+      std::uint32_t number = faces_.first_of_row(chunk, chunk_row(y, z));
+      std::uint32_t k = row.first;
+      for_each_bit(row.used, [&](int bit) {
+        const unsigned axes = faces_.own_axes(k++);
+        if ((asked >> bit & 1) == 0) {
+          number += static_cast<std::uint32_t>(count_bits(axes));
+          return;
+        }
+        for_each_bit(axes, [&](int axis) {
+          const NetFaceSize size = sizes_.of(near, NearPlaces::of(bit, y, z), axis);
+          areas_[number] = size.area;
+          sums.add(faces_.shells_of(number), factor * to_units(size.volume), factor * to_units(glm::length(size.area)));
+          ++number;
+        });
+      });
     });
   }
 
-  // Adds the sizes of a face to the sums of the shells on its lower and upper sides, and sets its normal. Returns false
-  // and does nothing if both are settled.
-  bool measure_face(std::size_t number, ShellSums& below, ShellSums& above) {
-    const NetFaces::Face& face = faces_.faces()[number];
-    const std::array<bool, 2> asked{is_open(face.shells[0]), is_open(face.shells[1])};
-    if (!asked[0] && !asked[1]) return false;
-    const Size found = size_of(number);
-    const double area = glm::length(found.area);
-    const std::uint64_t units = to_units(found.volume);
-    const std::uint64_t size = to_units(area);
-    if (asked[0]) below.add(face.shells[0], units, size);
-    if (asked[1]) above.add(face.shells[1], ~units + 1, size);
-    normals_[number] = size > 0 ? found.area / area : glm::dvec3(0);
-    return true;
+  // Marks the points of faces that make a step.
+  void mark_moving() {
+    std::ranges::fill(is_marked_, std::uint8_t{0});
+    // Clears the bits of all chunks that may get some, before any thread sets them.
+    for (std::size_t c = 0; c < has_steps_.size(); ++c) {
+      if (has_steps_[c] == 0) continue;
+      for (const std::int32_t up : upper_[c]) {
+        if (up < 0 || std::exchange(is_marked_[static_cast<std::size_t>(up)], std::uint8_t{1}) != 0) continue;
+        moving_[static_cast<std::size_t>(up)].fill(0);
+      }
+    }
+    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+      if (has_steps_[c] == 0) return;
+      faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
+        if (step_of(faces_.shells_of(number)) == 0) return;
+        for (int n = 0; n < 4; ++n) {
+          glm::ivec3 at = corner;
+          at[(axis + 1) % 3] += n & 1;
+          at[(axis + 2) % 3] += n >> 1;
+          const auto up = static_cast<std::size_t>(at.x >> 6 | at.y >> 3 << 1 | at.z >> 3 << 2);
+          std::uint64_t& word = moving_[static_cast<std::size_t>(upper_[c][up])][chunk_row(at.y, at.z)];
+          std::atomic_ref(word).fetch_or(std::uint64_t{1} << (at.x & 63), std::memory_order_relaxed);
+        }
+      });
+    });
   }
 
-  // Returns whether a shell has to become right.
-  [[nodiscard]] bool is_open(std::uint32_t shell) const {
-    return shell != NetFaces::kNoShell && !shells_[shell].is_settled;
+  // Adds the faces with marked points to the sums, times a sign.
+  void add_moving(int sign) {
+    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+      std::array<const ChunkBits*, 8> near{};
+      bool any = false;
+      for (std::size_t n = 0; n < near.size(); ++n) {
+        const auto up = static_cast<std::size_t>(upper_[c][n]);
+        const bool is_marked = upper_[c][n] >= 0 && is_marked_[up] != 0;
+        near[n] = is_marked ? &moving_[up] : &empty_chunk();
+        any |= is_marked;
+      }
+      if (!any) return;
+      add_faces(c, sign, [&](std::size_t row) {
+        std::uint64_t found = 0;
+        for (int n = 0; n < 4; ++n) {
+          const int y = static_cast<int>(row & 7) + (n & 1);
+          const int z = static_cast<int>(row >> 3) + (n >> 1);
+          const auto chunk = static_cast<std::size_t>(y >> 3 << 1 | z >> 3 << 2);
+          const std::uint64_t word = (*near[chunk])[chunk_row(y, z)];
+          found |= word | word >> 1 | (*near[chunk | 1])[chunk_row(y, z)] << 63;
+        }
+        return found;
+      });
+    });
   }
 
-  // Returns whether any shell needs a step, which is 0 for the others.
-  bool choose_steps() {
+  // Chooses by how much the volume of each shell is to change. Returns whether any is.
+  bool choose_changes() {
     bool any = false;
     for (Shell& shell : shells_) {
-      if (shell.is_settled) continue;
       const double excess = from_units(shell.excess);
-      const double area = from_units(shell.area);
       if (shell.wanted != 0) {
         const double got = excess - shell.before;
         const double ratio = got * shell.wanted > 0 ? shell.wanted / got : kMostGain;
         shell.gain = std::clamp(shell.gain * std::clamp(ratio, 0.5, 2.0), kLeastGain, kMostGain);
       }
       shell.before = excess;
-      shell.wanted = 0;
-      shell.step = 0;
-      const bool is_right = shell.is_right();
-      shell.is_settled = is_right && shell.was_right;
-      shell.was_right = is_right;
-      if (is_right) continue;
-      any = true;
-      shell.wanted = -excess;
-      shell.step = static_cast<float>(std::clamp(-shell.gain * excess / area, -1.0, 1.0));
+      shell.wanted = shell.is_right() ? 0 : -excess;
+      any |= shell.wanted != 0;
     }
     return any;
   }
 
-  void move_points() {
-    for_each_index(still_points_.size(), [&](std::size_t block) {
-      if (still_points_[block] != 0) return;
-      bool all_still = true;
-      const std::size_t end = std::min((block + 1) * kPerBlock, offsets_.size());
-      for (std::size_t k = block * kPerBlock; k != end; ++k) {
-        if (is_still_[k] == 0) move_point(k);
-        all_still &= is_still_[k] != 0;
-      }
-      still_points_[block] = all_still ? 1 : 0;
+  // Chooses the steps as if no other shell moved.
+  void choose_steps_alone() {
+    for (Shell& shell : shells_) {
+      const double area = from_units(shell.area);
+      shell.step = area > 0 ? static_cast<float>(std::clamp(shell.gain * shell.wanted / area, -1.0, 1.0)) : 0;
+    }
+  }
+
+  // Moves the points in which(chunk, row) by the steps of the faces around them.
+  template <class Which>
+  void move_points(const Which& which) {
+    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+      std::optional<NearFaces> near;
+      grid_.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
+        const std::uint64_t asked = which(c, chunk_row(y, z));
+        if ((asked & row.used) == 0) return;
+        if (!near) near.emplace(grid_, faces_, c);
+        const RowFixedAxes fixed(grid_.origins()[c] + glm::ivec3(0, y, z), bounds_);
+        std::uint32_t k = row.first;
+        for_each_bit(row.used, [&](int bit) {
+          if ((asked >> bit & 1) != 0) move_point(*near, NearPlaces::of(bit, y, z), k, fixed.at(bit));
+          ++k;
+        });
+      });
     });
   }
 
-  void move_point(std::size_t k) {
+  void move_point(const NearFaces& near, int place, std::uint32_t k, unsigned fixed) {
     glm::vec3 way(0);
-    const auto around = faces_.around(static_cast<std::uint32_t>(k));
-    bool is_still = true;
-    for (const std::uint32_t number : around) {
-      const NetFaces::Face& face = faces_.faces()[number];
-      is_still = is_still && !is_open(face.shells[0]) && !is_open(face.shells[1]);
-      way += step_of(face) * normals_[number];
-    }
-    is_still_[k] = is_still ? 1 : 0;
+    float count = 0;
+    for_each_bit(faces_.sides(k), [&](int side) {
+      const std::uint32_t number = near.number(place, side);
+      count += 1;
+      const float step = step_of(faces_.shells_of(number));
+      if (step == 0) return;
+      const glm::vec3& area = areas_[number];
+      const float squared = glm::dot(area, area);
+      if (squared > 0) way += step / std::sqrt(squared) * area;
+    });
     if (way == glm::vec3(0)) return;
-    way /= static_cast<float>(around.size());
+    way /= count;
     way *= std::min(1.0F, kLongestStep / glm::length(way));
-    offsets_[k] = offset_within_cell(offsets_[k] + way, fixed_[k]);
+    offsets_[k] = offset_within_cell(offsets_[k] + way, fixed);
   }
 
   // Returns how far a face moves toward its upper side.
-  [[nodiscard]] float step_of(const NetFaces::Face& face) const {
+  [[nodiscard]] float step_of(const NetFaces::Shells& shells) const {
     const auto outward = [&](std::uint32_t shell) { return shell == NetFaces::kNoShell ? 0 : shells_[shell].step; };
-    const bool is_shared = face.shells[0] != NetFaces::kNoShell && face.shells[1] != NetFaces::kNoShell;
-    return (is_shared ? 0.5F : 1.0F) * (outward(face.shells[0]) - outward(face.shells[1]));
+    const bool is_shared = shells[0] != NetFaces::kNoShell && shells[1] != NetFaces::kNoShell;
+    return (is_shared ? 0.5F : 1.0F) * (outward(shells[0]) - outward(shells[1]));
   }
 
+  const NetGrid& grid_;
   const NetFaces& faces_;
-  const Buffer<std::uint8_t>& fixed_;
-  glm::dmat3 output_area_;  // maps areas, but for a factor
-  bool is_stretched_;
-  Buffer<std::uint8_t>& is_still_;  // of the points: all shells around it are settled
-  Buffer<glm::vec3>& normals_;      // of the faces, of length 1
+  field::IndexBox bounds_;
+  NetFaceSizes sizes_;
+  Buffer<glm::vec3>& areas_;  // of the faces, as normals
   Buffer<glm::vec3>& offsets_;
   std::vector<Shell> shells_;
-  std::vector<std::uint8_t> settled_faces_;  // of the blocks of faces: all shells are settled
-  std::vector<std::uint8_t> still_points_;   // of the blocks of points: all are still
+  using Upper = std::array<std::int32_t, 8>;
+
+  std::vector<Upper> upper_;             // of each chunk: itself and those one step up along the axes (chunk_step)
+  std::vector<std::uint8_t> has_steps_;  // of each chunk: any of its shells makes a step
+  std::vector<std::uint8_t> is_marked_;  // of each chunk: moving_ is valid, and may have points
+  Buffer<ChunkBits> moving_;             // the points that the pass moves
 };
 
 }  // namespace
@@ -324,22 +478,9 @@ class VolumeKeeper {
 Result<void> keep_volumes(const NetGrid& grid, const LabelChunks& labels, const glm::dmat3& output_from_index,
                           Buffer<glm::vec3>& offsets, const Context& context, const std::string& what) {
   const NetFaces faces = TRY(NetFaces::make(grid, labels, context, what));
-  auto fixed = TRY(make_reserved_buffer<std::uint8_t>(grid.size(), context, what));
-  auto normals = TRY(make_reserved_buffer<glm::vec3>(faces.faces().size(), context, what));
-  auto is_still = TRY(make_reserved_buffer<std::uint8_t>(grid.size(), context, what));
-  std::fill(is_still->values.begin(), is_still->values.end(), std::uint8_t{0});
-  const auto shells = TRY(context.reserve(faces.shells() * sizeof(Shell), what));
-  for_each_index(grid.origins().size(), [&](std::size_t c) {
-    grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
-      std::uint32_t k = row.first;
-      for_each_bit(row.used, [&](int bit) {
-        const glm::ivec3 corner = grid.origins()[c] + glm::ivec3(bit, y, z);
-        fixed->values[k++] = static_cast<std::uint8_t>(fixed_axes(corner, labels.bounds()));
-      });
-    });
-  });
-  return VolumeKeeper(faces, fixed->values, output_from_index, is_still->values, normals->values, offsets)
-      .run(grid, context);
+  auto areas = TRY(make_reserved_buffer<glm::vec3>(faces.size(), context, what));
+  const auto held = TRY(context.reserve(VolumeKeeper::bytes(faces.shells(), grid.origins().size()), what));
+  return VolumeKeeper(grid, faces, labels.bounds(), output_from_index, areas->values, offsets).run(context, what);
 }
 
 }  // namespace isoextract::extract

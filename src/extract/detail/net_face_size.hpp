@@ -1,0 +1,40 @@
+// The sizes of the faces of a surface net.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+#include "extract/detail/near_points.hpp"
+
+namespace isoextract::extract {
+
+struct NetFaceSize {
+  glm::vec3 area;  // as a normal toward the upper side
+  float volume;    // between the voxel face and the two triangles that the mesh will have, positive above the face
+};
+
+class NetFaceSizes {
+ public:
+  // `offsets`: of the points from their corners, in grid steps, and one element more. `output_from_index`: regular; it
+  // decides which diagonal divides a face.
+  NetFaceSizes(const Buffer<glm::vec3>& offsets, const glm::dmat3& output_from_index);
+
+  // Returns the size of the face across an axis whose first point is at a place of a chunk.
+  [[nodiscard]] NetFaceSize of(const NearPoints& near, int place, int axis) const {
+    if (axis == 0) return across<0>(near, place);
+    return axis == 1 ? across<1>(near, place) : across<2>(near, place);
+  }
+
+ private:
+  template <int kAxis>
+  [[nodiscard]] NetFaceSize across(const NearPoints& near, int place) const;
+
+  const Buffer<glm::vec3>& offsets_;
+  glm::mat3 output_area_;  // maps areas, but for a factor
+  bool is_stretched_;
+};
+
+}  // namespace isoextract::extract
