@@ -192,7 +192,7 @@ Result<mesh::Mesh> extract_offset(const WallGrid& grid, Band band, double thickn
 }
 
 // Returns for each vertex of the offset whether it lies in the material of `outer`.
-Result<std::vector<bool>> in_material(const mesh::Mesh& outer, const mesh::Mesh& offset, std::uint64_t& kept,
+Result<std::vector<bool>> in_material(const mesh::Mesh& outer, const mesh::Mesh& offset, WallFigures& facts,
                                       const Context& context) {
   const std::size_t first = outer.positions.size();
   mesh::Mesh both;
@@ -228,14 +228,13 @@ Result<std::vector<bool>> in_material(const mesh::Mesh& outer, const mesh::Mesh&
   }
   const auto surroundings = TRY(mesh::find_enclosing_shells(both, components, question, context));
   std::vector<bool> keeps(components.count(), false);
-  kept = 0;
   for (std::size_t c = outer_count; c < components.count(); ++c) {
     int winding = 0;
     for (const std::uint32_t shell : surroundings[c].around) {
       if (shell < outer_count) winding += question.facing[shell] == mesh::Facing::inward ? -1 : 1;
     }
     keeps[c] = winding > 0;
-    kept += keeps[c] ? 1 : 0;
+    if (keeps[c]) ++(question.facing[c] == mesh::Facing::inward ? facts.cavities : facts.loose_walls);
   }
   std::vector<bool> result(offset.positions.size(), false);
   for (std::size_t v = 0; v < result.size(); ++v) {
@@ -344,14 +343,14 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
   const mesh::Mesh offset =
       TRY(extract_offset(grid, TRY(find_band(grid, size, what, context)), options.thickness, what, context));
   TRY(context.check());
-  std::uint64_t cavities = 0;
-  const std::vector<bool> chosen = TRY(in_material(outer, offset, cavities, context));
+  WallFigures facts;
+  const std::vector<bool> chosen = TRY(in_material(outer, offset, facts, context));
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3) + 3 * sizeof(std::uint32_t);
   constexpr std::uint64_t kTriangleBytes = 2 * sizeof(glm::uvec3) + 3 * sizeof(double);
   auto memory =
       TRY(context.reserve(offset.positions.size() * kVertexBytes + offset.triangles.size() * kTriangleBytes, what));
   InnerWall wall = wall_of(outer, offset, chosen, grid);
-  wall.facts.cavities = cavities;
+  wall.facts = facts;
   measure(grid, options.thickness, wall);
   wall.mesh.memory = std::move(memory);
   return wall;

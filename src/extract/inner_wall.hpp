@@ -24,7 +24,9 @@ struct WallOptions {
 };
 
 struct WallFigures {
-  std::uint64_t cavities = 0;  // closed components of the inner wall
+  std::uint64_t cavities = 0;  // components of the inner wall that face inward: each bounds one new empty space
+  // Components that face outward: walls around cavities of the mesh, which the empty space separates from other walls.
+  std::uint64_t loose_walls = 0;
   // The distance from the inner wall to the mesh, measured at the centers and edge midpoints of its triangles; zeros
   // without cavities.
   double thinnest = 0;

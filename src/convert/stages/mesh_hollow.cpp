@@ -109,6 +109,7 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
   report.add_timed({{Key::asked, thickness},
                     {Key::step, cell},
                     {Key::cavities, facts.cavities},
+                    {Key::bodies, facts.loose_walls},
                     {Key::triangles, triangles},
                     {Key::volume, cavity_volume},
                     {Key::min, triangles > 0 ? Value(facts.thinnest) : Value()},
@@ -122,12 +123,16 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
                                         stage.subject(surface), thickness)});
     return report;
   }
-  report.lines.push_back({fmt::format(
+  std::string text = fmt::format(
       "hollowed{}: wall of {:.4g}; {} of volume {:.4g}, {} triangles; measured thickness {:.4g} to {:.4g}, typical "
-      "difference {:.2g} (cells of {:.4g}); {:.2f} s",
+      "difference {:.2g} (cells of {:.4g})",
       surface.id.place(), thickness, facts.cavities == 1 ? "1 cavity" : fmt::format("{} cavities", facts.cavities),
-      cavity_volume, triangles, facts.thinnest, facts.thickest, facts.rms_difference, cell,
-      watch.elapsed().wall_seconds)});
+      cavity_volume, triangles, facts.thinnest, facts.thickest, facts.rms_difference, cell);
+  if (facts.loose_walls == 1) text += "; 1 wall around a cavity of the surface is loose in it";
+  if (facts.loose_walls > 1) {
+    text += fmt::format("; {} walls around cavities of the surface are loose in it", facts.loose_walls);
+  }
+  report.lines.push_back({text + fmt::format("; {:.2f} s", watch.elapsed().wall_seconds)});
   return report;
 }
 
