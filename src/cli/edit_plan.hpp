@@ -10,8 +10,8 @@
 
 namespace isoextract::cli {
 
-// Sets the blurs and edits of `job`. Fails with ErrorCode::usage for --blur with --labels, and for --error with
-// --split-components.
+// Sets the blurs and edits of `job`. Fails with ErrorCode::usage for --blur with --labels, for --error with
+// --split-components or --hollow, and for --hollow with a simplification of labels.
 [[nodiscard]] Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job);
 
 // Fails with ErrorCode::usage if `path`, the value of -o or empty, cannot hold the bodies of --split-components: a

@@ -86,6 +86,20 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
   return choice;
 }
 
+Result<convert::HollowChoice> parse_hollow(std::string_view text) {
+  const std::size_t end = text.find_last_of("0123456789.");
+  const std::string_view unit = end == std::string_view::npos ? text : text.substr(end + 1);
+  const auto thickness = parse_positive(text.substr(0, text.size() - unit.size()));
+  if (thickness && (unit == convert::kVoxelUnit || unit == convert::kWorldUnit)) {
+    return convert::HollowChoice{*thickness, std::string(unit)};
+  }
+  if (const auto known = convert::find_length_unit(unit); thickness && known) {
+    return convert::HollowChoice{*thickness, std::string(known->name)};
+  }
+  return expected_but(
+      "a thickness above 0 with its unit, such as 2mm, 2world in the units of the written mesh, or 3voxel", text);
+}
+
 Result<convert::RepairChoice> parse_repair(std::string_view text) {
   const auto edges = parse_count(text);
   if (edges && *edges <= edit::kMostHoleEdges) return convert::RepairChoice{*edges};

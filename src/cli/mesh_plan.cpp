@@ -94,6 +94,12 @@ Result<void> check_values(const ConvertFlags& flags) {
                         fmt::format("give it in the units of the mesh: --drop-components {}:{}world",
                                     word_of(least->measure), least->amount));
   }
+  if (flags.edits.hollow && flags.edits.hollow->unit == convert::kVoxelUnit) {
+    return refuse_usage(
+        fmt::format("--hollow {}voxel: the thickness is in voxels, which a mesh does not have",
+                    flags.edits.hollow->thickness),
+        fmt::format("give it in the units of the mesh: --hollow {}world", flags.edits.hollow->thickness));
+  }
   if (flags.edits.smooth && flags.edits.smooth->method == edit::SmoothMethod::weighted) {
     return refuse_usage("--smooth weighted: the weights are those of particles, which a mesh does not have",
                         "use --smooth N:taubin or --smooth N:sinc");

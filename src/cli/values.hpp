@@ -81,6 +81,7 @@ struct HeightBase {
 [[nodiscard]] Result<HeightBase> parse_height_base(std::string_view text);           // a finite number, or none
 [[nodiscard]] Result<convert::RepairChoice> parse_repair(std::string_view text);     // 100
 [[nodiscard]] Result<convert::SmoothChoice> parse_smoothing(std::string_view text);  // 20, 20:sinc, 20:taubin:0.05
+[[nodiscard]] Result<convert::HollowChoice> parse_hollow(std::string_view text);     // 2mm, 2world, 3voxel
 [[nodiscard]] Result<convert::BlurStep> parse_blur(std::string_view text);           // 2, 2voxel, 0.5world, median:1
 
 // Parses finite numbers separated by commas, at least one; nullopt for anything else.

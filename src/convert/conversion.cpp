@@ -226,7 +226,8 @@ class Conversion {
     open_ = made.open;
     outcome_.bytes_uploaded += made.bytes_uploaded;
     std::ranges::move(made.lost, std::back_inserter(lost_));
-    auto surface = TRY(std::move(made.surface));
+    if (!made.surface) return tl::unexpected(with_kept_files(std::move(made.surface.error()), outcome_.files));
+    auto surface = std::move(*made.surface);
     if (!surface) return {};
     if (!labels_ || collector_ != nullptr || !file.label_names.in_use()) {
       return add_surface(std::move(*surface), iso, file, in_pieces);

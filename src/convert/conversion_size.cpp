@@ -1,6 +1,7 @@
 #include "convert/conversion_size.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/context.hpp"
@@ -9,10 +10,13 @@
 #include "convert/detail/particle_file.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
+#include "convert/stages/mesh_hollow.hpp"
 #include "extract/dense_input.hpp"
+#include "extract/inner_wall.hpp"
 #include "field/resample.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
+#include "mesh/metrics.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -50,6 +54,14 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   return most;
 }
 
+// Returns the memory that the inner wall of a surface takes; 0 if the job hollows none.
+std::uint64_t hollow_bytes(const ConversionJob& job, const Source& source, std::uint64_t triangles, double area) {
+  if (!job.edits.hollow) return 0;
+  const double thickness = approximate_thickness(*job.edits.hollow, source, job);
+  if (thickness <= 0) return 0;
+  return extract::estimated_wall_bytes(triangles, area, wall_cell(thickness, source));
+}
+
 // Returns the memory of the samples, and of what is made of them for the file: a tree, or dense samples.
 std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::VolumeFileFormat format) {
   const ConversionSize size = size_of_samples(field);
@@ -70,8 +82,15 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   const auto source = TRY(open_source(with_grid(job.source, grid), use_of(job), context, unheard));
   if (source.of_meshes) {
     std::uint64_t vertices = 0;
-    for (const mesh::Mesh& mesh : source.meshes) vertices += mesh.positions.size();
-    return kProgramBytes + kConversionBytes + context.memory().peak() + edit_bytes(job, vertices);
+    std::uint64_t most_hollow = 0;
+    for (const mesh::Mesh& mesh : source.meshes) {
+      vertices += mesh.positions.size();
+      if (!job.edits.hollow) continue;
+      most_hollow =
+          std::max(most_hollow, hollow_bytes(job, source, mesh.triangles.size(), mesh::measure_size(mesh).area));
+    }
+    return kProgramBytes + kConversionBytes + context.memory().peak() +
+           std::max(edit_bytes(job, vertices), most_hollow);
   }
   // Making a field from particles takes more memory than keeping it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
@@ -85,6 +104,10 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.id.iso());
     std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);
+    // About a vertex for each cell that the surface crosses.
+    const double cell_area = std::pow(std::abs(source.output_from_index.determinant()), 2.0 / 3);
+    after = std::max(
+        after, hollow_bytes(job, source, estimated_triangles(size), static_cast<double>(size.vertices) * cell_area));
     if (job.error && !iso.asked.is_label()) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
     bytes += after;
     most = std::max(most, bytes);

@@ -144,6 +144,16 @@ std::string first_and_last(const std::vector<std::string>& names) {
                           : fmt::format("{} to {}", names.front(), names.back());
 }
 
+Error with_kept_files(Error error, const std::vector<mesh_io::WrittenFile>& files) {
+  if (files.empty() || error.code == ErrorCode::cancelled) return error;
+  std::vector<std::string> names;
+  for (const mesh_io::WrittenFile& file : files) names.push_back(file.path);
+  error.message +=
+      fmt::format("; {} written before stay: {}", names.size() == 1 ? "1 file" : fmt::format("{} files", names.size()),
+                  first_and_last(names));
+  return error;
+}
+
 Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, mesh_io::MeshFormat format,
                                                    const Context& context) {
   return take_meshes(output, format, context, remove_file);

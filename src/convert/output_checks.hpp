@@ -33,6 +33,9 @@ namespace isoextract::convert {
 // Returns "a and b", or "a to z" for more than two names. `names` is not empty.
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
 
+// Returns the error of a conversion that ends, with the names of the files that it wrote before, which stay.
+[[nodiscard]] Error with_kept_files(Error error, const std::vector<mesh_io::WrittenFile>& files);
+
 // Renames the output's old files (files::rename_old_file) instead of removing them, and returns the new names, because
 // an old mesh would pass for a result of this run. Files that are read and files in `spared` keep their names.
 //

@@ -42,6 +42,7 @@ enum class StageName {
   relax,
   bodies,
   smooth,
+  hollow,
   untangle,
   simplify,
   touching,
@@ -65,6 +66,7 @@ EditSurface drop_pieces;
 EditSurface measure_relaxing;  // runs while all vertices are still where relaxing left them
 EditSurface mark_bodies;       // assigns shells to bodies; runs before later stages may move one shell through another
 EditSurface smooth_surface;
+EditSurface hollow_surface;    // runs after smoothing, which would change the thickness of the wall
 EditSurface untangle_surface;  // runs when the other stages that move vertices are done; simplification moves none
 EditSurface simplify_surface;
 // Sets the mesh's material, colors the vertices by an attribute if the job asks for it, and then maps attributes to
@@ -163,6 +165,12 @@ inline constexpr std::array kStages{
               .asked = [](const ConversionJob& job) { return job.edits.smooth.has_value(); },
               .edit = smooth_surface,
               .done = "smoothed"},
+    StageInfo{.name = StageName::hollow,
+              .word = "hollow",
+              .section = "hollows",
+              .asked = [](const ConversionJob& job) { return job.edits.hollow.has_value(); },
+              .edit = hollow_surface,
+              .done = "hollowed"},
     StageInfo{.name = StageName::untangle,
               .word = "untangle",
               .section = "untanglings",

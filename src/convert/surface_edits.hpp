@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -106,6 +107,20 @@ struct RepairChoice {
   friend bool operator==(const RepairChoice&, const RepairChoice&) = default;
 };
 
+inline constexpr std::string_view kVoxelUnit = "voxel";
+inline constexpr std::string_view kWorldUnit = "world";
+
+// The inner wall of closed surfaces (extract/inner_wall.hpp).
+struct HollowChoice {
+  static constexpr std::array kMembers{"thickness", "unit"};
+
+  double thickness = 0;  // above 0
+  // kWorldUnit: the written mesh's unit; kVoxelUnit: the cube root of a voxel's volume; or the name of a LengthUnit
+  std::string unit;
+
+  friend bool operator==(const HollowChoice&, const HollowChoice&) = default;
+};
+
 // Vertices at equal positions, where sheets of a surface touch (edit/separate_touching.hpp).
 enum class Touching {
   apart,  // moves them apart
@@ -118,11 +133,12 @@ constexpr auto words_of(Touching /*type*/) {
 // Edits of a surface, in the order in which they run. PieceChoice::split is an exception: it takes effect after all
 // others.
 struct SurfaceEdits {
-  static constexpr std::array kMembers{"repair", "pieces", "smooth", "simplify", "touching", "require"};
+  static constexpr std::array kMembers{"repair", "pieces", "smooth", "hollow", "simplify", "touching", "require"};
 
   std::optional<RepairChoice> repair;  // of a mesh file; before it is clipped
   PieceChoice pieces;
   std::optional<SmoothChoice> smooth;
+  std::optional<HollowChoice> hollow;
   std::optional<SimplifyChoice> simplify;
   Touching touching = Touching::keep;
   // Properties of each mesh, as its file stores it; else the conversion fails. With no_self_intersections, vertices of

@@ -110,6 +110,15 @@ class PrintableTest(ProgramTest):
                      "-o", "tooth.stl")
         self.assertEqual(self.run_program("check", "tooth.stl", "--require", "printable").code, 0)
 
+    def test_the_error_names_the_files_before_it(self):
+        """Of labels with a file each, those before the failing one stay, and the message says so."""
+        labels = {(2, 2, 2): 1, (5, 5, 5): 2, (2, 5, 2): 3, (5, 2, 5): 3}  # 3 has two components
+        self.write_raw("labels.raw", (8, 8, 8), lambda *p: labels.get(p, 0), "B")
+        run = self.run_program("labels.raw", "--dims", "8,8,8", "--dtype", "u8", "--labels", "all", "--require",
+                               "one-component", "-o", "label_{label}.ply")
+        self.assert_fails(6, run, "one-component", "; 2 files written before stay: label_1.ply and label_2.ply")
+        self.assertEqual([f for f in self.files() if f.endswith(".ply")], ["label_1.ply", "label_2.ply"])
+
 
 if __name__ == "__main__":
     main()

@@ -93,6 +93,8 @@ ENUMS = {
         "/properties/options/properties/blurs/items/properties/kind": words("convert::BlurKind"),
         "/properties/options/properties/pieces/properties/least/properties/measure": words("edit::ComponentMeasure"),
         "/properties/options/properties/smooth/properties/method": words("edit::SmoothMethod"),
+        "/properties/options/properties/hollow/properties/unit":
+            CODE.matches("convert/placement.cpp", r'LengthUnit\{"(\w+)"') | {"voxel", "world"},
         "/properties/options/properties/filters/items/properties/filter": words("volume_io::LevelSetFilter"),
         "/properties/options/properties/kernel": words("field::ResampleKernel"),
         "/properties/options/properties/space": words("convert::Space"),

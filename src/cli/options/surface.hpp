@@ -208,12 +208,24 @@ struct EditFlags : OptionSet {
       "meshes, the change of volume.",
       About::surface | About::edit};
 
+  Value<convert::HollowChoice> hollow{
+      *this,
+      "--hollow",
+      "THICKNESS",
+      parse_hollow,
+      "Hollow closed bodies, and leave a wall of THICKNESS. State the unit: 2mm (also um, cm, m, in), 2world in the "
+      "units of the mesh, or 3voxel. The outer surface stays, and each body gets an inner wall at exactly this "
+      "distance, also around cavities that it has. Parts that are not thicker than two walls stay solid. Reports the "
+      "measured thickness. --drop-components and --smooth come first, --simplify and --triangles later.",
+      About::surface | About::edit};
+
   // Returns the edits without a simplification, which plan_edits() adds.
   [[nodiscard]] convert::SurfaceEdits chosen() const {
     convert::SurfaceEdits edits;
     edits.repair = repair;
     edits.pieces = {least, fill_cavities, largest, split};
     edits.smooth = smooth;
+    edits.hollow = hollow;
     return edits;
   }
 };

@@ -7,8 +7,8 @@ namespace {
 
 bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
   const SurfaceEdits& edits = job.edits;
-  const bool edits_mesh =
-      edits.pieces.drops() || edits.pieces.split || edits.smooth || edits.simplify || edits.touching == Touching::apart;
+  const bool edits_mesh = edits.pieces.drops() || edits.pieces.split || edits.smooth || edits.hollow ||
+                          edits.simplify || edits.touching == Touching::apart;
   const bool examines_mesh = job.verify || job.error || !edits.require.empty();
   const bool has_attributes = !job.source.attributes.empty() || (job.color && job.color->attribute);
   // The normals of caps are known only when the mesh is whole.

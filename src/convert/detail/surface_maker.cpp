@@ -115,12 +115,14 @@ Result<std::optional<Surface>> make_surface(const SurfaceMaker& maker, const Res
   return std::optional<Surface>();
 }
 
-// Runs the stages after the simplification.
+// Runs the stages after the simplification of labels. Vertices of triangles that intersect move only now: before, they
+// would leave the faces that labels have in common.
 void finish(const SurfaceMaker& maker, MadeSurface& made) {
   try {
     if (!*made.surface) return;
-    const auto done = edit_surface({maker.job, maker.source, maker.facts(made.open), maker.context}, made.events,
-                                   **made.surface, {.first = StageName::touching});
+    const StageContext stage{maker.job, maker.source, maker.facts(made.open), maker.context};
+    auto done = run_stage(stage_info(StageName::untangle), stage, made.events, **made.surface);
+    if (done) done = edit_surface(stage, made.events, **made.surface, {.first = StageName::touching});
     if (!done) made.surface = tl::unexpected(done.error());
   } catch (...) {
     made.exception = std::current_exception();

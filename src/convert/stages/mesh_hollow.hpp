@@ -1,0 +1,16 @@
+// The thickness and the grid of inner walls, for the stage and for the estimate of memory.
+#pragma once
+
+#include "convert/conversion_job.hpp"
+#include "convert/source.hpp"
+
+namespace isoextract::convert {
+
+// Returns the side of the cells of the grid that finds the inner wall: a quarter of the thickness, but at most the
+// smallest spacing of the samples.
+[[nodiscard]] double wall_cell(double thickness, const Source& source);
+
+// Returns the thickness in the mesh's units, or 0 if its unit cannot be converted.
+[[nodiscard]] double approximate_thickness(const HollowChoice& choice, const Source& source, const ConversionJob& job);
+
+}  // namespace isoextract::convert

@@ -1,0 +1,54 @@
+// Makes the inner wall of a hollow body: the surface inside a closed mesh at a fixed distance from it.
+//
+// The distance to the mesh is exact: that of the closest point of all triangles. A grid of cubic cells covers the
+// points near the offset, and marching cubes finds where the distance crosses the thickness. Each vertex then moves
+// along its grid edge to the point at exactly this distance. Between vertices the distance differs: for a point p of a
+// triangle with its corners at distance T, in a cell of side c, sqrt(T^2 - c^2) <= distance(p) <= T + c. (Lower bound:
+// |p - q|^2 is the mean of the corners' squared distances from q minus that of their squared distances from p, which is
+// at most c^2. Upper bound: a corner is at most c away.) Parts of the cavity that are thinner than a cell may be left
+// out.
+#pragma once
+
+#include <cstdint>
+
+#include "base/buffer.hpp"
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "mesh/mesh.hpp"
+
+namespace isoextract::extract {
+
+struct WallOptions {
+  double thickness = 1;  // in the mesh's units, above 0
+  double cell = 0.25;    // side of the grid's cells; below `thickness`
+};
+
+struct WallFigures {
+  std::uint64_t cavities = 0;  // components of the inner wall that face inward: each bounds one new empty space
+  // Components that face outward: walls around cavities of the mesh, which the empty space separates from other walls.
+  std::uint64_t loose_walls = 0;
+  // The distance from the inner wall to the mesh, measured at the centers and edge midpoints of its triangles; zeros
+  // without cavities.
+  double thinnest = 0;
+  double thickest = 0;
+  double rms_difference = 0;  // from the thickness
+};
+
+struct InnerWall {
+  mesh::Mesh mesh;                         // empty if no part is thick enough; has normals if the given mesh has
+  Buffer<std::uint32_t> nearest_vertices;  // for each vertex, a vertex of the given mesh near it
+  WallFigures facts;
+};
+
+// Returns the inner wall of the closed, oriented mesh `outer`, relative to its origin. The wall follows all shells of
+// the mesh, also those around cavities. Its triangles face into the space that it encloses. It is a closed oriented
+// manifold and lies in the material: its points have a winding number above 0. The result does not depend on the number
+// of threads. Fails with ErrorCode::input if the grid would have more than 2^24 cells along an axis, and if memory is
+// short or the context is cancelled. Throws std::bad_alloc.
+[[nodiscard]] Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& options,
+                                                const Context& context);
+
+// Returns an estimate of the memory that make_inner_wall() takes for a surface of this area and number of triangles.
+[[nodiscard]] std::uint64_t estimated_wall_bytes(std::uint64_t triangles, double area, double cell);
+
+}  // namespace isoextract::extract
