@@ -41,7 +41,6 @@ WORDS = [
     Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their|ear's) borders?"
          r"|borders? (of|between) (the |two )?labels|borders in common|(common|label|patch) borders?|borders? of a rectangle",
          in_names=True),
-    Word("hollow", r"\bhollows?\b", "cavity", in_names=True),
     Word("neck", r"\bnecks?\b", "pinch point", in_names=True),
     Word("thing", r"\bthings?\b", "the name of the thing", in_names=True),
     Word("threshold", r"\bthresholds?\b", "iso value", r"Otsu's threshold|--[\w-]*threshold",

@@ -26,6 +26,8 @@ ConversionJob full_job() {
   job.source.read.kind = field::FieldKind::level_set;
   job.source.read.component = volume_io::ComponentChoice{};
   job.source.read.axis_order = volume_io::AxisOrder::xyz;
+  job.source.read.level = 2;
+  job.source.read.evens_out = true;
   job.source.read.no_data = -9999.5;
   job.source.particles = {.expected = true,
                           .method = points::Method::anisotropic,
@@ -100,7 +102,7 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 68U);
+  EXPECT_EQ(full.size(), 70U);
   for (const auto& [name, value] : full.items()) {
     // ListsMembersOfEveryFileKind
     const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";
