@@ -36,8 +36,8 @@ constexpr Corners corners_across() {
 }
 
 // Returns the values of the next or the previous corner for each.
-Float4 next(Float4 values) { return __builtin_shuffle(values, Int4{1, 2, 3, 0}); }
-Float4 previous(Float4 values) { return __builtin_shuffle(values, Int4{3, 0, 1, 2}); }
+Float4 next(Float4 values) { return __builtin_shufflevector(values, values, 1, 2, 3, 0); }
+Float4 previous(Float4 values) { return __builtin_shufflevector(values, values, 3, 0, 1, 2); }
 
 // Returns 12 times the volumes below the walls between the sides of a voxel face and those of its moved corners. A wall
 // is the mean of its two divisions into triangles. Neighbors have the same walls with the opposite sign. `u`, `v`,
@@ -47,8 +47,8 @@ Float4 walls_of(Float4 u, Float4 v, Float4 up) {
   const Float4 next_v = next(v);
   const Float4 next_up = next(up);
   // The sides of the voxel face are +u, +v, -u and -v. The cross product of a side with an offset:
-  const Float4 at_here = __builtin_shuffle(u, v, Int4{4, 1, 6, 3}) * Float4{1, -1, -1, 1};
-  const Float4 at_next = __builtin_shuffle(next_u, next_v, Int4{4, 1, 6, 3}) * Float4{1, -1, -1, 1};
+  const Float4 at_here = __builtin_shufflevector(u, v, 4, 1, 6, 3) * Float4{1, -1, -1, 1};
+  const Float4 at_next = __builtin_shufflevector(next_u, next_v, 4, 1, 6, 3) * Float4{1, -1, -1, 1};
   const Float4 between = next_u * v - next_v * u;
   return next_up * at_next + up * at_here + (next_up + up) * (at_here + at_next + 2 * between);
 }
@@ -70,13 +70,13 @@ NetFaceSize NetFaceSizes::across(const NearPoints& near, int place) const {
   const Float4 b = offset(1);
   const Float4 c = offset(2);
   const Float4 d = offset(3);
-  const Float4 xy_ab = __builtin_shuffle(a, b, Int4{0, 4, 1, 5});
-  const Float4 xy_cd = __builtin_shuffle(c, d, Int4{0, 4, 1, 5});
-  const Float4 z_ab = __builtin_shuffle(a, b, Int4{2, 6, 2, 6});
-  const Float4 z_cd = __builtin_shuffle(c, d, Int4{2, 6, 2, 6});
-  const Corners moved{__builtin_shuffle(xy_ab, xy_cd, Int4{0, 1, 4, 5}),
-                      __builtin_shuffle(xy_ab, xy_cd, Int4{2, 3, 6, 7}),
-                      __builtin_shuffle(z_ab, z_cd, Int4{0, 1, 4, 5})};
+  const Float4 xy_ab = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+  const Float4 xy_cd = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+  const Float4 z_ab = __builtin_shufflevector(a, b, 2, 6, 2, 6);
+  const Float4 z_cd = __builtin_shufflevector(c, d, 2, 6, 2, 6);
+  const Corners moved{__builtin_shufflevector(xy_ab, xy_cd, 0, 1, 4, 5),
+                      __builtin_shufflevector(xy_ab, xy_cd, 2, 3, 6, 7),
+                      __builtin_shufflevector(z_ab, z_cd, 0, 1, 4, 5)};
   constexpr Corners kCorners = corners_across<kAxis>();
   const Corners p{kCorners[0] + moved[0], kCorners[1] + moved[1], kCorners[2] + moved[2]};
   // Twice the areas of the triangles around the corners.

@@ -292,7 +292,8 @@ NearFaces::NearFaces(const NetGrid& grid, const NetFaces& faces, std::size_t chu
 }
 
 std::uint32_t NearFaces::number(int place, int side) const {
-  const auto lowest = static_cast<std::size_t>(place + kWaysDown[static_cast<std::size_t>(side)]);
+  const int near = place + kWaysDown[static_cast<std::size_t>(side)];
+  const auto lowest = static_cast<std::size_t>(near);
   return first_[lowest] + kFacesBefore[axes_[lowest]][static_cast<std::size_t>(side / 4)];
 }
 

@@ -145,7 +145,8 @@ class Links {
         Float4 sum = load(&steps);
         // A sum over all six is faster than a loop over the connected ones: the processor cannot predict their number.
         for (std::size_t face = 0; face < kFaces; ++face) {
-          sum += std::bit_cast<Float4>(near[static_cast<std::size_t>(place + bit + kWays[face])] & steps.joined[face]);
+          const int other = place + bit + kWays[face];
+          sum += std::bit_cast<Float4>(near[static_cast<std::size_t>(other)] & steps.joined[face]);
         }
         sum *= steps.share;
         f(k, sum, kFreeAxes[fixed.at(bit)]);
