@@ -162,9 +162,9 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("more_grids", job.source.more_grids);
   add("volume", job.source.read.volume);
   add("component", job.source.read.component);
+  add("raw", job.source.read.raw);
   add("level", job.source.read.level);
   add("resample", job.source.read.evens_out);
-  add("raw", job.source.read.raw);
   add("axis_order", job.source.read.axis_order);
   add("no_data", job.source.read.no_data);
   add("spacing", job.source.read.spacing);

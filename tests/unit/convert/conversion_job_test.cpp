@@ -83,6 +83,7 @@ ConversionJob full_job() {
   job.edits.repair = RepairChoice{12};
   job.edits.pieces = {MinComponentSize{edit::ComponentMeasure::area, 2.5, true}, true, 3, true};
   job.edits.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
+  job.edits.hollow = HollowChoice{2.5, "mm"};
   job.edits.simplify = SimplifyChoice{SimplifyBound{0.1, true}, TriangleCount{2.5, true}};
   job.edits.touching = Touching::apart;
   job.edits.require = {check::Requirement::closed, check::Requirement::no_self_intersections};
@@ -102,7 +103,7 @@ ConversionJob full_job() {
 TEST(ConversionJob, ListsEveryMemberInJson) {
   const Json full = json_of(full_job());
   const Json plain = json_of(ConversionJob{});
-  EXPECT_EQ(full.size(), 70U);
+  EXPECT_EQ(full.size(), 71U);
   for (const auto& [name, value] : full.items()) {
     // ListsMembersOfEveryFileKind
     const bool is_of_another_kind = name == "field_file" || name == "picture_file" || name == "particle_file";
