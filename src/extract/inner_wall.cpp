@@ -286,38 +286,36 @@ InnerWall wall_of(const mesh::Mesh& outer, const mesh::Mesh& offset, const std::
 
 void measure(const WallGrid& grid, double thickness, InnerWall& wall) {
   struct Measured {
-    double least, most, squares;
+    double least = std::numeric_limits<double>::infinity();
+    double most = 0;
+    double squares = 0;
   };
   const mesh::Mesh& mesh = wall.mesh;
   if (mesh.triangles.empty()) return;
-  Buffer<Measured> all(mesh.triangles.size());
-  constexpr std::size_t kGrain = 256;
-  for_each_range(all.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  const auto look = [&](std::size_t begin, std::size_t end, Measured found) {
     std::uint32_t hint = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const glm::uvec3 t = mesh.triangles[i];
       const glm::dvec3 a(mesh.positions[t.x]);
       const glm::dvec3 b(mesh.positions[t.y]);
       const glm::dvec3 c(mesh.positions[t.z]);
-      Measured here{std::numeric_limits<double>::infinity(), 0, 0};
       for (const glm::dvec3& p : {(a + b + c) / 3.0, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0}) {
         const double distance = grid.distance(p, hint);
-        here.least = std::min(here.least, distance);
-        here.most = std::max(here.most, distance);
-        here.squares += (distance - thickness) * (distance - thickness);
+        found.least = std::min(found.least, distance);
+        found.most = std::max(found.most, distance);
+        found.squares += (distance - thickness) * (distance - thickness);
       }
-      all[i] = here;
     }
-  });
-  WallFigures& facts = wall.facts;
-  facts.thinnest = std::numeric_limits<double>::infinity();
-  double squares = 0;
-  for (const Measured& one : all) {
-    facts.thinnest = std::min(facts.thinnest, one.least);
-    facts.thickest = std::max(facts.thickest, one.most);
-    squares += one.squares;
-  }
-  facts.rms_difference = std::sqrt(squares / (4.0 * static_cast<double>(all.size())));
+    return found;
+  };
+  constexpr std::size_t kGrain = 256;
+  const Measured all =
+      reduce_ranges(mesh.triangles.size(), kGrain, Measured(), look, [](const Measured& a, const Measured& b) {
+        return Measured{std::min(a.least, b.least), std::max(a.most, b.most), a.squares + b.squares};
+      });
+  wall.facts.thinnest = all.least;
+  wall.facts.thickest = all.most;
+  wall.facts.rms_difference = std::sqrt(all.squares / (4.0 * static_cast<double>(mesh.triangles.size())));
 }
 
 }  // namespace
@@ -346,7 +344,7 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
   WallFigures facts;
   const std::vector<bool> chosen = TRY(in_material(outer, offset, facts, context));
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3) + 3 * sizeof(std::uint32_t);
-  constexpr std::uint64_t kTriangleBytes = 2 * sizeof(glm::uvec3) + 3 * sizeof(double);
+  constexpr std::uint64_t kTriangleBytes = 2 * sizeof(glm::uvec3);
   auto memory =
       TRY(context.reserve(offset.positions.size() * kVertexBytes + offset.triangles.size() * kTriangleBytes, what));
   InnerWall wall = wall_of(outer, offset, chosen, grid);

@@ -214,7 +214,7 @@ struct EditFlags : OptionSet {
       "THICKNESS",
       parse_hollow,
       "Hollow closed bodies, and leave a wall of THICKNESS. State the unit: 2mm (also um, cm, m, in), 2world in the "
-      "units of the mesh, or 3voxel. The outer surface stays, and each body gets an inner wall at exactly this "
+      "units of the mesh, or 3voxel. The outer surface stays, and each body gets an inner wall at this "
       "distance, also around cavities that it has. Parts that are not thicker than two walls stay solid. Reports the "
       "measured thickness. --drop-components and --smooth come first, --simplify and --triangles later.",
       About::surface | About::edit};

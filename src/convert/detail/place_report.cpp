@@ -7,17 +7,13 @@
 #include "convert/field_label.hpp"
 
 namespace isoextract::convert {
-namespace {
 
-// Returns the requested unit, else the input's unit if the mesh keeps the input's lengths.
 std::string unit_of_lengths(const Placement& placement, const field::ScalarField& field) {
   if (!placement.to_unit.empty()) return placement.to_unit;
   const bool as_in_file = placement.space == Space::world && placement.unit.empty() && placement.scale == 1;
   const auto unit = as_in_file ? find_length_unit(field.length_unit) : std::nullopt;
   return unit ? std::string(unit->name) : placement.unit;
 }
-
-}  // namespace
 
 StageReport report_of_placing(const PlacedField& placed, const field::ScalarField& field) {
   const Placement& placement = placed.placement.placement;

@@ -10,6 +10,10 @@
 
 namespace isoextract::convert {
 
+// Returns the unit of the written lengths: the requested one, else the input's if the mesh keeps its lengths; "" if
+// nothing states it.
+[[nodiscard]] std::string unit_of_lengths(const Placement& placement, const field::ScalarField& field);
+
 [[nodiscard]] StageReport report_of_placing(const PlacedField& placed, const field::ScalarField& field);
 
 // Notes that a glTF file has the lengths of a file with another unit than meters. Requested units are not noted.

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "base/stopwatch.hpp"
+#include "convert/detail/place_report.hpp"
 #include "convert/placement.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "extract/inner_wall.hpp"
@@ -19,24 +19,14 @@
 namespace isoextract::convert {
 namespace {
 
-// Returns the unit of the written mesh, or nullopt if nothing states it.
-std::optional<LengthUnit> output_unit(const Source& source, const ConversionJob& job) {
-  if (job.source.placement.space == Space::index) return std::nullopt;
-  const Placement& placement = source.placement.placement;
-  if (!placement.unit.empty()) {
-    return find_length_unit(placement.to_unit.empty() ? placement.unit : placement.to_unit);
-  }
-  return placement.scale == 1 ? find_length_unit(source.field.length_unit) : std::nullopt;
-}
-
 // Returns the thickness in the mesh's units.
-Result<double> thickness_of(const HollowChoice& choice, const Source& source, const ConversionJob& job) {
+Result<double> thickness_of(const HollowChoice& choice, const Source& source) {
   if (choice.unit == kVoxelUnit) {
     return choice.thickness * std::cbrt(std::abs(source.output_from_index.determinant()));
   }
   if (choice.unit == kWorldUnit) return choice.thickness;
   const auto asked = find_length_unit(choice.unit);
-  const auto unit = output_unit(source, job);
+  const auto unit = find_length_unit(unit_of_lengths(source.placement.placement, source.field));
   if (asked && unit) return choice.thickness * unit_ratio(*asked, *unit);
   return fail(ErrorCode::input,
               fmt::format("{}: a wall of {:.6g} {} needs the unit of the mesh, which nothing states", source.label,
@@ -73,8 +63,8 @@ double wall_cell(double thickness, const Source& source) {
   return cell;
 }
 
-double approximate_thickness(const HollowChoice& choice, const Source& source, const ConversionJob& job) {
-  return thickness_of(choice, source, job).value_or(0);
+double approximate_thickness(const HollowChoice& choice, const Source& source) {
+  return thickness_of(choice, source).value_or(0);
 }
 
 Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) {
@@ -91,7 +81,7 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
                             stage.subject(surface), topology.open_edges),
                 hint);
   }
-  const double thickness = TRY(thickness_of(*stage.job.edits.hollow, stage.source, stage.job));
+  const double thickness = TRY(thickness_of(*stage.job.edits.hollow, stage.source));
   const double cell = wall_cell(thickness, stage.source);
   extract::InnerWall wall = TRY(extract::make_inner_wall(surface.mesh, {thickness, cell}, context));
   const extract::WallFigures facts = wall.facts;

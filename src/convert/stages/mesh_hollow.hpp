@@ -11,6 +11,6 @@ namespace isoextract::convert {
 [[nodiscard]] double wall_cell(double thickness, const Source& source);
 
 // Returns the thickness in the mesh's units, or 0 if its unit cannot be converted.
-[[nodiscard]] double approximate_thickness(const HollowChoice& choice, const Source& source, const ConversionJob& job);
+[[nodiscard]] double approximate_thickness(const HollowChoice& choice, const Source& source);
 
 }  // namespace isoextract::convert

@@ -74,12 +74,11 @@ Result<void> check_has(const mesh::Mesh& mesh, const std::string& attribute) {
     if (found.role == mesh::AttributeRole::other) names.push_back(found.name);
   }
   if (std::ranges::find(names, attribute) != names.end()) return {};
-  const std::string near = nearest_name(attribute, names);
+  const std::string near = did_you_mean(attribute, names);
   std::ranges::transform(names, names.begin(), [](const std::string& name) { return printable(name); });
-  return fail(ErrorCode::input,
-              fmt::format("{}: expected the vertex attribute '{}', found {}", printable(mesh.name),
-                          printable(attribute), names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))),
-              near.empty() ? "" : fmt::format("did you mean '{}'?", printable(near)));
+  return fail(ErrorCode::input, fmt::format("{}: expected the vertex attribute '{}', found {}{}", printable(mesh.name),
+                                            printable(attribute),
+                                            names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), near));
 }
 
 Result<StageReport> color_by_attribute(Surface& surface, const StageContext& stage) {
