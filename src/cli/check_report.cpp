@@ -202,7 +202,7 @@ Json intersections_json(const mesh::SelfIntersections& found) {
   return {{"pairs", found.pairs},
           {"more", found.at_least},
           {"in_one_plane", counted(found.in_one_plane)},
-          {"neighbours", counted(found.neighbors)},
+          {"neighbors", counted(found.neighbors)},
           {"triangles", counted(found.triangles)},
           {"examples", std::move(examples)}};
 }

@@ -253,9 +253,9 @@ convert::Json json_of(const ParticleReport& report) {
                    {"edges", {convert::json_of(edges[0]), convert::json_of(edges[1]), convert::json_of(edges[2])}},
                    {"periodic", periodic}};
   }
-  json["neighbours"] = nullptr;
+  json["neighbors"] = nullptr;
   if (const auto& neighbors = report.statistics.neighbors) {
-    json["neighbours"] = {
+    json["neighbors"] = {
         {"asked", neighbors->asked}, {"min", neighbors->min}, {"median", neighbors->median}, {"max", neighbors->max}};
   }
   json["suggested_radius"] = convert::optional_json(report.statistics.suggested_radius);

@@ -199,7 +199,7 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("labels_min_voxels", job.surface.least_voxels);
   add("heights", job.surface.heights);
   add("normals", job.normals);
-  add("colour", job.color);
+  add("color", job.color);
   add("label_names", job.label_names);
   add("opacity", job.opacity);
   add_members(json, job.edits);

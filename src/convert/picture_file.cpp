@@ -47,7 +47,7 @@ Result<void> color_by_materials(mesh_io::MeshFile& file, const Context& context)
       (own != nullptr && own->components > 3) || std::ranges::any_of(file.parts, [](const mesh_io::MeshPart& part) {
         return part.material && part.material->opacity < 1;
       });
-  mesh::Attribute made{"colour", mesh::AttributeRole::color, mesh::ComponentType::f32, sees_through ? 4U : 3U, false,
+  mesh::Attribute made{"color", mesh::AttributeRole::color, mesh::ComponentType::f32, sees_through ? 4U : 3U, false,
                        {}};
   const std::size_t vertices = mesh.positions.size();
   auto memory = TRY(context.reserve(vertices * made.stride(), mesh.name + ": the colors of its materials"));

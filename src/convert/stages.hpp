@@ -192,7 +192,7 @@ inline constexpr std::array kStages{
     StageInfo{.name = StageName::require, .word = "require", .edit = require_properties, .is_timed = false},
     StageInfo{.name = StageName::color,
               .word = "color",
-              .section = "colours",
+              .section = "colors",
               .asked = [](const ConversionJob& job) { return job.color && job.color->attribute; },
               .edit = color_surface,
               .is_timed = false,

@@ -74,7 +74,7 @@ void put_color(const glm::dvec3& color, bool linear, std::byte* out) {
 mesh::Attribute color_attribute(ColorStorage storage) {
   const bool linear = storage == ColorStorage::linear_u16;
   mesh::Attribute made;
-  made.name = "colour";
+  made.name = "color";
   made.role = mesh::AttributeRole::color;
   made.type = linear ? mesh::ComponentType::u16 : mesh::ComponentType::u8;
   made.components = linear ? 4 : 3;

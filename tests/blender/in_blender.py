@@ -142,7 +142,7 @@ class AddonTest(unittest.TestCase):
         item.isosurface_sequence.smooth = False
         self.assertFalse(item.data.polygons[0].use_smooth)
 
-    def test_attributes_and_colours_come_along(self):
+    def test_attributes_and_colors_come_along(self):
         folder = FOLDER / "attributes"
         folder.mkdir(exist_ok=True)
         for number in (1, 2):

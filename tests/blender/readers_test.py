@@ -244,13 +244,13 @@ class GlbTest(FolderTest):
     def test_gaps_between_values(self):
         np.testing.assert_array_equal(self.read(triangle_glb(stride=28)).positions, TRIANGLE)
 
-    def test_quantised_positions(self):
+    def test_quantized_positions(self):
         places = np.array([[0, 0, 0], [32767, 0, 0], [0, -32767, 0]], np.int16)
         surface = self.read(triangle_glb([{"mesh": 0, "scale": [3, 3, 3]}], positions=places,
                                          extensionsRequired=["KHR_mesh_quantization"]))
         np.testing.assert_array_equal(surface.positions, places.astype(np.float32) * 3)
 
-    def test_attributes_and_colours(self):
+    def test_attributes_and_colors(self):
         surface = self.read(triangle_glb(attributes=[
             ("_DENSITY", np.array([[1], [2], [3]], np.float32), {}),
             ("_id", np.array([[1], [2], [300]], np.uint16), {}),

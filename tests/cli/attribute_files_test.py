@@ -175,7 +175,7 @@ class PlacementTest(FilesTest):
             self.assertAlmostEqual(value, 0.5, delta=1e-5)
         self.assert_linear(self.ply("ball.npy", "--attribute", "a=placed.nrrd:spacing=1:origin=0,0,0"), lambda p: p)
 
-    def test_colours(self):
+    def test_colors(self):
         found = self.ply("ball.npy", "--spacing", "0.1", "--color-by", "a=linear.npy:gray:-20,20")
         for *place, red in zip(found["x"], found["y"], found["z"], found["red"]):
             wanted = (linear(*(c / 0.1 for c in place)) + 20) / 40

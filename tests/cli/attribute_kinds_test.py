@@ -119,7 +119,7 @@ class KindsTest(ProgramTest):
         (record,) = report["attributes"]
         self.assertEqual((record["kind"], record["changed"]), ("vector", True))
 
-    def test_colours_go_by_the_values_of_the_input(self):
+    def test_colors_go_by_the_values_of_the_input(self):
         self.write_particles()
         for more in ((), ("--scale", "10"), ("--unit", "mm", "--to-unit", "m", "--up-out", "y")):
             run = self.convert("in.csv", "--radius", "0.3", "--color-by", "v:gray:0,7.483314773547883", *more, "--ascii", "-o", "out.ply")

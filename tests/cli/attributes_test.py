@@ -136,7 +136,7 @@ class AttributesTest(ProgramTest):
         for kind in "vp":
             self.assertEqual((self.folder / f"{kind}1.glb").read_bytes(), (self.folder / f"{kind}3.glb").read_bytes())
 
-    def test_colours_of_particles(self):
+    def test_colors_of_particles(self):
         self.particles()
         run = self.convert("a.ply", "--radius", "0.25", "--attribute", "p=pressure", "--color-by", "p:gray:0,2", "--ascii",
                            "-o", "out.ply")
@@ -203,7 +203,7 @@ class AttributesTest(ProgramTest):
                      "8.glb")
         for name in ("1.glb", "3.glb", "8.glb"):
             packed = json.loads(self.convert("compare", "0.glb", name, "--json").text)["attributes"]
-            self.assertEqual({a["name"] for a in packed["both"]}, {"pressure", "colour"})
+            self.assertEqual({a["name"] for a in packed["both"]}, {"pressure", "color"})
             self.assertEqual(packed["same_vertices"], name == "8.glb")
         self.assertEqual([a["difference"]["largest"] for a in packed["both"]], [0, 0])
 

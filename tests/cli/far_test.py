@@ -64,7 +64,7 @@ class FarTest(ProgramTest):
                     center = [scale * c for c in (turned(FAR) if is_turned else FAR)]
                     self.assert_same_up_to_a_move(near, far, center, scale)
 
-    def test_neighbouring_vertices_stay_apart(self):
+    def test_neighboring_vertices_stay_apart(self):
         # A spacing of 1e-5 at 1e7, a few thousand steps of double: float32 has steps of 1 there.
         for form in ("glb", "ply", "obj"):
             origin = ",".join(repr(c) for c in FAR)

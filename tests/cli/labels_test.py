@@ -57,7 +57,7 @@ class LabelsTest(ProgramTest):
         run = self.convert(*self.map, *arguments, "-o", "out.glb")
         return read_glb((self.folder / "out.glb").read_bytes()), run
 
-    def test_a_cut_is_closed_label_by_label_and_neighbours_still_meet(self):
+    def test_a_cut_is_closed_label_by_label_and_neighbors_still_meet(self):
         """Caps close each mesh: what is cut off and what stays have the volume of the whole, and the color."""
         for method in ("surface-nets", "voxels"):
             arguments = ("--labels", "all", "--label-names", "snap.txt", "--method", method, "--report", "r.json")
@@ -152,7 +152,7 @@ class LabelsTest(ProgramTest):
         self.assertEqual(round(read_stl((self.folder / "part_9.stl").read_bytes()).volume()), 2 * 900)
         self.assertLess(read_stl((self.folder / "part_1.stl").read_bytes()).volume(), 3700)
 
-    def test_names_and_colours_of_itk_snap(self):
+    def test_names_and_colors_of_itk_snap(self):
         meshes, _ = self.glb("--labels", "all", "--label-names", "snap.txt")
         self.assertEqual(list(meshes), ["Left kidney", "Tumour", "map label 9"])
         colors = [material["pbrMetallicRoughness"]["baseColorFactor"] for material in
@@ -177,7 +177,7 @@ class LabelsTest(ProgramTest):
                     for primitive in mesh["primitives"]:
                         self.assertEqual(model["materials"][primitive["material"]]["name"], node["name"])
 
-    def test_names_and_colours_of_freesurfer(self):
+    def test_names_and_colors_of_freesurfer(self):
         meshes, _ = self.glb("--labels", "1", "--label-names", "lut.txt", "--opacity", "0.5")
         self.assertEqual(list(meshes), ["Left-Kidney"])
         factor = model_of(self.folder / "out.glb")["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"]
@@ -189,7 +189,7 @@ class LabelsTest(ProgramTest):
         self.convert(*self.map, "--labels", "5", "--ascii", "-o", "o.ply")
         self.assertNotIn("uchar red", (self.folder / "o.ply").read_text())
 
-    def test_colours_without_a_table_differ_and_colours_by_number_are_asked_for(self):
+    def test_colors_without_a_table_differ_and_colors_by_number_are_asked_for(self):
         self.glb("--labels", "all")
         self.assertEqual(len(model_of(self.folder / "out.glb")["materials"]), 3)
         usual = (self.folder / "out.glb").read_bytes()

@@ -421,7 +421,7 @@ class ParticlesTest(ProgramTest):
         (entry,) = json.loads(self.convert("info", "--json", "flip.csv").text)
         particles = entry["particles"]
         self.assertAlmostEqual(particles["suggested_radius"], 0.5, delta=0.03)
-        self.assertLess(particles["neighbours"]["median"], 0.7)
+        self.assertLess(particles["neighbors"]["median"], 0.7)
         run = self.convert("flip.csv", "-o", "flip.ply", "--report", "flip.json", "--explain")
         self.assertRegex(run.err, r"1728 particles of radius 0\.\d+, which fits their density")
         report = json.loads((self.folder / "flip.json").read_text())

@@ -220,7 +220,7 @@ class PictureTest(PicturesTest):
         run = self.convert("m_1.raw", *self.moving()[1:], *away, "-o", "one.png")
         self.assertIn("note[empty-picture]: one.png: the picture is empty: no part of the surfaces is in the camera's view\n", run.err)
 
-    def test_colours_of_vertices_are_seen(self):
+    def test_colors_of_vertices_are_seen(self):
         self.convert(SPHERE, "--iso", "0", "--color-by", "height=demo:sphere?size=24", "-o", "c.png", "--size", "60x45")
         self.assertEqual(self.convert(SPHERE, "--iso", "0", "--color-by", "iso", "-o", "i.png", "--size", "60x45").code, 0)
 

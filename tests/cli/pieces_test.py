@@ -185,7 +185,7 @@ class SmoothTest(ProgramTest):
             outward = [a - b for a, b in zip(vertex, center)]
             self.assertGreater(sum(a * b for a, b in zip(outward, normal)), 0.97 * math.hypot(*outward))
 
-    def test_with_attributes_colours_and_simplify(self):
+    def test_with_attributes_colors_and_simplify(self):
         self.write_raw("a.raw", (24, 24, 24), lambda x, y, z: 9 - math.dist((x, y, z), (11.4, 11.6, 11.5)))
         run = self.convert("a.raw", "--dims", "24,24,24", "--dtype", "f32", "--iso", "0", "--smooth", "5", "--simplify",
                            "0.1", "--color-by", "iso", "-o", "a.glb")

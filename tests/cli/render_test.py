@@ -85,7 +85,7 @@ class RenderTest(ProgramTest):
             self.convert("render", "v.raw", "-", *described, *SMALL, "-o", "both.png", stdin=file)
         self.assertNotEqual((self.folder / "both.png").read_bytes(), (self.folder / "v.png").read_bytes())
 
-    def test_colours_and_opacity_of_surfaces(self):
+    def test_colors_and_opacity_of_surfaces(self):
         options = ("--tf", "none", "--iso", "-0.2", "--iso", "0.2", "--color-by", "iso")
         seen = self.picture("demo:sphere?size=24", *options)
         middle = seen.pixel(24, 16)

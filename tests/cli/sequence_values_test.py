@@ -111,7 +111,7 @@ class SequenceValuesTest(ProgramTest):
     def colors(self, *options, code=0):
         run = self.run_program("c_{}.csv", "--radius", "0.25", *options, "--ascii", "-o", "o_{}.ply", "--report", "r_{}.json")
         self.assertEqual(run.code, code, run.err)
-        stages = [json.loads((self.folder / f"r_{n}.json").read_text())["colours"] for n in (1, 2, 3)]
+        stages = [json.loads((self.folder / f"r_{n}.json").read_text())["colors"] for n in (1, 2, 3)]
         return [entry for (entry,) in stages], run
 
     def test_one_range_for_all_frames(self):
@@ -128,7 +128,7 @@ class SequenceValuesTest(ProgramTest):
         self.assertEqual(found[0]["range"], [3, 15])
         # A single conversion has the range of its vertices.
         self.convert("c_1.csv", "--radius", "0.25", "--color-by", "p", "-o", "one.ply", "--report", "one.json")
-        (entry,) = json.loads((self.folder / "one.json").read_text())["colours"]
+        (entry,) = json.loads((self.folder / "one.json").read_text())["colors"]
         self.assertTrue(entry["own_range"])
 
     def test_shards_and_resume_have_the_range_of_all_frames(self):
@@ -167,7 +167,7 @@ class SequenceValuesTest(ProgramTest):
         run = self.convert("d_{}.nrrd", "--iso", "1", "--color-by", "t=t_{}.nrrd", "-o", "o_{}.ply", "--report", "r_{}.json")
         self.assertIn("from 10 to 27", run.err)
         for number in (1, 2):
-            (entry,) = json.loads((self.folder / f"r_{number}.json").read_text())["colours"]
+            (entry,) = json.loads((self.folder / f"r_{number}.json").read_text())["colors"]
             self.assertEqual(entry["range"], [10, 27])
 
 

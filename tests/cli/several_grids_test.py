@@ -197,9 +197,9 @@ class SeveralGridsTest(ProgramTest):
         self.convert("fire.vdb", *BOTH, "--iso", 0.5, "--color-by", "heat", "--simplify", "0.5", "--smooth", 2, "--largest", "-o", "both.glb",
                      "--report", "r.json")
         report = self.report()
-        for section in ("attributes", "colours", "pieces", "smoothings", "simplifications"):
+        for section in ("attributes", "colors", "pieces", "smoothings", "simplifications"):
             self.assertEqual([one["grid"] for one in report[section]], ["density", "flame"], section)
-        self.assertNotEqual(report["colours"][0]["range"], report["colours"][1]["range"])
+        self.assertNotEqual(report["colors"][0]["range"], report["colors"][1]["range"])
 
     def test_a_missing_grid_is_refused_before_the_work(self):
         run = self.run_program("fire.vdb", *BOTH, "--grid", "none", "--iso", 0.5, "-o", "{grid}.glb")

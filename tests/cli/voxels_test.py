@@ -118,7 +118,7 @@ class VoxelsTest(ProgramTest):
         self.assert_fails(2, self.run_program("zeros.raw", "--dims", "4,4,4", *VOXELS, "--labels", "all", "-o", "a.glb"),
                           "no sample has a label other than 0")
 
-    def test_colours_by_label(self):
+    def test_colors_by_label(self):
         self.convert(*self.labels, "--labels", "all", "--color-by", "iso", "-o", "all.glb")
         model = (self.folder / "all.glb").read_bytes()
         self.assertEqual(json.loads(model[20:20 + int.from_bytes(model[12:16], "little")])["materials"].__len__(), 3)

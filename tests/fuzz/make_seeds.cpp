@@ -108,7 +108,7 @@ void write_nifti(const fs::path& folder) {
   one.pixdim[0] = -1;
   write_bytes(folder / "one_qform", bytes_of(one, 352, ramp_bytes<std::int16_t>()));
   one.datatype = NIFTI_TYPE_RGB24;
-  write_bytes(folder / "colours", bytes_of(one, 352, std::string(180, 'x')));
+  write_bytes(folder / "colors", bytes_of(one, 352, std::string(180, 'x')));
   one.datatype = NIFTI_TYPE_INT64;
   write_bytes(folder / "wide", bytes_of(one, 352, std::string(480, '\0')));
   one.datatype = NIFTI_TYPE_INT16;
@@ -285,7 +285,7 @@ void write_selections(const fs::path& folder) {
 }
 
 mesh::Mesh colored(mesh::ComponentType type, std::size_t components) {
-  mesh::Mesh mesh = tetrahedron("coloured", {1e7, 0.25, -3});
+  mesh::Mesh mesh = tetrahedron("colored", {1e7, 0.25, -3});
   add_color(mesh, type, components);
   add_attribute(mesh, "heat", mesh::ComponentType::f32, 1);
   add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
@@ -307,8 +307,8 @@ void write_written(const fs::path& folder, mesh_io::MeshFormat format) {
   seed("normals", sphere(2, true));
   seed("flat", tetrahedron(), true);
   if (!info.has_attributes) return;
-  seed("colour_u8", colored(mesh::ComponentType::u8, 4));
-  seed("colour_f32", colored(mesh::ComponentType::f32, 3));
+  seed("color_u8", colored(mesh::ComponentType::u8, 4));
+  seed("color_f32", colored(mesh::ComponentType::f32, 3));
 }
 
 void write_plys(const fs::path& folder) {

@@ -39,7 +39,7 @@ mesh::Mesh one_triangle() { return make_mesh("triangle", {{0, 0, 0}, {1, 0, 0}, 
 
 // Attributes of sizes that fill four bytes and that do not.
 mesh::Mesh with_attributes(mesh::ComponentType color, std::size_t components) {
-  mesh::Mesh mesh = sphere(24, false, "coloured");
+  mesh::Mesh mesh = sphere(24, false, "colored");
   add_color(mesh, color, components);
   add_attribute(mesh, "TEMPERATURE", mesh::ComponentType::f32, 1);
   add_attribute(mesh, "label", mesh::ComponentType::u8, 1);

@@ -14,7 +14,7 @@ namespace {
 mesh::Attribute kind_of(const DracoAttribute& attribute, std::size_t number) {
   mesh::Attribute kind;
   kind.name = !attribute.name.empty() ? attribute.name
-              : attribute.is_color    ? "colour"
+              : attribute.is_color    ? "color"
                                       : fmt::format("attribute_{}", number);
   kind.type = attribute.type;
   kind.components = attribute.components;

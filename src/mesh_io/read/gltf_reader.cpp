@@ -181,7 +181,7 @@ class ModelReader {
       kind.name = semantic.substr(1);
       return attribute;
     }
-    kind.name = "colour";
+    kind.name = "color";
     kind.role = mesh::AttributeRole::color;
     const bool fraction = kind.normalized && (kind.type == mesh::ComponentType::u8 ||  //
                                               kind.type == mesh::ComponentType::u16);

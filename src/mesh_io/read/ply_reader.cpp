@@ -245,7 +245,7 @@ bool can_be_color(ComponentType type) {
 
 std::optional<AttributeColumns> find_color(const Element& element) {
   AttributeColumns color;
-  color.kind.name = "colour";
+  color.kind.name = "color";
   color.kind.role = mesh::AttributeRole::color;
   for (const char* name : {"red", "green", "blue", "alpha"}) {
     const auto found = element.find(name);

@@ -59,7 +59,7 @@ TEST(AttributeMatch, MatchesColorsByRoleAsFractions) {
   mesh::Mesh a = three_vertices();
   mesh::Mesh b = three_vertices();
   test::add_attribute(a, "red", mesh::ComponentType::u8, 3, true, mesh::AttributeRole::color);
-  test::add_attribute(b, "colour", mesh::ComponentType::u16, 3, true, mesh::AttributeRole::color);
+  test::add_attribute(b, "color", mesh::ComponentType::u16, 3, true, mesh::AttributeRole::color);
   std::memset(a.attributes[0].values.data(), 0xFF, a.attributes[0].values.size());
   std::memset(b.attributes[0].values.data(), 0xFF, b.attributes[0].values.size());
   const AttributeMatches same = match_attributes(a, b, true);

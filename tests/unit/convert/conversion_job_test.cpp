@@ -119,7 +119,7 @@ TEST(ConversionJob, ListsEveryMemberInJson) {
   EXPECT_EQ(full["attributes"][0].dump(),
             R"({"name":"heat","from":"b.vdb[temperature]","written":false,"optional":true,"kind":"vector",)"
             R"("spacing":[1.0,2.0,3.0],"origin":[4.0,5.0,6.0],"no_data":-1.5,"volume":2,"component":1})");
-  EXPECT_EQ(full["colour"].dump(), R"({"attribute":"heat","map":"turbo","range":[-1.5,2.25]})");
+  EXPECT_EQ(full["color"].dump(), R"({"attribute":"heat","map":"turbo","range":[-1.5,2.25]})");
   EXPECT_EQ(full["label_names"].dump(), R"({"path":"lut.txt","hash":"0123"})");
   EXPECT_EQ(full["filters"][0].dump(), R"({"filter":"median","width":2})");
   EXPECT_EQ(full["outputs"][0].dump(), R"({"path":"a.stl","iso":[0.1],"grid":"flame"})");

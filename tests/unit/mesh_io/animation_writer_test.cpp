@@ -135,7 +135,7 @@ TEST_F(Animation, WritesNoDataIfAllFramesAreEmpty) {
 }
 
 TEST_F(Animation, WritesFramesLikeSingleFiles) {
-  mesh::Mesh colored = sphere(12, true, "coloured", {1000.0 + 1.0 / 3, -7, 0});
+  mesh::Mesh colored = sphere(12, true, "colored", {1000.0 + 1.0 / 3, -7, 0});
   add_color(colored, mesh::ComponentType::u8, 3);
   add_attribute(colored, "label", mesh::ComponentType::u8, 1);
   for (const bool flat : {false, true}) {
@@ -156,10 +156,10 @@ TEST_F(Animation, WritesFramesLikeSingleFiles) {
     EXPECT_EQ(found[1].normals, single[0].normals);
     EXPECT_EQ(found[1].triangles, single[0].triangles);
     const PlayedGlb played(path_);
-    EXPECT_EQ(played.model()["materials"].size(), 2U) << "with and without colours";
+    EXPECT_EQ(played.model()["materials"].size(), 2U) << "with and without colors";
     EXPECT_TRUE(played.model()["meshes"][1]["primitives"][0]["attributes"].contains("COLOR_0"));
     EXPECT_TRUE(played.model()["meshes"][1]["primitives"][0]["attributes"].contains("_label"));
-    EXPECT_EQ(played.model()["meshes"][1]["name"], "coloured");
+    EXPECT_EQ(played.model()["meshes"][1]["name"], "colored");
     EXPECT_EQ(result.notes.size(), flat ? 1U : 0U) << "once, not for each frame";
   }
 }

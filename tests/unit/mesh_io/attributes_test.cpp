@@ -143,10 +143,10 @@ TEST_F(AttributeTest, ReplacesUnsupportedNames) {
   };
   EXPECT_EQ(write(copy(mesh), kForms[0]).notes.size(), 6U);
   EXPECT_EQ(names(read("a.ply").mesh),
-            (std::vector<std::string>{"_", "attribute", "colour", "red_", "same", "same_", "two_words", "x_"}));
+            (std::vector<std::string>{"_", "attribute", "color", "red_", "same", "same_", "two_words", "x_"}));
   EXPECT_EQ(write(copy(mesh), kForms[3]).notes.size(), 2U);
   EXPECT_EQ(names(read("a.glb").mesh),
-            (std::vector<std::string>{"", "colour", "red", "same", "same_", "two words", "x", "\xEF\xBF\xBD"}));
+            (std::vector<std::string>{"", "color", "red", "same", "same_", "two words", "x", "\xEF\xBF\xBD"}));
 }
 
 TEST_F(AttributeTest, NotesUnsupportedAttributes) {

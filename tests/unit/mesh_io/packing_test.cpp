@@ -196,7 +196,7 @@ TEST_P(Packing, KeepsColorsAndAttributes) {
     }
     return all;
   };
-  const std::vector<std::string> names{"colour", "heat", "label", "way"};
+  const std::vector<std::string> names{"color", "heat", "label", "way"};
   EXPECT_EQ(rows(found, names), rows(mesh, names));
   for (const mesh::Attribute& attribute : mesh.attributes) {
     const auto it = std::ranges::find(found.attributes, attribute.name, &mesh::Attribute::name);

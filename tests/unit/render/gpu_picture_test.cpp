@@ -152,7 +152,7 @@ class Spheres {
     meshes_.push_back(test::sphere(12, false, "flat", {1e5 + 0.4, 0.3, 0.2}));
     meshes_.push_back(test::sphere(16, true, "painted", {1e5 - 0.5, -0.2, 0.3}));
     mesh::Attribute paint;
-    paint.name = "colour";
+    paint.name = "color";
     paint.role = mesh::AttributeRole::color;
     paint.type = mesh::ComponentType::u8;
     paint.components = 4;

@@ -67,7 +67,7 @@ void with_every_target(const F& f) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-TEST(Vectorised, MatchesPlainRaysForEveryInstructionSet) {
+TEST(Vectorized, MatchesPlainRaysForEveryInstructionSet) {
   for (const bool sparse : {false, true}) {
     const auto dense = test::dense_field<float>(glm::ivec3(40), &RippledBall::value);
     const RippledBall ball(sparse ? test::sparse_copy<float>(dense, 0)
@@ -96,12 +96,12 @@ TEST(Vectorised, MatchesPlainRaysForEveryInstructionSet) {
 }
 
 template <class T>
-class VectorisedSamples : public testing::Test {};
+class VectorizedSamples : public testing::Test {};
 using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
                              field::Half, float, double>;
-TYPED_TEST_SUITE(VectorisedSamples, Types);
+TYPED_TEST_SUITE(VectorizedSamples, Types);
 
-TYPED_TEST(VectorisedSamples, OfEveryTypeArePlainOnes) {
+TYPED_TEST(VectorizedSamples, OfEveryTypeArePlainOnes) {
   constexpr bool kWhole = !field::is_floating_sample<TypeParam>;
   const auto stored = [](int i, int j, int k) {
     const double value = RippledBall::value(i, j, k);
@@ -114,7 +114,7 @@ TYPED_TEST(VectorisedSamples, OfEveryTypeArePlainOnes) {
       [&](const std::string& target) { expect_same(plain, test::draw(ball.scene(), ball.camera(), options), target); });
 }
 
-TEST(Vectorised, MatchesPlainRaysForExtremeValues) {
+TEST(Vectorized, MatchesPlainRaysForExtremeValues) {
   // Values beyond the table, infinite ones and NaN; integers whose signs or lowest bits a wrong conversion would lose.
   const auto strange = [](int i, int j, int k) {
     const std::array values{0.0, 0.7, test::kNaN, double{INFINITY}, -double{INFINITY}, 3e38, -3e38, 1e-40};
@@ -136,7 +136,7 @@ TEST(Vectorised, MatchesPlainRaysForExtremeValues) {
   });
 }
 
-TEST(Vectorised, MatchesPlainRaysFromFarAndInside) {
+TEST(Vectorized, MatchesPlainRaysFromFarAndInside) {
   const auto dense = test::dense_field<float>(glm::ivec3(40), &RippledBall::value);
   const RippledBall ball(test::sparse_copy<float>(dense, 0));
   for (const double distance : {3.0, 1e4, 1e9}) {
