@@ -27,7 +27,7 @@ struct MeshCheck {
   // The topology after welding repeated_vertices; absent if the mesh has no repeated vertices or no open edges.
   std::optional<mesh::Topology> joined;
   mesh::MeshSize size;
-  mesh::Bounds bounds;
+  mesh::Bounds bounds;  // of the vertices that triangles use
   std::vector<BoundaryLoop> loops;
   std::vector<Component> components;
   mesh::SelfIntersections intersections;

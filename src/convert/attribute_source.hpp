@@ -52,7 +52,8 @@ struct AttributeResult {
   std::string source;  // name of the values' source, for messages: "fire.vdb: temperature"
   std::size_t components = 1;
   AttributeKind kind = AttributeKind::scalar;
-  // whether the attribute is a vector, normal or point of three components, and the mesh is not in the input's world
+  // whether the map from the input's world to the mesh changes the values: a vector, normal or point of three
+  // components
   bool changed = false;
   std::uint64_t vertices = 0;
   // For volumes: vertices outside dense samples, which have the value at the data boundary. With several

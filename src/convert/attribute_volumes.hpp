@@ -44,8 +44,9 @@ struct AttributeLocation {
 };
 [[nodiscard]] AttributeLocation attribute_location(const AttributeChoice& choice);
 
-// One attribute read from volumes: one field for each component. Samples of two to four components, of which the choice
-// names none, are vectors; so is an array of four axes whose first three have the input's shape.
+// One attribute read from volumes: one field for each component. It has all components of the samples if these have
+// two to four and the choice names none. An array of four axes holds such samples if its first three axes have
+// the input's shape, its last axis has two to four entries, and the choice names no volume.
 struct VolumeAttribute {
   AttributeChoice choice;
   std::vector<field::ScalarField> components;  // ScalarField::name is the source's name for messages

@@ -29,9 +29,9 @@ struct OpenedBackend {
   std::string reason;  // for Backend::automatic: "cpu, because ...", "gpu, NAME"; else empty
 };
 
-// Opens a backend. gpu fails as gpu::make_gpu_extractor() does, and never falls back to the CPU. cpu and automatic
-// never fail: automatic takes a hardware GPU if one opens, else the CPU, because a software GPU is never faster than
-// the CPU backend. Use and destroy a GPU's extractor on the thread that opened it.
+// Opens a backend. cpu never fails. gpu fails as gpu::make_gpu_extractor() does, and never falls back to the CPU.
+// automatic takes the GPU if one opens that is hardware, else the CPU; so it never fails. It takes no software GPU,
+// because that is slower than the CPU backend. Use and destroy a GPU's extractor on the thread that opened it.
 [[nodiscard]] Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options);
 
 // Keeps one GPU device open from one conversion to the next, whether they run in turn or side by side. The first caller
@@ -47,9 +47,9 @@ class BackendCache {
   BackendCache(const BackendCache&) = delete;
   BackendCache& operator=(const BackendCache&) = delete;
 
-  // Opens a backend as open_backend() does. The extractor may be used on any thread and may outlive this object. If
-  // automatic found no hardware GPU, later automatic calls with the same choice do not search again. A different choice
-  // replaces the open device.
+  // Opens a backend as open_backend() does, but the extractor may be used on any thread and may outlive this object. If
+  // automatic found no hardware GPU, the next automatic call with the same choice does not search again, unless a call
+  // for gpu came between. A call for a GPU with another choice opens another device in place of the kept one.
   [[nodiscard]] Result<OpenedBackend> open(Backend backend, const gpu::GpuChoice& choice);
 
   // Returns how many times a device was opened so far.

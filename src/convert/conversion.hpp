@@ -41,9 +41,9 @@ struct ConversionOptions {
 // With ConversionOptions::ranks, all ranks run the job. If they cannot share this conversion, rank 0 runs it, and the
 // others fail with ErrorCode::cancelled, before they write.
 //
-// With a `collector`, writes no mesh file and no picture: the collector gets the meshes of each output, and
-// Outcome::files stays empty. Everything else is as if the job's files were written. Jobs with FieldFileOptions write
-// their files even so.
+// With a `collector`, writes no mesh file and no picture, and lists none in Outcome::files: the collector gets the
+// meshes of each output. Everything else is as if the job's files were written. Field files and particle files are
+// written and listed even so.
 [[nodiscard]] Outcome run(const ConversionJob& job, const Context& context, Events& events,
                           const ConversionOptions& extras = {}, BackendCache* kept = nullptr,
                           MeshCollector* collector = nullptr);

@@ -1,5 +1,7 @@
-// One conversion as a value type: the input, the surfaces to extract, their placement and the output files. Only plain
-// values, so that jobs can be compared, stored and hashed. Default values equal those of the command line.
+// One conversion as a value type: the input, the surfaces to extract, their placement and the output files. A job has
+// plain values only, so that it can be compared, stored and hashed. The defaults are those of the command line for
+// marching cubes of a volume into GLB. For other methods, inputs and formats the command line sets some members
+// differently, such as `normals`.
 #pragma once
 
 #include <array>
@@ -68,7 +70,7 @@ struct BoxOptions {
   static constexpr std::array kMembers{"bounds", "periodic", "unwrap"};
 
   std::optional<field::Box> bounds;
-  // Along which edges the box is periodic. If the file says nothing and `bounds` is set: along all.
+  // Along which edges the box is periodic. Unset: as the file's box, or along all edges if the file has no box.
   std::optional<std::array<bool, 3>> periodic;
   bool unwrap = false;  // moves particles by their image flags, so that bodies cut by the box are whole
 
@@ -139,8 +141,8 @@ struct SourceOptions {
   // Number of samples per axis after resampling; unset: the input's samples. At most one of resolution and voxel_size
   // is set.
   std::optional<glm::ivec3> resolution;
-  // Size after resampling, in units of the input's world; field::resolution_of_voxel_size() takes the closest size that
-  // fits.
+  // Edge lengths of a voxel after resampling, in units of the input's world. The real ones differ a little, so that a
+  // whole number of steps fits the data (field::resolution_of_voxel_size()).
   std::optional<glm::dvec3> voxel_size;
   // Chooses the inside by the sign of the iso value instead of by read.kind: inside is above a positive iso value and
   // below a negative one. At 0 the field's own kind decides. Volumes only.
@@ -166,7 +168,7 @@ struct SurfaceOptions {
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
   std::uint64_t relaxations = extract::kDefaultRelaxations;
   std::int64_t background = 0;     // of a label map: the label without a mesh, unless it is listed
-  std::uint64_t least_voxels = 0;  // labels with fewer voxels get no mesh; those without any are not counted
+  std::uint64_t least_voxels = 0;  // labels with fewer voxels get no mesh
   // Makes terrain of heights (extract/height_field.hpp) instead of an isosurface; read.flat is set then.
   std::optional<extract::HeightOptions> heights = {};
 

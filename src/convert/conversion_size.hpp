@@ -14,7 +14,7 @@ namespace isoextract::convert {
 struct ConversionSize {
   std::uint64_t samples = 0;  // stored samples
   std::uint64_t sample_bytes = 0;
-  std::uint64_t resident_bytes = 0;  // of the samples, in memory at a time: of a large mapped file, the slices in work
+  std::uint64_t resident_bytes = 0;  // sample_bytes; for a large mapped file, the bytes of the slices in work only
   std::uint64_t slabs = 0;           // parts of the mesh that go to the file one by one; 0 for sparse samples
   std::uint64_t lookup_bytes = 0;    // of the lookup table that finds sparse blocks
   std::uint64_t places = 0;          // block positions of a sparse field that the surface passes through
@@ -41,9 +41,10 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 // Returns twice the number of vertices, as a closed surface has.
 [[nodiscard]] std::uint64_t estimated_triangles(const ConversionSize& size);
 
-// Returns the estimated peak memory of a job, for the grid and iso value that need most: estimated_bytes() plus vertex
-// attributes, edits, packing and error measurement. Making a field from particles and writing a field file may need
-// more; then returns that. Opens the source, and fails as open_source() does.
+// Returns the estimated peak memory of a job, for the grid and iso value that need most: estimated_bytes(), vertex
+// attributes, and the largest of simplification, packing, hollowing and error measurement. If making a field from
+// particles or writing a field file needs more, returns that. For a job that writes particles, returns what that needs.
+// Opens the source, and fails as open_source() does.
 [[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, const MemoryBudget& memory);
 
 }  // namespace isoextract::convert

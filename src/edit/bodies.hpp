@@ -1,9 +1,8 @@
 // Selects and splits the bodies of a surface: drops small ones, keeps the largest, makes a mesh of each.
 //
-// A body is an outer shell or an open component, with the cavities in it. A shell is a closed component; a closed
-// component whose triangles face the space it encloses is a cavity. A cavity that lies in no shell and no open
-// component, or directly inside another cavity, is a body by itself. A component that lies loose in a cavity is a body
-// by itself, too.
+// A shell is a closed component. It is a cavity if its triangles face the space that it encloses, else an outer shell.
+// A body is an outer shell or an open component, with the cavities directly inside it. An outer shell or open component
+// in a cavity is a body of its own. So is a cavity that lies directly inside another cavity, or in no other component.
 #pragma once
 
 #include <array>

@@ -70,7 +70,7 @@ struct SimplifiedMesh {
 // and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //
-// Fails with ErrorCode::out_of_memory if the working memory (about 500 bytes a triangle) exceeds the budget, with
+// Fails with ErrorCode::out_of_memory if the working memory (about 600 bytes a triangle) exceeds the budget, with
 // ErrorCode::input if all rounds together visit 2^32 - 1 triangles or more, or with ErrorCode::cancelled.
 [[nodiscard]] Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options,
                                                    const Context& context);

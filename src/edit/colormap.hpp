@@ -24,8 +24,8 @@ inline constexpr std::size_t kColormapPoints = 86;
 // Returns the map's colors as 0xRRGGBB in sRGB, equally spaced from 0 to 1 (colormap_tables.cpp).
 [[nodiscard]] const std::array<std::uint32_t, kColormapPoints>& colormap_points(Colormap map);
 
-// Returns the sRGB color at `place`, channels from 0 to 1, interpolated linearly. Values below 0 give the first color,
-// above 1 the last; NaN gives mid gray (0.5).
+// Returns the color at `place`, 0 to 1 along the map, as sRGB channels from 0 to 1. Interpolates the sRGB channels of
+// the two nearest points linearly. A `place` below 0 gives the first color, above 1 the last, NaN gray (0.5).
 [[nodiscard]] glm::dvec3 color_at(Colormap map, double place);
 
 }  // namespace isoextract::edit

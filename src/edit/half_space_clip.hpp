@@ -20,8 +20,8 @@ enum class CutClosing {
 
 struct ClipOptions {
   CutClosing ends = CutClosing::open;
-  // Distance from a plane within which vertices move onto it. New vertices very near an old one would make triangles so
-  // small that rounding turns them over, and they would intersect the cap.
+  // Vertices within this distance of a plane move onto it. Otherwise a cut very near a vertex makes triangles so small
+  // that rounding can reverse them, and they would intersect the cap.
   double snap = 0;
 };
 

@@ -37,19 +37,19 @@ class LabelNet {
 
   // Simplifies the meshes given to join(), in the same order, as simplify_mesh() does, and returns the figures of the
   // net. SimplifyOptions::triangles counts triangles of the net. The distance bounds hold for each sheet and so for
-  // each label: no point of a label's mesh, before or after, is farther than that from its mesh after or before.
+  // the mesh of each label, in both directions between input and result.
   //
-  // Each mesh keeps a subset of its vertices; its topology stays. Triangles that the labels do not have in common, as
-  // with cut or smoothed meshes, are sheets of their own. Vertices stay where curves end or a label touches itself in
-  // another way than along a curve. Fails as simplify_mesh() does.
+  // Each mesh keeps a subset of its vertices, and its topology. Triangles of one label only, as in cut or smoothed
+  // meshes, form sheets of their own. Vertices stay where a curve ends, and where a label touches itself other than
+  // along a curve. Fails as simplify_mesh() does.
   [[nodiscard]] Result<SimplifyFigures> simplify(std::span<mesh::Mesh* const> meshes, const SimplifyOptions& options,
                                                  const Context& context) const;
 
  private:
-  // The numbers in the net of a mesh's vertices and triangles.
+  // Maps one mesh to the net.
   struct Part {
-    std::vector<std::uint32_t> vertices;   // of the net, for each vertex
-    std::vector<std::uint32_t> triangles;  // of the net, for each triangle
+    std::vector<std::uint32_t> vertices;   // for each vertex of the mesh: its number in the net
+    std::vector<std::uint32_t> triangles;  // for each triangle of the mesh: its number in the net
   };
 
   [[nodiscard]] static LabelNet joined(std::span<mesh::Mesh* const> meshes, std::size_t vertices,

@@ -2,9 +2,9 @@
 //
 // 1. Weld: merges vertices at equal positions if they lie on boundary edges, or if an edge of length 0 joins them.
 //    Sheets that touch away from boundary edges stay apart.
-// 2. Drop: removes triangles without area, and triangles with the corners of an earlier one. If the corners of a
-//    triangle lie on one line, its middle corner first splits the neighbor at its longest edge, so that no hole opens.
-//    A triangle without a suitable neighbor is dropped.
+// 2. Drop: removes triangles without area, and triangles with the corners of an earlier one. If three distinct corners
+//    lie on one line, the middle one splits the neighbor at the triangle's longest edge. The two halves replace both
+//    triangles, so that no hole opens. A triangle without a suitable neighbor is dropped.
 // 3. Orient: gives neighbors across edges of two triangles one winding, that of the majority in each connected patch.
 // 4. Fill: fills each boundary loop of up to `most_hole_edges` edges with triangles of small area (P. Liepa, Filling
 //    holes in meshes, SGP 2003, without its refinement). If these triangles would have 3/4 of the area of the component

@@ -29,11 +29,11 @@ struct SeparationFigures {
   double volume_after = 0;
 };
 
-// Moves each vertex by `voxels` if float32 is fine enough there; else by eight steps of float32 numbers at its world
-// position, or not at all if these exceed 20 times the distance. The columns of `voxel` are the edges of a voxel in the
-// mesh's units; if they have no volume, a voxel is a cube as large as the unit. Triangles, attributes and the order of
-// vertices stay. Positions must be finite. The result does not depend on the number of threads. Fails with
-// ErrorCode::out_of_memory or cancelled.
+// Moves each touching vertex by the distance `voxels`, in voxels, if float32 is fine enough there. Else moves it by
+// eight steps of float32 numbers at its world position, or not at all if these exceed 20 times the distance. The
+// columns of `voxel` are the edges of a voxel in the mesh's units; if they have no volume, a voxel is a cube as large
+// as the unit. Triangles, attributes and the order of vertices stay. Positions must be finite. The result does not
+// depend on the number of threads. Fails with ErrorCode::out_of_memory or cancelled.
 [[nodiscard]] Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double voxels,
                                                                    const glm::dmat3& voxel, const Context& context);
 

@@ -89,7 +89,8 @@ template <class Value>
   return choose_tunnel_variant(table, table.variant(cell_case, joined_faces(table, cell_case, corners)), corners);
 }
 
-// Returns the same, or nullopt if `holes` is set and a corner is NaN.
+// Returns the variant that a cell draws, or nullopt if `holes` is set and a corner is NaN. Calls `value` for all eight
+// corners, whether or not the case is ambiguous.
 template <class Value>
 [[nodiscard]] std::optional<unsigned> cell_variant_or_hole(const CaseTable& table, unsigned cell_case,
                                                            const InsideRule& rule, bool holes, const Value& value) {

@@ -9,7 +9,7 @@
 
 namespace isoextract::extract {
 
-inline constexpr int kBrickRows = 8;                // a brick is the 64 cells of a mask word, in 8x8 rows
+inline constexpr int kBrickRows = 8;                // a brick has 64x8x8 cells: 8x8 rows of one mask word each
 inline constexpr int kSlabSlices = kBrickRows + 1;  // slices of samples in the cells of a slab, a layer of bricks
 
 // Returns the box of samples to extract from. Fails with ErrorCode::input if an axis has more samples than an extractor
@@ -33,8 +33,8 @@ template <class T>
           whole.stride_z, whole.transient};
 }
 
-// Returns masks with one bit a sample for `slices` of the slices along z, uninitialized. They keep their memory
-// reserved in `context` as long as they live. Fails with ErrorCode::out_of_memory.
+// Returns uninitialized masks, one bit a sample, with room for `slices` of the dims.z slices along z. They keep their
+// memory reserved in `context` as long as they live. Fails with ErrorCode::out_of_memory.
 [[nodiscard]] Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, int slices,
                                             const Context& context);
 // Returns masks for all samples.

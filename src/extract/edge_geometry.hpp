@@ -18,7 +18,8 @@ namespace isoextract::extract {
 // float32. Three points strictly inside three different edges of a cube or a tetrahedron are never collinear. So no
 // triangle has zero area and no two vertices coincide.
 //
-// If one value is infinite, the crossing is at the finite end; for NaN or two infinities it is in the middle.
+// If one value is infinite, the crossing is at the margin from the finite end. If one is NaN or both are infinite, it
+// is in the middle.
 [[nodiscard]] inline double edge_crossing(double f0, double f1, double iso, double margin) {
   double t = (iso - f0) / (f1 - f0);
   if (!std::isfinite(f1 - f0)) {

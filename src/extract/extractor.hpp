@@ -4,9 +4,10 @@
 // wind counter-clockwise seen from outside, also if the transform mirrors. Vertices are welded by integer keys
 // (vertices on grid edges by the key of their edge), never by distance.
 //
-// The mesh is an oriented 2-manifold. It is open only at the data boundary and the region's faces (`cap` closes it
-// there), and around NaN samples with NanPolicy::hole. With Method::mc it has the topology of the trilinear
-// interpolant. The same field and options give the same bytes for any number of threads.
+// The mesh is an oriented 2-manifold, except with VoxelFaces::rectangles (voxel_faces.hpp). It is open only at the data
+// boundary and the region's faces (`cap` closes it there), and around NaN samples with NanPolicy::hole. With Method::mc
+// it has the topology of the trilinear interpolant. The same field and options give the same bytes for any number of
+// threads.
 #pragma once
 
 #include <array>
@@ -56,8 +57,9 @@ struct ExtractOptions {
   NanPolicy nan = NanPolicy::error;
   // Extract only from the cells within this box of samples; where it extends beyond the data, the data end it.
   std::optional<field::IndexBox> region;
-  bool shared_origin = false;  // all regions of one field use one mesh origin, so vertices on a shared face are equal
-                               // bit for bit; large fields lose precision (edge_geometry.hpp)
+  // All regions of one field use one mesh origin, so vertices on a shared face are equal bit for bit. Large fields lose
+  // precision (edge_geometry.hpp). No effect on a region that, with `cap`, reaches more than one step beyond the data.
+  bool shared_origin = false;
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
   // Receives the mesh part by part; null: no sink. Works on the CPU for mc and mt with dense samples, without edge
   // keys. If samples are NaN, it also needs another policy than NanPolicy::hole, and no smooth normals. Otherwise, and
@@ -96,7 +98,8 @@ struct ExtractStats {
   std::uint64_t bricks_visited = 0;      // bricks that the iso value crosses; the others are skipped
   std::uint64_t places_visited = 0;      // sparse fields: positions of bricks that are not stored, but visited because
                                          // stored bricks or tiles touch them; bricks_visited does not count them
-  std::uint64_t samples_classified = 0;  // samples compared with iso, each once
+  std::uint64_t samples_classified = 0;  // samples that were classified, each once: dense samples in the region, all
+                                         // samples of stored blocks; of label maps, only the first label counts them
   std::uint64_t nan_samples = 0;
   std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells with both a NaN corner and an inside corner, which therefore
                                  // lack triangles
@@ -130,7 +133,9 @@ class Extractor {
   // Fails with ErrorCode::usage for an iso value that is not finite, and as check_method() does. Fails with
   // ErrorCode::unavailable for a method that this backend does not have. Fails with ErrorCode::input
   // - if the transform is singular or not finite (is_invertible() is false),
-  // - if an axis has fewer than 2 or too many samples, or `region` contains no cell,
+  // - if the data or `region` contain no cell, or an axis of dense samples has more than 2^30 samples (mc and mt),
+  // - if `region` contains no sample (voxels and surface_nets),
+  // - if sparse samples lie too far from index 0 (field::kMaxSparseIndex),
   // - if float32 cannot keep positions apart, because of their range or the number of samples,
   // - for a NaN sample with NanPolicy::error,
   // - if the mesh would have more than 2^32 - 1 vertices, or arrays that exceed the address space,

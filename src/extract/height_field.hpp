@@ -5,8 +5,9 @@
 //
 // The surface is open, or closed by walls and a flat floor below the lowest height. The closed mesh is an oriented
 // 2-manifold: where squares touch at a corner only, each has a vertex of its own. Without holes the floor is a fan
-// around its middle; with holes it repeats the squares. The volume is that of the samples by the trapezoid rule,
-// plus (h00 - h10 - h01 + h11) / 12 times the area of a square, with the samples at the four corners of the data.
+// around its middle; with holes it repeats the squares. Without holes the volume is that of the trapezoid rule for the
+// heights above the floor, plus (h00 - h10 - h01 + h11) / 12 times the area of a square. Here h00 to h11 are the
+// heights at the four corners of the data.
 #pragma once
 
 #include <array>
@@ -20,18 +21,22 @@ struct HeightOptions {
   static constexpr std::array kMembers{"solid", "base"};
 
   bool solid = true;           // closed by walls and a floor
-  std::optional<double> base;  // value of the floor; default: below the lowest height by a tenth of their range, at
-                               // least by 1 if all are equal
+  std::optional<double> base;  // value of the floor; default: below the lowest height by a tenth of the range of
+                               // heights, or by 1 if all heights are equal
 
   friend bool operator==(const HeightOptions&, const HeightOptions&) = default;
 };
 
-// Returns the surface. Of `options`, only `nan` and `output_from_index` have an effect; NanPolicy::outside is as hole.
+// Returns the surface, without normals and edge keys. Uses only `nan` and `output_from_index` of `options`;
+// NanPolicy::outside works like hole. `smooth_normals` and `edge_keys` must be false: otherwise the mesh has
+// uninitialized normals or edge keys. `iso` has no effect, but fails with ErrorCode::usage if it is not finite.
 //
-// Fails with ErrorCode::input for sparse fields, more than one sample along z, and fewer than two along x or y. Fails
-// so for NaN samples with NanPolicy::error, infinite ones, and a base that is not below all heights. Fails so for a
-// singular transform and for coordinates that float32 cannot hold. Fails with ErrorCode::out_of_memory or cancelled.
-// The mesh has no normals.
+// Fails with ErrorCode::input
+// - for a sparse field, more than one sample along z, or fewer than two along x or y,
+// - for NaN samples with NanPolicy::error, and for infinite samples,
+// - for a solid whose base is not below all heights,
+// - for a transform that is singular or not finite, and for coordinates outside the range of float32.
+// Fails with ErrorCode::out_of_memory or cancelled.
 [[nodiscard]] Result<Extraction> extract_heights(const field::ScalarField& field, const HeightOptions& heights,
                                                  const ExtractOptions& options, const Context& context);
 

@@ -1,9 +1,10 @@
 // Makes the inner wall of a hollow body: the surface inside a closed mesh at a fixed distance from it.
 //
 // The distance to the mesh is exact: that of the closest point of all triangles. A grid of cubic cells covers the
-// points near the offset, and marching cubes finds where the distance crosses the thickness. Each vertex then moves
-// along its grid edge to the point at exactly this distance. Between vertices the distance differs: for a point p of a
-// triangle with its corners at distance T, in a cell of side c, sqrt(T^2 - c^2) <= distance(p) <= T + c. (Lower bound:
+// points near the inner wall, and marching cubes finds where the distance crosses the thickness. Each vertex then moves
+// along its grid edge to the point at this distance, but stays 0.001 of a cell away from the ends of the edge. Between
+// vertices the distance differs: for a point p of a triangle whose corners have the distance T, in a cell of side c,
+// sqrt(T^2 - c^2) <= distance(p) <= T + c. (Lower bound, if q is the point of the mesh closest to p:
 // |p - q|^2 is the mean of the corners' squared distances from q minus that of their squared distances from p, which is
 // at most c^2. Upper bound: a corner is at most c away.) Parts of the cavity that are thinner than a cell may be left
 // out.
@@ -25,10 +26,11 @@ struct WallOptions {
 
 struct WallFigures {
   std::uint64_t cavities = 0;  // components of the inner wall that face inward: each bounds one new empty space
-  // Components that face outward: walls around cavities of the mesh, which the empty space separates from other walls.
+  // Components that face outward: each is the outside of a wall around a cavity of the mesh. The wall lies loose in the
+  // new empty space.
   std::uint64_t loose_walls = 0;
-  // The distance from the inner wall to the mesh, measured at the centers and edge midpoints of its triangles; zeros
-  // without cavities.
+  // The distance from the inner wall to the mesh, measured at the centers and edge midpoints of its triangles; 0 if
+  // the wall is empty.
   double thinnest = 0;
   double thickest = 0;
   double rms_difference = 0;  // from the thickness
@@ -36,15 +38,15 @@ struct WallFigures {
 
 struct InnerWall {
   mesh::Mesh mesh;                         // empty if no part is thick enough; has normals if the given mesh has
-  Buffer<std::uint32_t> nearest_vertices;  // for each vertex, a vertex of the given mesh near it
+  Buffer<std::uint32_t> nearest_vertices;  // for each vertex, a corner of the triangle of the given mesh closest to it
   WallFigures facts;
 };
 
-// Returns the inner wall of the closed, oriented mesh `outer`, relative to its origin. The wall follows all shells of
-// the mesh, also those around cavities. Its triangles face into the space that it encloses. It is a closed oriented
-// manifold and lies in the material: its points have a winding number above 0. The result does not depend on the number
-// of threads. Fails with ErrorCode::input if the grid would have more than 2^24 cells along an axis, and if memory is
-// short or the context is cancelled. Throws std::bad_alloc.
+// Returns the inner wall of the closed, oriented mesh `outer`, with its origin. The wall follows all shells of the
+// mesh, also those around cavities. Its triangles face the new empty space. It is a closed oriented manifold and lies
+// in the material, where the winding number of `outer` is above 0. The result does not depend on the number of threads.
+// Fails with ErrorCode::input if the grid would have more than 2^24 cells along an axis, with ErrorCode::out_of_memory
+// or ErrorCode::cancelled. Throws std::bad_alloc.
 [[nodiscard]] Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& options,
                                                 const Context& context);
 

@@ -1,6 +1,6 @@
-// Numbers the vertices on crossed edges, site by site. A site is a brick of 8x8x8 samples that the surface may pass. It
-// owns the grid edges whose lower end is one of its samples. Vertex numbers rise with the site, then the direction,
-// then the sample.
+// Numbers the vertices on the crossed edges of sparse samples, site by site. A site is a brick of 8x8x8 samples that
+// owns crossed edges: those whose lower end is one of its samples (sparse_sites.hpp). Vertex numbers rise with the
+// site, then the direction, then the sample.
 #pragma once
 
 #include <array>
@@ -74,7 +74,7 @@ class SiteVertices {
   struct Edges {
     BlockBits crossed;
     std::array<std::uint16_t, 8> before;  // number of crossed edges in earlier words
-    std::uint32_t first;                  // first a count; after number() the number of the first vertex
+    std::uint32_t first;                  // before number(): count of the edges; then: number of the first vertex
   };
 
   std::size_t directions_ = 0;

@@ -1,6 +1,7 @@
-// Finds the places of a sparse grid that have no stored block but may contain a part of the surface. A place is an
-// aligned 8x8x8 box of samples, stored or not. BlockBits holds one bit for each of the 512 samples of a block: 1 if the
-// sample is inside.
+// Finds the places of a sparse grid that have no stored block but may own a part of the surface. A place is a box of
+// 8x8x8 samples whose origin is a multiple of 8 along each axis. A stored block, a tile or the background has its
+// values. It owns the cells whose lowest sample it contains. BlockBits has one bit for each of the 512 samples of a
+// place: 1 if the sample is inside.
 #pragma once
 
 #include <array>
@@ -43,8 +44,9 @@ void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
 using BlockBits = std::array<std::uint64_t, 8>;
 
 // Returns an estimate of the bytes for the list of skins of the tiles of node size or larger
-// (SparseLookup::Node::kSize) whose side differs from the background's. The skin is the layer of places at the faces of
-// a tile. The memory for the mesh at the skins is not included.
+// (SparseLookup::Node::kSize) whose side differs from the background's. The skin of a tile is the places whose cells
+// cross its faces: those just before its lower faces and those inside at its upper faces. The memory for the mesh at
+// the skins is not included.
 [[nodiscard]] std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideRule& rule,
                                             const field::ValueScale& scale);
 
@@ -65,9 +67,9 @@ struct ConstantSides {
 // without the skins of larger tiles. `nodes` is the number of nodes of the SparseLookup.
 [[nodiscard]] std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes);
 
-// Returns, sorted by x, y, z, the places without a stored block whose cells may have corners on both sides. These are
-// the places whose own cells (lowest corner in the place) reach into a stored block, and the skins of tiles whose side
-// differs from the background's. Some of them may turn out to have one side only.
+// Returns, sorted by x, y, z, the places without a stored block whose cells may have corners on both sides. The cells
+// of such a place reach into a stored block, or into a tile or background of the other side. The list also has the
+// skins of tiles (tile_skin_bytes()). Some of these places may have corners on one side only.
 [[nodiscard]] std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples,
                                                            const field::SparseLookup& lookup,
                                                            const ConstantSides& sides);

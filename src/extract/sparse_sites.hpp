@@ -85,8 +85,8 @@ class SparseSites {
   // Returns the cells that the surface crosses, in the region, by their lowest sample, which belongs to the site.
   [[nodiscard]] BlockBits active_cells(std::size_t site, const SitePlanes& planes) const;
 
-  // Returns the sides of the samples at the faces of options.region, from the crossed edges in these faces; neither
-  // side without a region.
+  // Returns the sides of the samples at the faces of the constructor's region: both if an edge in a face is crossed,
+  // else the one side of all these samples. Returns neither side if options.region is unset.
   [[nodiscard]] BoundarySides boundary_sides() const;
   // Returns whether any cell at these faces has triangles; cells with a NaN sample have none.
   [[nodiscard]] bool draws_at_boundary() const;

@@ -1,4 +1,4 @@
-// The sequence of steps that every extraction shares, dense or sparse, on the CPU or a device.
+// The sequence of steps of every extraction with a case table (mc and mt), dense or sparse, on the CPU or a device.
 #pragma once
 
 #include <cmath>
@@ -79,10 +79,10 @@ template <SurfacePasses Surface>
   return {};
 }
 
-// Runs the passes of `surface` and returns its mesh, or no mesh if the surface is the part of one rank and no sink
-// takes it. Checks that the frame fits float32, and reserves memory for the counted size. Builds the cap from the
-// samples and crossed edges at the faces of the surface's box, and appends it behind the surface. If NaN cells were
-// left out, gives each fan of triangles its own vertex.
+// Runs the passes of `surface` and returns its mesh. The mesh is empty if a sink takes it, if no sample is inside, or
+// if the surface is only the part of one rank. Checks that the placement fits float32, and reserves memory for the
+// counted size. Builds the cap from the samples and crossed edges at the faces of cap_box(), and appends it behind the
+// surface. If cells with NaN corners were left out, gives each fan of triangles its own vertex.
 template <SurfacePasses Surface>
 [[nodiscard]] Result<Extraction> extract_surface(const field::ScalarField& field, const ExtractOptions& options,
                                                  Surface& surface, const Context& context) {

@@ -3,11 +3,12 @@
 // everywhere. Sparse data continue as their background.
 //
 // Voxels are connected through faces only. Where two voxels touch along an edge or at a corner only, each fan of faces
-// gets its own vertex (detail/corner_fans.hpp). So the mesh is a closed, oriented 2-manifold for any set of voxels, and
-// its volume is that of the voxels.
+// gets its own vertex (detail/corner_fans.hpp). So the mesh is a closed, oriented 2-manifold for any set of voxels,
+// except with VoxelFaces::rectangles. Its volume is that of the voxels.
 //
-// Coplanar faces are merged into large rectangles (VoxelFaces). The method follows Kostritskii (docs/papers.md), who
-// finds the exposed faces in a hash table of voxels. Here a voxel is one bit of a word of 64 voxels along x.
+// By default, coplanar faces are merged into large rectangles (VoxelFaces). The method follows Kostritskii
+// (docs/papers.md), who finds the exposed faces in a hash table of voxels. Here a voxel is one bit of a word of 64
+// voxels along x.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +35,7 @@ struct FoundLabel {
   std::int64_t label = 0;
   std::uint64_t voxels = 0;  // in the region
   field::IndexBox bounds;    // of these samples
-  std::uint64_t chunks = 0;  // of 64x8x8 voxels that the work on the label visits; it grows with them alone
+  std::uint64_t chunks = 0;  // chunks of 64x8x8 voxels that extract() visits; its time depends on their number only
 };
 
 // The voxels of each label of a label map, found in one pass over the samples. A label is the integer that the samples
@@ -48,16 +49,16 @@ class LabelVoxels {
   // largest_label() (field/label_value.hpp) in absolute value. With NanPolicy::outside, NaN samples have no label.
   // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
   // field. Fails with ErrorCode::input if a sample is no label, if the transform is singular or not finite, or if
-  // options.region contains no sample. Fails with ErrorCode::input if there are more of these corners than 32-bit
-  // indices can number; with ErrorCode::out_of_memory or cancelled.
+  // options.region contains no sample. Fails so, too, if surface nets have more corners than 32-bit indices can number.
+  // Fails with ErrorCode::out_of_memory or cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 
   // Returns the chosen labels in the given order, found or not; for LabelChoice::all, the found labels in rising order.
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
 
-  // Returns the label if samples have it, else null. With surface nets also labels that were not chosen; never the
-  // background, unless it was chosen.
+  // Returns the facts about a chosen label, or null if no sample has it. Labels that were not chosen give null, except
+  // with surface nets: there only LabelChoice::background and the background of a sparse field do.
   [[nodiscard]] const FoundLabel* find(std::int64_t label) const;
 
   // Returns sentences about the samples to show to the user.

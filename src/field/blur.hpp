@@ -9,7 +9,7 @@
 
 namespace isoextract::field {
 
-// The largest supported filter sizes, in voxels.
+// The largest supported filter sizes, in voxels: a standard deviation, and a radius (half the side of a box).
 inline constexpr double kMaxBlurSigma = 16;
 inline constexpr int kMaxMedianWidth = 8;
 
@@ -31,9 +31,10 @@ inline constexpr int kMaxMedianWidth = 8;
 [[nodiscard]] Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma,
                                                 const Context& context);
 
-// Replaces each sample by the median of the samples at most `width` (1 to kMaxMedianWidth) voxels away along each axis:
-// a box with sides of 2 `width` + 1. Of an even count, takes the lower of the two middle samples. Ignores NaN and
-// positions outside dense data. NaN samples stay NaN. The samples keep their type. Otherwise as blur_gaussian().
+// Replaces each sample by the median of the samples at most `width` voxels away along each axis. So `width` (1 to
+// kMaxMedianWidth) is a radius; the box has 2 `width` + 1 samples a side. Of an even count, takes the lower of the two
+// middle samples. Ignores NaN and positions outside dense data. NaN samples stay NaN. The samples keep their type.
+// Treats sparse fields and fails as blur_gaussian() does.
 [[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context);
 
 }  // namespace isoextract::field

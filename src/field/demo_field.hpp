@@ -1,7 +1,7 @@
-// Fields defined by formulas, to try everything without a file: demo:sphere, demo:gyroid?size=256, ...
+// Volumes made by formulas, or of random numbers, instead of read from a file: demo:sphere, demo:gyroid?size=256, ...
 //
 // Each has size^3 float samples over the cube [-1, 1]^3: the outer samples lie on its faces, the spacing is 2 / (size -
-// 1). Values are positive inside, so iso 0 is the surface (marschner-lobb: 0.5).
+// 1). Inside is above the iso value, which is 0 (marschner-lobb: 0.5).
 #pragma once
 
 #include <span>
