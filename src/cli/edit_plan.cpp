@@ -20,11 +20,12 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
                         "leave one of them out");
   }
   if (edits.repair && !job.source.mesh) {
-    return refuse_usage("--repair works on mesh files, and the input is none", "leave --repair out");
+    return refuse_usage("--repair works on mesh files, and the input is no mesh file", "leave --repair out");
   }
   if (edits.hollow && flags.error) {
-    return refuse_usage("--error measures the distance to the isosurface, which the inner wall of --hollow is not on",
-                        "leave one of them out");
+    return refuse_usage(
+        "--error measures the distance to the isosurface, and the inner wall of --hollow is not part of it",
+        "leave one of them out");
   }
   if (edits.hollow && flags.labels.chosen && (flags.simplify || flags.triangles)) {
     return refuse_usage("--hollow does not work with a simplification of labels, which keeps their common faces",

@@ -124,10 +124,13 @@ HelpTopic masks_topic() {
       "masks",
       "Binary masks",
       "Meshes of a mask that has two values.",
-      {{"A mask has one value inside and another outside, such as 1 and 0, or 255 and 0. A surface at an iso value "
-        "between them keeps the steps of the voxels, because a mask has no values to interpolate. Surface nets make it "
-        "smooth: a mask is a label map with one label.",
+      {{"A mask has one value inside and another outside, such as 1 and 0, or 255 and 0. Marching cubes, the default "
+        "method of --iso, keep the steps of the voxels, because a mask has no values to interpolate. Surface nets "
+        "(--method surface-nets) make a smooth, closed surface. They are the default method of --labels, and a mask is "
+        "a "
+        "label map with one label.",
         {{"isoextract mask.nii.gz --labels 1 -o mask.stl", "a smooth closed surface; --labels 255 if 255 is inside"},
+         {"isoextract mask.nii.gz --iso 0.5 --method surface-nets -o mask.stl", "the same surface by an iso value"},
          {"isoextract mask.nii.gz --labels 1 --relax 100 -o smooth.stl", "smoother, and takes longer"},
          {"isoextract mask.nii.gz --labels 1 --method voxels -o steps.stl", "the voxels as they are"}}},
        {"Many masks of one grid, one file each, become the meshes of one file with --masks. Each mesh has the name of "

@@ -76,7 +76,8 @@ Result<void> check_mask_input(const InputFlags& input, const Flag& masks) {
   TRY(refuse_both(masks, input.volume, "the file of each mask has one volume"));
   TRY(refuse_both(masks, input.inside, "the inside of a mask is every value but 0"));
   if (input.grids.size() < 2) return {};
-  return refuse_usage("--masks takes one --grid, which each file has", "give each mask as a file of its own");
+  return refuse_usage("--masks takes one --grid, the name of the grid in all files",
+                      "write each mask to a file of its own");
 }
 
 Result<void> take_masks(ConvertFlags& flags) {

@@ -13,8 +13,10 @@ constexpr std::array kGuide{
     NoteGuide{assumed_columns, "The file does not name its columns, so the reader takes the first three as x, y and z.",
               "Name the columns with --columns x=A,y=B,z=C, or add a header line to the file."},
     NoteGuide{axes_dropped, "The array has axes of length 1, which the reader drops.", ""},
-    NoteGuide{box_ignored, "The reader cannot use the box of the simulation that the file states.",
-              "Correct the box in the file."},
+    NoteGuide{box_ignored,
+              "The file states a periodic box of the simulation that the reader does not use: it is not valid, or the "
+              "chosen columns are not x, y and z in this order.",
+              "Correct the box in the file, or choose the columns x, y and z in this order with --columns."},
     NoteGuide{data_left_out,
               "The file has data that the program does not use, such as lines and points of a mesh, or text columns of "
               "particles.",
@@ -41,17 +43,25 @@ constexpr std::array kGuide{
               "Add the missing files. --missing error makes this an error."},
     NoteGuide{newer_version, "The file has a newer version than the reader knows.",
               "Compare the result with that of the program that wrote the file."},
-    NoteGuide{other_files, "The folder has other files, which do not belong to the sequence.",
-              "Give a pattern instead of the folder, such as 'frames/a_####.vdb'."},
+    NoteGuide{
+        other_files,
+        "The folder has files that the program does not read, because they lack the extension of the format. Or a part "
+        "of an earlier, longer animation still lies beside the new one.",
+        "Give a pattern instead of the folder, such as 'frames/a_####.vdb'. Delete the part of the earlier animation."},
     NoteGuide{placement_assumed, "The file does not say where its samples are; the note says what the reader assumes.",
               "Give --spacing and --origin."},
-    NoteGuide{placement_replaced, "The options replace the placement of the file.",
-              "Leave --spacing and --origin out to use that of the file."},
+    NoteGuide{
+        placement_replaced,
+        "--spacing replaces axes of the file that are rotated, sheared or mirrored, or a placement that is not valid.",
+        "To keep the axes of the file, leave --spacing out."},
     NoteGuide{placement_unknown, "The mesh file has a record of its placement that the program cannot read.",
               "Repeat the placement options of the conversion."},
     NoteGuide{placement_differs, "Two files or frames, or a file and the options, have different placements.",
               "Use the same placement options for all."},
-    NoteGuide{plugin_output, "A plug-in printed text or returned a note.", "Ask the author of the plug-in."},
+    NoteGuide{plugin_output,
+              "A plug-in, or the library that it uses, reports how it read the file: for example what it assumed, "
+              "changed or left out.",
+              "Check the result with 'isoextract info'."},
     NoteGuide{staggered_grid,
               "The grid stores the components of vectors on the faces of voxels; the note says where the reader places "
               "them.",
@@ -60,8 +70,9 @@ constexpr std::array kGuide{
     NoteGuide{unclear_positions, "The reader cannot tell which columns hold the positions.",
               "Name them with --columns x=A,y=B,z=C."},
     NoteGuide{value_scale,
-              "The scale of the values in the header is not a number, so the reader uses values as stored.",
-              "Check the iso value with 'isoextract info'."},
+              "The header of the NIfTI file has a slope or an intercept that is infinite or NaN. Without a valid slope "
+              "the reader uses the values as stored; without a valid intercept it uses 0.",
+              "Compare the range of 'isoextract info' with the values that you expect, and correct the header."},
     // Samples and particles
     NoteGuide{attribute_kind,
               "The input does not state the kind of an attribute (scalar, color, vector, point, normal), or the output "
@@ -85,24 +96,32 @@ constexpr std::array kGuide{
         "The samples are closer together than usual, to keep small spheres. Or some spheres are too small for the "
         "given distance, so the surface leaves them out.",
         "Give --cell-size to choose the distance of the samples; the note says which one keeps all spheres."},
-    NoteGuide{color_range,
-              "A first pass over all frames found the range of the colors, so that equal colors mean equal values.",
-              "Give --color-by NAME:MAP:MIN,MAX to choose the range, and to save the pass."},
-    NoteGuide{label_table, "A table of label names and colors lies beside the input.",
+    NoteGuide{
+        color_range,
+        "A first pass over all frames found the range of the colors, so that a value has the same color in all frames.",
+        "To choose the range and to save the pass, give --color-by NAME:MIN,MAX."},
+    NoteGuide{label_table,
+              "A table of label names and colors lies beside the input. The program uses it; if it cannot read the "
+              "table, the note says why.",
               "To use another table or none, give --label-names FILE or --label-names none."},
     NoteGuide{labels_assumed, "All samples are whole numbers, so the program takes them as labels.", ""},
-    NoteGuide{labels_empty, "The file names labels that no sample has.", "None: they have no mesh."},
+    NoteGuide{labels_empty, "The file names labels that no sample has, or masks have no voxels. They have no mesh.",
+              ""},
     NoteGuide{labels_lost, "The coarser grid has no sample of some labels.", "Choose a finer grid."},
     NoteGuide{labels_small, "Some labels have fewer voxels than --labels-min-voxels, and so no mesh.", ""},
     NoteGuide{labels_unmatched,
-              "A range or pattern of --labels matches no label of the file; with --empty also a number or a name.",
-              "'isoextract info' lists the names."},
+              "A range or pattern of --labels matches no label of the file. With --empty skip or write, so does a "
+              "number or a name, which is an error otherwise.",
+              "'isoextract info' lists the labels."},
     NoteGuide{level_set_interpolated,
-              "A written level set has interpolated values and the narrow band of the input, which is too narrow for "
-              "other programs if its voxels are larger.",
-              "Give one number to --voxel-size, and no --kernel: the level set gets a band of three voxels."},
-    NoteGuide{masks_overlap, "Some voxels belong to more than one of the masks.",
-              "None: each mask has a closed mesh of all its voxels, and meshes of overlapping masks overlap."},
+              "The program interpolates the level set, so its narrow band stays as wide as that of the input. If the "
+              "new voxels are larger, the band has fewer voxels, often too few for other programs.",
+              "Give one number to --voxel-size, and no --kernel: the level set gets a band of three voxels. This needs "
+              "perpendicular axes."},
+    NoteGuide{masks_overlap,
+              "Some voxels belong to several masks. Each mask has a closed mesh of all its voxels, so the meshes of "
+              "these masks overlap.",
+              ""},
     NoteGuide{means_not_possible,
               "The volume is too large for resampling by averages, so isoextract interpolates, which can miss detail.",
               "Choose a finer --resolution, or resample in several steps."},
@@ -114,8 +133,10 @@ constexpr std::array kGuide{
     NoteGuide{no_data, "Samples with the no-data value become NaN, or no sample has this value.",
               "Check the value of --nodata."},
     NoteGuide{particle_radius,
-              "Particles have radii of their own from an attribute, or all frames have the radius that fits one frame.",
-              "Give --radius to use another radius for all, or --radius auto:each for one for each frame."},
+              "An attribute of the particles gives their radii, each its own or the median for all. Or all frames of "
+              "the sequence have the radius that fits one frame.",
+              "Give --radius R to use another radius for all, or --radius auto:each to use a radius of its own for "
+              "each frame."},
     NoteGuide{particles_left_out,
               "The surface omits particles whose positions are not finite, or whose radii are too small for the cells.",
               "Repair the positions in the file. For small radii give a smaller --cell-size or a larger --radius."},
@@ -124,20 +145,27 @@ constexpr std::array kGuide{
               "the opposite face, and the surface ends at the faces of the box.",
               "Give --periodic none to treat the particles as they are."},
     NoteGuide{region_at_samples,
-              "The faces of the region are between samples or oblique to the axes, so the surface ends at samples near "
-              "them.",
-              "Clip at exact planes with --clip."},
+              "The surface does not end at the faces of --roi but at samples near them, because of --roi-snap, labels, "
+              "voxels or surface nets. Or the axes of the samples are oblique to --roi: the program then extracts all "
+              "samples that cover it, and clips the surface at its faces.",
+              "To end the surface exactly at the faces, leave --roi-snap out. Labels, voxels and surface nets need "
+              "--clip for that."},
     NoteGuide{sparse_made_dense, "Resampling turns sparse samples into dense ones, which take more memory.",
               "Give a smaller --resolution or a larger --voxel-size."},
     NoteGuide{voxel_size,
               "The sides of the data box are no multiples of the voxel size; the note says which size the grid has.",
               "If the size has to be exact, give one that divides the sides."},
     // Surfaces
-    NoteGuide{backend, "The note names the backend that the program chose, or that 'isoextract stability' skips.",
-              "'isoextract devices' lists the GPUs and says why one is not usable."},
+    NoteGuide{backend,
+              "The note says whether the CPU or the GPU does the work, and why. 'isoextract stability' says which "
+              "backend or method it does not test.",
+              "'isoextract devices' lists the GPUs, and says why one is not usable."},
     NoteGuide{cap_overlaps, "Cap triangles overlap where the surface touches or crosses itself at a clip plane.",
               "Move the plane a little, or repair the mesh."},
-    NoteGuide{clipped, "The note tells how many triangles the clip planes removed and cut.", ""},
+    NoteGuide{clipped,
+              "The note gives the number of triangles before and after clipping, of those that clip planes or faces of "
+              "--roi cut, and of those that close the cuts. Or clipping cut nothing off.",
+              ""},
     NoteGuide{corners_joined,
               "The reader merges triangle corners at one position although their attributes differ, and keeps the "
               "attributes of one of them.",
@@ -146,10 +174,15 @@ constexpr std::array kGuide{
     NoteGuide{faces_not_merged,
               "Smoothing needs the separate faces of voxels, so the program does not merge them into larger faces.",
               ""},
-    NoteGuide{iso_chosen, "The program chose the iso value, or the value differs between frames.",
-              "Give --iso V, the same for all frames."},
-    NoteGuide{iso_of_labels, "The samples look like labels or a mask, which have nothing between their values.",
-              "Use --labels all for labels, --method surface-nets for a mask; see 'isoextract help labels'."},
+    NoteGuide{iso_chosen,
+              "The program determines the iso value or the labels itself; the note says how. Or each frame has an iso "
+              "value of its own, so the surface may jump between frames.",
+              "Give a number to --iso, the same for all frames, or choose labels with --labels."},
+    NoteGuide{iso_of_labels,
+              "The samples look like labels or a binary mask. Their numbers are names, not amounts, so an iso value or "
+              "a transfer function between them means nothing.",
+              "For labels give --labels all, for a mask --method surface-nets; see 'isoextract help labels' and "
+              "'isoextract help masks'."},
     NoteGuide{labels_part,
               "The edit changes the mesh of each label on its own, so neighbors no longer share their boundary.",
               "Smooth with --relax, which moves shared vertices together."},
@@ -157,7 +190,9 @@ constexpr std::array kGuide{
               "Remove small components with --drop-components MIN."},
     NoteGuide{moved_apart, "Sheets of the surface touch, and readers of STL would join them, so they moved apart.",
               "Give --touching keep for exact positions, or write ply, obj or glb."},
-    NoteGuide{no_surface, "An iso value or label has no surface, so it has no mesh.",
+    NoteGuide{no_surface,
+              "An iso value, a label, a mesh or a frame has no surface or no volume, so the output lacks it. The note "
+              "says which.",
               "'isoextract info' shows the range of the samples."},
     NoteGuide{open_components_kept, "Open components have no volume, so a filter by volume keeps them.",
               "Close them with --cap."},
@@ -182,8 +217,11 @@ constexpr std::array kGuide{
               "To write them again, delete them or leave --no-clobber out."},
     NoteGuide{frames_move, "--center moves each frame by its own center, so the frames shift against each other.",
               "Give --roi: its center is the same for all frames."},
-    NoteGuide{length_unit, "Lengths are in another unit than the format prescribes, or in several units.",
-              "Give --unit file, which writes glTF in meters, or --to-unit."},
+    NoteGuide{length_unit,
+              "The coordinates of a glTF file are not in meters, the unit that glTF prescribes. Or the frames have "
+              "different units.",
+              "Give --unit file without --to-unit: glTF is then in meters. For one unit in all frames give --unit file "
+              "--to-unit mm."},
     NoteGuide{memory_unknown, "The program cannot estimate the memory of a frame.", ""},
     NoteGuide{no_effect, "An option has no effect on this input or output.", "Leave the option out."},
     NoteGuide{no_plot, "There is nothing to plot.", ""},
@@ -203,11 +241,11 @@ constexpr std::array kGuide{
         "--periodic, --unit. NRRD stores the placement of a field, and .vdb the side as well."},
     NoteGuide{renamed_meshes,
               "The name of a mesh is not UTF-8, which glTF requires, so the writer replaces the invalid bytes.", ""},
-    NoteGuide{
-        rounded_positions,
-        "So far from the origin the coordinates in the file are coarse: STL rounds them by a thousandth of an edge "
-        "or more, or corners of a triangle become equal.",
-        "Use --center, move the volume nearer to the origin, or write glb."},
+    NoteGuide{rounded_positions,
+              "The mesh is so far from the origin that the numbers in the file are too coarse for it. In STL they may "
+              "move a vertex by a thousandth of an edge or more, or corners of a triangle have become equal.",
+              "Move the mesh to the origin with --center or --origin. Or write glb, gltf, ply or obj, which store the "
+              "full precision."},
     NoteGuide{several_files, "The animation is larger than a .glb can be, so it is in several files.", ""},
     NoteGuide{shard,
               "The environment has the number of a shard, but the run converts all frames. Or a table, plot or page "
@@ -215,8 +253,11 @@ constexpr std::array kGuide{
               "('isoextract help mpi').",
               "To convert one shard, give --shard auto. To get a table, plot or page of all frames, run 'isoextract "
               "merge', then the command with --resume and without --shard."},
-    NoteGuide{simulation_limits, "The simulation reached one of its limits; the note says which.",
-              "If the note names options or more frames, change these."},
+    NoteGuide{simulation_limits,
+              "The simulation differs from what the options suggest: particles are still in the nozzle or fell too "
+              "fast, the water does not come to rest, depths are below 0, or volumes get more layers.",
+              "For particles in the nozzle simulate more frames. For water that does not come to rest raise --flow-div "
+              "or --friction."},
     NoteGuide{up_axis,
               "The program that wrote the file has another up axis than isoextract assumes, or the output has "
               "another one than its format prescribes.",

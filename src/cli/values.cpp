@@ -352,7 +352,7 @@ Result<std::array<bool, 3>> parse_periodic(std::string_view text) {
     const std::string_view word = rest.substr(0, rest.find(','));
     const std::size_t axis = std::string_view("xyz").find(word);
     if (word.size() != 1 || axis == std::string_view::npos || periodic[axis]) {
-      return expected_found("some of x,y,z, or none", text);
+      return expected_found("none, or one or more of x,y,z with commas", text);
     }
     periodic[axis] = true;
     if (word.size() == rest.size()) return periodic;

@@ -254,8 +254,9 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
   name_alone.name = name_alone.from = wanted.name;
   if (job.source.mesh) {
     if (wanted == name_alone) return {};
-    return refuse_usage("--color-by NAME takes no FROM, '?' or settings for a mesh, whose attributes it names",
-                        fmt::format("use --color-by {}", wanted.name));
+    return refuse_usage(
+        "--color-by takes only the name of an attribute if the input is a mesh, without FROM, '?' or settings",
+        fmt::format("use --color-by {}", wanted.name));
   }
   const auto same = std::ranges::find(attributes, wanted.name, &convert::AttributeChoice::name);
   if (same == attributes.end()) {

@@ -276,7 +276,8 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
                                     const Context& context, Events& events) {
   constexpr std::size_t kMostMasks = std::numeric_limits<std::uint16_t>::max();
   if (paths.size() > kMostMasks) {
-    return fail(ErrorCode::usage, fmt::format("expected at most {} masks, found {}", kMostMasks, paths.size()));
+    return fail(ErrorCode::usage, fmt::format("expected at most {} masks, found {}", kMostMasks, paths.size()),
+                "convert the masks in several runs");
   }
   MaskLayers masks;
   masks.paths_ = std::move(paths);
@@ -360,7 +361,8 @@ Result<field::ScalarField> MaskLayers::layer(std::int64_t number, const Context&
       const Mask mask = TRY(read_mask(path, options_, &grid_, nullptr, context, unheard));
       if (mask.found.voxels != figures_[k].voxels || mask.found.box != figures_[k].box) {
         return fail(ErrorCode::input,
-                    fmt::format("{}: the mask has changed since the program first read it", field_label(mask.field)));
+                    fmt::format("{}: the mask has changed since the program first read it", field_label(mask.field)),
+                    "run again when no other program writes to the file");
       }
       paint(mask, names_[k].label, made);
     }

@@ -77,10 +77,11 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
   // If the format holds both volume and point grids, the content or the chosen grid's name decides.
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
-    return fail(ErrorCode::usage,
-                fmt::format("{}: expected particles, for the particle options or for the output, found a volume",
-                            files::input_label(options.input)),
-                {Remedy::leave_out, Setting::particle_options});
+    return fail(
+        ErrorCode::usage,
+        fmt::format("{}: expected particles, because the options or the output are for particles; found a volume",
+                    files::input_label(options.input)),
+        {Remedy::leave_out, Setting::particle_options});
   }
   if (!particles && !expected) return false;  // the reader's message says best what the file is not
   TRY(check_no_volume_options(options, particles));

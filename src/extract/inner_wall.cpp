@@ -331,7 +331,8 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
         ErrorCode::input,
         fmt::format("{}: a wall of {:.4g} is too thin for a surface of {:.4g} x {:.4g} x {:.4g}: the grid of its "
                     "distances would have more than 2^24 cells along an axis",
-                    outer.name, options.thickness, extent.x, extent.y, extent.z));
+                    outer.name, options.thickness, extent.x, extent.y, extent.z),
+        "choose a thicker wall");
   }
   context.progress().begin("hollowing", 0);
   const auto tree_memory = TRY(context.reserve(mesh::TriangleTree::bytes(outer.triangles.size()), what));

@@ -93,7 +93,8 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
   if (!around || std::ranges::find(choice.values, *around) == choice.values.end()) return {};
   return fail(ErrorCode::usage,
               fmt::format("{}: label {} is the background value of the sparse grid, so its region is unbounded",
-                          field.source, *around));
+                          field.source, *around),
+              "choose the other labels, without this one");
 }
 
 }  // namespace

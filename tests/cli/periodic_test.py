@@ -134,7 +134,7 @@ class PeriodicTest(ProgramTest):
         self.assert_fails(2, run, "expected the box of the simulation, found none", "--box")
         for wrong in ("x,x", "w", "", "x,", "none,x"):
             run = self.run_program("a.csv", "--periodic", wrong, "-o", "out.ply")
-            self.assert_fails(1, run, "some of x,y,z, or none")
+            self.assert_fails(1, run, "none, or one or more of x,y,z with commas")
         run = self.run_program("a.csv", "--radius", RADIUS, "--box", "1,1,1,2,2,1", "-o", "out.ply")
         self.assert_fails(1, run, "expected a box with a volume")
 

@@ -31,8 +31,10 @@ Result<LabelAppearance> LabelAppearance::open(const ConversionJob& job, const fi
   }
   const auto table = TRY(volume_io::LabelTable::read(job.label_names->path, context));
   if (table.hash() != job.label_names->hash) {
-    return fail(ErrorCode::input, fmt::format("{}: the table of labels has changed since the program first read it",
-                                              printable(job.label_names->path)));
+    return fail(ErrorCode::input,
+                fmt::format("{}: the table of labels has changed since the program first read it",
+                            printable(job.label_names->path)),
+                "run again when no other program writes to the file");
   }
   looks.labels_ = table.entries();
   looks.has_table_ = true;

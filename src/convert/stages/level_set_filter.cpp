@@ -21,7 +21,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
     return fail(ErrorCode::input,
                 fmt::format("{}: the filter needs the narrow band of a level set; found {}", label, found),
                 {{Remedy::leave_out, Setting::level_set_filter,
-                  "the filter needs a level set: of a VDB file, or of particles as spheres or smooth"},
+                  "it works on a level set of a VDB file, or of particles as spheres or smooth"},
                  {Remedy::use, Setting::blur}});
   }
   for (const FilterStep& step : steps) {

@@ -232,7 +232,8 @@ Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, dou
     return fail(
         ErrorCode::input,
         "the program cannot cap the clip plane: the surface has a boundary edge or a hole there, so the cut line "
-        "is not closed");
+        "is not closed",
+        "move the plane away from the hole, or leave the cut open");
   }
   std::vector<glm::dvec2> points;
   points.reserve(edges.boundary.size());

@@ -196,11 +196,11 @@ std::string length_unit_of(const NiftiHeader& header) {
 field::ValueScale scale_of(const NiftiHeader& header, Notes& notes) {
   if (header.slope == 0) return {};
   if (!std::isfinite(header.slope)) {
-    notes.push_back({NoteId::value_scale, "scl_slope is not a number: the reader takes the stored values"});
+    notes.push_back({NoteId::value_scale, "scl_slope is infinite or NaN: the reader uses the values as stored"});
     return {};
   }
   if (!std::isfinite(header.intercept)) {
-    notes.push_back({NoteId::value_scale, "scl_inter is not a number: the reader takes 0"});
+    notes.push_back({NoteId::value_scale, "scl_inter is infinite or NaN: the reader uses 0"});
     return {header.slope, 0};
   }
   return {header.slope, header.intercept};

@@ -283,7 +283,10 @@ Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const N
 Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t offset, unsigned lines) {
   std::vector<char> block(std::size_t{64} << 10);
   while (lines > 0) {
-    if (offset >= file.size()) return fail(ErrorCode::input, file.name() + ": the file ends within the lines to skip");
+    if (offset >= file.size())
+      return fail(
+          ErrorCode::input,
+          file.name() + ": expected as many lines before the samples as 'line skip' says, found the end of the file");
     const auto part =
         std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), file.size() - offset)));
     TRY(file.read_at(offset, std::as_writable_bytes(part)));

@@ -341,7 +341,7 @@ TEST(NrrdReaderBad, RejectsMalformedFiles) {
         "not a valid NRRD header"},
        {"open direction", nrrd("space: LPS\nspace directions: (1,0,0 (0,1,0) (0,0,1)\n", kSamples),
         "not a valid NRRD header"},
-       {"lines to skip", nrrd("line skip: 9\n", kSamples), "lines to skip"},
+       {"lines to skip", nrrd("line skip: 9\n", kSamples), "as 'line skip' says, found the end"},
        {"bytes to skip", nrrd("byte skip: 9000000000000000000\n", kSamples), "found 0"},
        {"bytes to skip from the end", nrrd("byte skip: -9223372036854775808\n", kSamples),
         "needs a file of at least 9223372036854775867 bytes"},
