@@ -1,5 +1,5 @@
-// Makes a plan from the options of `isoextract render`. Reads folders if inputs are frames. Opens no file except
-// standard input, whose content tells whether it is a mesh.
+// Makes a plan from the options of `isoextract render`. Lists folders to find frames. Opens only what decides the plan:
+// standard input (is it a mesh?), a volume that may name its labels, and tables of labels.
 #pragma once
 
 #include <array>

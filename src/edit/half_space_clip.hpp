@@ -46,8 +46,9 @@ struct ClipFigures {
 //
 // With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the
 // half-space and come after all other triangles. Triangles in the plane that bound only the removed side are dropped.
-// Caps use the vertices and edges of the cut. Edges that would occur twice get a new vertex at their midpoint, and
-// vertices where loops meet are split, unless the cap joins the loops there. So a closed oriented manifold stays one.
+// Caps use the vertices and edges of the cut. If a cap edge would connect two vertices that share an edge already, it
+// gets a new vertex at its midpoint. Vertices where loops meet are split, unless the cap joins the loops at that
+// vertex. So a closed oriented manifold stays one.
 //
 // Fails with ErrorCode::out_of_memory or ErrorCode::cancelled, or with ErrorCode::input if a capped cut ends at a
 // boundary edge of the surface, encloses no area, or needs more vertices than 32-bit indices allow. `mesh` may then be

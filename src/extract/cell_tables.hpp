@@ -43,19 +43,20 @@ struct Tunnel {
   bool joins_inside = false;  // true: the tunnel joins inside corners; false: outside corners
 };
 
-// The triangles of a case may depend on the decisions of its ambiguous faces and on tunnels. Each set of joined faces
-// has one variant; the variants with tunnels follow after those of all cases. asymptotic_decider.hpp chooses the
-// variant.
+// The triangles of a case may depend on the decisions of its ambiguous faces and on tunnels. At an ambiguous face the
+// inside corners are joined or apart; a case has a variant for each combination of these decisions. All variants with
+// tunnels come last. asymptotic_decider.hpp chooses the variant.
 struct CaseTable {
-  std::vector<std::uint8_t> directions;  // in the order that numbers the vertices of one sample: {1, 2, 4} or {1, ...,
-                                         // 7}
+  std::vector<std::uint8_t> directions;  // of the edges that a sample owns: {1, 2, 4} or {1, ..., 7}. Their vertices
+                                         // are numbered in this order
   std::vector<CellEdge> edges;           // 12 for mc, 19 for mt
   std::array<bool, 256> ambiguous{};     // the case alone does not decide the triangles; mt: always false
   // Bit f: the corners of kCubeFaces[f] (cube_cell.hpp) alternate; mt: always 0.
   std::array<std::uint8_t, 256> alternating_faces{};
   std::array<std::uint16_t, 256> variants{};  // number of the case's first variant
-  // The possible tunnels of each variant (variants with a tunnel have none; mt: empty). Index 0 and 1: alternating
-  // slices across z have corners 0 and 3 inside (with the corners above them), or corners 1 and 2.
+  // The possible tunnels of each variant (variants with a tunnel have none; mt: empty). A slice of the cell at one z
+  // has four corners, one on each vertical edge. Index 0: in alternating slices, the corners on the edges 0-4 and 3-7
+  // are inside; index 1: those on 1-5 and 2-6.
   std::vector<std::array<Tunnel, 2>> tunnels;
   std::vector<std::uint16_t> first;  // variant v has triangles[first[v]] to triangles[first[v + 1] - 1]
   std::vector<CellTriangle> triangles;
@@ -80,9 +81,9 @@ struct CaseTable {
 };
 
 // Returns the table of a method (mc or mt).
-// mc: a disc for every loop of the surface around the cell's faces, or an annulus for two loops with a tunnel. Both
-// cells at a face make the same decision about its alternating corners, so the surface closes. Loops are triangulated
-// so that no mesh edge gets more than two triangles, whatever the neighboring cells draw.
+// mc: the surface crosses the cell's faces in closed loops. A disc fills each loop; a tunnel joins two loops by an
+// annulus. Both cells at a face make the same decision about its alternating corners, so the surface closes. Loops are
+// triangulated so that no mesh edge gets more than two triangles, whatever the neighboring cells draw.
 // mt: the triangles of the six tetrahedra around the diagonal 0-7; no case is ambiguous. After A. Yu. Suravikin, V. V.
 // Korobitsyn: Visualization of a scalar field by dynamic construction of an isosurface (docs/papers.md).
 [[nodiscard]] const CaseTable& case_table(Method method);

@@ -154,6 +154,7 @@ class HeightMesh {
   Result<void> build() {
     const std::uint64_t floor_vertices = !heights_.solid ? 0 : is_whole_ ? rim_ + 1 : vertices_;
     const MeshSizes sizes{vertices_ + floor_vertices, triangles_};
+    TRY(check_vertex_count(field_, sizes));
     auto memory = TRY(reserve_mesh(field_, sizes, options_, context_));
     mesh::Mesh& mesh = result_.mesh;
     allocate_mesh(mesh, sizes, {}, options_);
@@ -283,6 +284,10 @@ class HeightMesh {
 Result<Extraction> extract_heights(const field::ScalarField& field, const HeightOptions& heights,
                                    const ExtractOptions& options, const Context& context) {
   TRY(check_request(field, options));
+  if (options.smooth_normals || options.edge_keys) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: a surface of heights has neither smooth normals nor edge keys", field.source));
+  }
   const auto* const dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr || dense->dims.z != 1) {
     const std::string found = dense == nullptr

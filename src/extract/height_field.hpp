@@ -28,14 +28,15 @@ struct HeightOptions {
 };
 
 // Returns the surface, without normals and edge keys. Uses only `nan` and `output_from_index` of `options`;
-// NanPolicy::outside works like hole. `smooth_normals` and `edge_keys` must be false: otherwise the mesh has
-// uninitialized normals or edge keys. `iso` has no effect, but fails with ErrorCode::usage if it is not finite.
+// NanPolicy::outside works like hole. `iso` has no effect.
 //
+// Fails with ErrorCode::usage for `smooth_normals`, `edge_keys`, and an `iso` that is not finite.
 // Fails with ErrorCode::input
 // - for a sparse field, more than one sample along z, or fewer than two along x or y,
 // - for NaN samples with NanPolicy::error, and for infinite samples,
 // - for a solid whose base is not below all heights,
-// - for a transform that is singular or not finite, and for coordinates outside the range of float32.
+// - for a transform that is singular or not finite, and for coordinates outside the range of float32,
+// - for more vertices than 32-bit indices can number.
 // Fails with ErrorCode::out_of_memory or cancelled.
 [[nodiscard]] Result<Extraction> extract_heights(const field::ScalarField& field, const HeightOptions& heights,
                                                  const ExtractOptions& options, const Context& context);

@@ -13,9 +13,9 @@
 //
 // Limits. A scan in eight or fewer classes is a label map, whatever the classes mean; so is a smooth field with eight
 // or fewer values. Noise of two values is a mask. Labels that are mostly one sample thick fail for lack of flat
-// patches, and a stack of more than eight layers that are numbered in order fails for its steps of 1. Of scans, about a
-// tenth of the pairs are equal (at most 13 % in eight scans of 8 and 16 bits), of 3,000 Voronoi cells in 64^3 samples
-// 71 %.
+// patches, and a stack of more than eight layers that are numbered in order fails for its steps of 1. In scans, about a
+// tenth of the pairs are equal (at most 13 % in eight scans of 8 and 16 bits). In a map of 3,000 Voronoi cells in 64^3
+// samples, 71 % are equal.
 #pragma once
 
 #include <array>
@@ -54,13 +54,14 @@ struct LabelMap {
 };
 
 // Returns the labels of a label map or mask, else nothing. One parallel pass over the samples, linear in their number
-// whatever the number of labels. Judges fields of more than 2^17 samples by so many samples first. Reads no others
-// if one of these is no label, if they have too many values, or if less than a quarter of the pairs are equal.
-// Reserves no memory; takes about 150 bytes a label and thread.
+// whatever the number of labels. In larger fields it first judges 2^17 samples. It stops there if one is no label, if
+// they have too many values, or if less than a quarter of the pairs are equal. Reserves no memory; takes about 150
+// bytes a label and thread.
 [[nodiscard]] std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* progress = nullptr);
 
-// Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller fields. The cost does not depend
-// on the size of the field. Returns nothing if these samples have one value only.
+// Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks
+// of a sparse field, not its tiles. The cost does not depend on the size of the field. Returns nothing if these samples
+// have one value only.
 [[nodiscard]] std::optional<LabelMapKind> guess_label_map(const ScalarField& field);
 
 }  // namespace isoextract::field

@@ -60,9 +60,10 @@ struct RenderFlags : OptionSet {
   ViewFlags view{this,
                  {"--background,--background-color", "none", "(default: 960x540).", "In world coordinates.",
                   "the center of what is visible"}};
-  Value<convert::UpAxis> up{in(OptionGroup::output), "--up",
-                            "Axis that points up in volume and picture. With z, meshes of glTF files, which are y up, "
-                            "are turned to z up. Default: z; y where only meshes that state it are drawn."};
+  Value<convert::UpAxis> up{
+      in(OptionGroup::output), "--up",
+      "Axis that points up in volume and picture. With z, meshes of glTF files, which are y up, "
+      "are turned to z up. Default: y if every input is a mesh that 'isoextract --up y' wrote, else z."};
   Value<std::string> transfer{in(OptionGroup::output), "--tf", "NAME|FILE", parse_text,
                               fmt::format("Transfer function of the volume (default: {1}). {0}, none to leave the "
                                           "volume out, or a file with lines of value, red, green, blue and opacity.",
@@ -72,15 +73,17 @@ struct RenderFlags : OptionSet {
       "--tf-range",
       "MIN,MAX",
       parse_value_range,
-      "Values that a named transfer function covers. Default: from above the noise of the background to the 99.9th "
-      "percentile of the samples above; level sets from 0 inwards; fields alike on both sides of 0 on both sides.",
+      "Values that a named transfer function covers. Default: from the upper end of the background's noise to the "
+      "99.9th percentile of the samples above that end. Level sets: values inside. Fields with values of both signs "
+      "around 0: the large ones of either sign.",
       About::drawn_volume};
   Value<double> unit_length{
       in(OptionGroup::output),
       "--unit-length",
       "L",
       parse_positive,
-      "Thickness that has the opacity of --tf, in the world. Default: a hundredth of the volume's longest side.",
+      "Length in the world along which the volume reaches the opacity that --tf states. Default: a hundredth of the "
+      "volume's longest side.",
       About::drawn_volume};
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "
@@ -89,12 +92,12 @@ struct RenderFlags : OptionSet {
                                              "Color of meshes without vertex colors. One for all, or one for each in "
                                              "order. Default: their materials, else gray."};
   Value<double> samples{in(OptionGroup::output), "--samples", "N", parse_samples,
-                        "Samples per voxel along a ray (default: 1). Per shortest edge of a voxel."};
+                        "Samples along a ray per shortest edge of a voxel (default: 1)."};
   Value<int> antialias{in(OptionGroup::output), "--antialias", "N", parse_rays_across,
                        "Rays per pixel along each axis, 1 to 4. Default: 2 with surfaces or meshes, whose edges it "
                        "smooths; 1 for a volume alone. The time grows with N x N."};
   Value<double> termination{in(OptionGroup::output), "--termination", "T", parse_termination,
-                            fmt::format("Share of light at which a ray ends, 0 for never. Default: {:.6g}.",
+                            fmt::format("Remaining transmittance below which a ray ends. Default: {:.6g}.",
                                         render::RenderOptions::kTermination)};
   Flag no_skipping{in(OptionGroup::output), "--no-skipping",
                    "Sample empty space, too. The picture is the same; for measurements of speed."};

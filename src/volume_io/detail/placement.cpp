@@ -19,10 +19,12 @@ Result<field::Affine> placement_by_reference(field::ScalarField& field, const Re
   const glm::ivec3 dims = field.extents().max + 1;
   if (dims != other.dims) {
     const std::string expected = other.dims == glm::ivec3(0)
-                                     ? other.source + " is sparse and has no dimensions to compare"
+                                     ? other.source + ", a sparse grid, cannot place it"
                                      : fmt::format("expected {} samples as in {}, whose grid would place it",
                                                    dims_text(other.dims), other.source);
-    return fail(ErrorCode::input, fmt::format("{}: {}, found {}", states_none, expected, dims_text(dims)),
+    return fail(ErrorCode::input,
+                fmt::format("{} states no spacing and no origin: {}, found {} samples", field.source, expected,
+                            dims_text(dims)),
                 "add its placement to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
   }
   if (other.source != field.source) {
