@@ -17,16 +17,17 @@ struct Length {
 struct ErrorStatistics {
   std::uint64_t points = 0;  // points with a distance
   Length rms;
-  Length percentile99;  // by weight; rounded up by at most 1/64 or 2^-60 voxels
+  Length percentile99;  // by weight; rounded up by at most 1/64 of its value, small ones to about 2^-60 voxels
   Length max;
   glm::dvec3 worst{0.0};  // the point with max.world, in the mesh's coordinates
 
   // Points without a distance, which no figure above includes.
   std::uint64_t not_finite = 0;  // next to a NaN or infinite sample
   std::uint64_t outside = 0;     // beyond the outermost samples, where always-closed methods put triangles
-  std::uint64_t unreached = 0;   // no surface, or no iteration reached it
+  std::uint64_t unreached = 0;   // there is no surface, or the iterations did not converge to it
 
-  // Points (of `points`) whose distance differs from |f - iso| / |grad f| by more than half of that.
+  // Points (of `points`) whose distance differs from the estimate |f - iso| / |grad f| by more than half of the
+  // estimate.
   std::uint64_t corrected = 0;
 
   // Raises the maximum and its place to those of other points of the same mesh; changes no other figure. Does nothing

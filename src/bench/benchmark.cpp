@@ -163,7 +163,7 @@ struct MeasuredMesh {
 tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bool in_finer) {
   const field::FieldStatistics statistics = field::measure_statistics(field);
   if (statistics.samples == 0) {
-    return fail(ErrorCode::input, fmt::format("{}: no surface: no sample is a finite number", field.source));
+    return fail(ErrorCode::input, fmt::format("{}: no surface: the grid stores no finite sample", field.source));
   }
   return fail(
       ErrorCode::input,

@@ -175,7 +175,9 @@ HelpTopic exit_codes_topic() {
              {"3", "unavailable: a feature, a plug-in, a device or a thread is missing"},
              {"4", "output: the program cannot write the result"},
              {"5", "frames: frames of a batch failed or were not started; the others are done"},
-             {"6", "verification: a mesh does not match or fails a requirement (verify, compare, check, stability)"},
+             {"6",
+              "verification: a mesh does not match or fails a requirement (verify, compare, check, stability, or a "
+              "conversion with --verify or --require)"},
              {"130", "cancelled: Ctrl-C ended the program; if another signal N ends it, shells show 128 + N"}}}}};
 }
 

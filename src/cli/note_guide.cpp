@@ -39,8 +39,10 @@ constexpr std::array kGuide{
     NoteGuide{incomplete_frame, "The file ends within its last frame: the simulation is still running, or ended early.",
               "When the simulation has written more, run again with --resume. If no line is missing, end the last line "
               "with a line end."},
-    NoteGuide{missing_frames, "Frames of the sequence have no input, or failed.",
-              "Add the missing files. --missing error makes this an error."},
+    NoteGuide{
+        missing_frames, "Frames of the sequence have no input, or failed.",
+        "Add the missing files, or correct the frames that failed. In a conversion, --missing error makes missing "
+        "frames an error."},
     NoteGuide{newer_version, "The file has a newer version than the reader knows.",
               "Compare the result with that of the program that wrote the file."},
     NoteGuide{
@@ -87,8 +89,11 @@ constexpr std::array kGuide{
     NoteGuide{attribute_outside,
               "Vertices are outside the volume of an attribute, so they have the value at its boundary.",
               "Check the placement of the volume of the attribute."},
-    NoteGuide{attribute_placement, "The volume of an attribute has another placement than the input.",
-              "Check that both volumes are in the same world coordinates."},
+    NoteGuide{
+        attribute_placement,
+        "The volume of an attribute states another placement, world or unit than the input. The note says what the "
+        "conversion uses.",
+        "Correct the file whose placement is wrong."},
     NoteGuide{attribute_renamed,
               "The format does not allow the attribute's name, or another one has it, so the writer changes it.", ""},
     NoteGuide{
@@ -141,8 +146,8 @@ constexpr std::array kGuide{
               "The surface omits particles whose positions are not finite, or whose radii are too small for the cells.",
               "Repair the positions in the file. For small radii give a smaller --cell-size or a larger --radius."},
     NoteGuide{periodic_box,
-              "The file says that the box of the simulation is periodic: particles near a face continue the surface at "
-              "the opposite face, and the surface ends at the faces of the box.",
+              "The file says that the box of the simulation is periodic: particles near a face also count at the "
+              "opposite face, and the mesh is cut off at the faces of the box.",
               "Give --periodic none to treat the particles as they are."},
     NoteGuide{region_at_samples,
               "The surface does not end at the faces of --roi but at samples near them, because of --roi-snap, labels, "

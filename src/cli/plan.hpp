@@ -1,5 +1,5 @@
-// Turns parsed options into the validated settings of each command. Opens only the table of --label-names, and
-// inputs without --iso, to find out whether they hold particles, which have a default iso value of their own.
+// Turns parsed options into the validated settings of each command. Opens tables of labels, and inputs without --iso or
+// with --labels: whether they hold particles, named labels or integers decides the defaults.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct PagesPlan {
   std::optional<std::string> html;           // path
   std::optional<std::string> contact_sheet;  // path
   convert::PictureFileOptions view = {};     // how to draw the meshes
-  bool has_usual_size = true;  // the page and the sheet have their own usual size in place of that of `view`
+  bool has_usual_size = true;  // --size is not given: the page and the sheet have default sizes, not that of `view`
 
   [[nodiscard]] bool any() const { return html || contact_sheet; }
 };
@@ -53,7 +53,7 @@ struct InfoPlan {
   volume_io::ReadOptions read;
   convert::ParticleOptions particles;
   bool has_radius_of_each_frame = false;  // --radius auto:each
-  std::vector<std::string> masks;         // with --masks: the files of the masks, which all inputs together are
+  std::vector<std::string> masks;         // with --masks: the mask files of all inputs
   Notes notes;
   std::vector<std::string> input_arguments;  // the input options as given, for the example command
   bool json = false;

@@ -16,8 +16,9 @@
 
 namespace isoextract::extract {
 
-// The interface of a surface under extraction. The passes are called once each, in this order; samples are given by
-// their index in the field.
+// The interface of a surface under extraction. Each pass is called at most once, in this order: count() if there can be
+// a surface, emit() unless a sink takes the mesh or the surface is the part of one rank. Samples are given by their
+// index in the field.
 template <class S>
 concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats, mesh::Mesh& mesh, const glm::ivec3& p,
                                  int direction) {
@@ -25,13 +26,13 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   // Compares the samples with iso and fills the classification figures. Returns false if there can be no surface.
   { surface.classify(stats) } -> std::same_as<Result<bool>>;
   // Counts vertices and triangles; fills `count` and other figures of `stats`. A surface that is drawn in portions is
-  // drawn here, so its share of `emit` is known then, too.
+  // drawn here already, so count() sets `stats.emit` to the time of drawing.
   { surface.count(stats) } -> std::same_as<Result<MeshSizes>>;
   // Writes vertices and triangles to the start of a mesh that has room for as many as were counted.
   { surface.emit(mesh) } -> std::same_as<Result<void>>;
 
-  // Valid after count(): the box whose faces a cap closes (nullopt if the surface never leaves the box), and the sides
-  // of its outermost samples.
+  // Valid after count(): the box whose faces a cap closes (nullopt for a sparse field without a region), and whether
+  // its outermost samples are inside, outside or both.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
   { seen.boundary_sides() } -> std::same_as<BoundarySides>;
   { seen.draws_at_boundary() } -> std::same_as<bool>;  // called if boundary_sides() has both sides and there are holes

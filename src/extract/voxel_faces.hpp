@@ -10,7 +10,7 @@ namespace isoextract::extract {
 enum class VoxelFaces {
   merged,      // coplanar faces merged into large rectangles, each with the vertices that its neighbors have on its
                // boundary
-  rectangles,  // the same rectangles as two triangles each: fewest triangles, but not closed edge by edge
+  rectangles,  // the same rectangles as two triangles each: fewest triangles, but with T-junctions
   plain,       // each face by itself, as two triangles
 };
 constexpr auto words_of(VoxelFaces /*type*/) {

@@ -12,7 +12,7 @@
 
 namespace isoextract::sandbox {
 
-// Has no name in any file system; the system frees it with the last process that holds it.
+// Has no name in any file system; the system frees it when its last descriptor and mapping are closed.
 class SharedMemory {
  public:
   // Returns zero-filled memory; nothing if the system provides none. Does not reserve it in a memory budget.

@@ -1,5 +1,5 @@
-// Hilly land around a basin, from three-dimensional Perlin noise. The paper on the water automaton (see water.hpp,
-// section 2.1.2) makes it once, as it does not change.
+// Hilly land around a basin, from three-dimensional Perlin noise. It is made once, before the first step, because it
+// does not change (paper on the water automaton, section 2.1.2; see water.hpp).
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct TerrainOptions {
   int octaves = 5;     // octaves of noise; 1 to 16
 };
 
-// The middle of the basin, as a fraction of the size: the lowest place but for the hills.
+// The middle of the basin, as a fraction of the size: where the land would be lowest without hills.
 inline constexpr glm::dvec2 kBasin{0.68, 0.5};
 
 // The height of the lowest cell above the floor of the world, in cells.

@@ -40,7 +40,7 @@ inline void add_attribute(mesh::Mesh& mesh, std::string name, mesh::ComponentTyp
 }
 
 inline void add_color(mesh::Mesh& mesh, mesh::ComponentType type, std::size_t components) {
-  add_attribute(mesh, "colour", type, components, type != mesh::ComponentType::f32, mesh::AttributeRole::color);
+  add_attribute(mesh, "color", type, components, type != mesh::ComponentType::f32, mesh::AttributeRole::color);
 }
 
 // Compares kinds and values, bit for bit.
