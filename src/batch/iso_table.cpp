@@ -174,10 +174,11 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     if (mark != '\0') decimal_mark = mark;
     const auto iso = fits ? iso_of(iso_field, mark) : std::nullopt;
     if (!iso) {
-      return fail(ErrorCode::input,
-                  fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
-                              printable(iso_field, kShownField)),
-                  iso_field.find(',') == std::string::npos ? "" : "decimals have a point, or a comma in all rows");
+      return fail(
+          ErrorCode::input,
+          fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
+                      printable(iso_field, kShownField)),
+          iso_field.find(',') == std::string::npos ? "" : "use one decimal mark in all rows, a point or a comma");
     }
     table.rows_.push_back({*frame, number, *iso});
   }

@@ -30,7 +30,7 @@ struct BoundaryLoop {
 
 struct BoundaryDefects {
   std::vector<EdgeDefects> components;  // one for each component
-  std::vector<BoundaryLoop> loops;      // ordered by their edges with the lowest vertices
+  std::vector<BoundaryLoop> loops;      // in the order of each loop's first edge; edges are sorted by vertex indices
 };
 
 // Finds the defects and loops of a mesh; `topology` and `components` must be the mesh's own. Fails with

@@ -162,7 +162,9 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
   }
   const std::size_t parts = plan.isos.size() + inputs.meshes.size();
   if (flags.opacity && flags.opacity->size() != 1 && flags.opacity->size() != parts) {
-    return refuse_usage(fmt::format("--opacity: expected one value or {}, found {}", parts, flags.opacity->size()));
+    return refuse_usage(fmt::format("--opacity: expected one value{}, found {} values",
+                                    parts > 1 ? fmt::format(", or {}: one for each iso value and mesh", parts) : "",
+                                    flags.opacity->size()));
   }
   if (!plan.draws_volume) {
     TRY(flags.refuse(About::drawn_volume, "{} applies to the volume, which --tf none and --labels do not draw",

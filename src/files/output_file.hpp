@@ -55,8 +55,8 @@ class OutputFile {
 
   // Creates a regular file that other processes write as well, each a part of it. Rank 0 of several (base/ranks.hpp)
   // creates and commits it. The others join it by the name that shared_name() returns at rank 0. A process that joined
-  // makes the same calls as rank 0, but only its fill() writes bytes, and commit() only closes the file. All must see
-  // one file system, and must have called commit() before rank 0 does.
+  // calls write(), extend(), fill() and commit() as rank 0 does: only its fill() writes bytes, and commit() only closes
+  // the file. overwrite() and move_end() fail there. All processes must see one file system, and rank 0 commits last.
   [[nodiscard]] static Result<OutputFile> create_shared(const std::filesystem::path& path);
   [[nodiscard]] static Result<OutputFile> join(const std::filesystem::path& path, const std::string& shared_name);
   [[nodiscard]] std::string shared_name() const;
@@ -65,8 +65,8 @@ class OutputFile {
   OutputFile& operator=(OutputFile&&) noexcept;
   ~OutputFile();
 
-  // Appends bytes. Buffered; large spans go to the system without a copy. After a failure every later call fails with
-  // the same error.
+  // Appends bytes. Buffered; large spans go to the system without a copy. After a failure every later call but fill()
+  // fails with the same error.
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> write(std::string_view text);
 
@@ -75,7 +75,8 @@ class OutputFile {
   //
   // Makes room for `count` bytes at the end and returns the place of the first. Fill all of it with fill().
   [[nodiscard]] Result<std::uint64_t> extend(std::uint64_t count);
-  // Writes into room that extend() made. Several threads may fill disjoint ranges at once.
+  // Writes into room that extend() made. Several threads may fill disjoint ranges at once. Do not commit after a
+  // failure: commit() does not know of it.
   [[nodiscard]] Result<void> fill(std::uint64_t place, std::span<const std::byte> bytes) const;
   // Replaces bytes at `place`; the whole range must have been written already.
   [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);
@@ -85,8 +86,8 @@ class OutputFile {
 
   // Hashes everything written from now on; call before the first byte.
   void keep_hash();
-  // Returns the hash in the form of content_hash.hpp. Returns nothing without keep_hash(), or if bytes were changed
-  // after they were written.
+  // Returns the hash in the form of content_hash.hpp. Returns nothing without keep_hash(), or after extend(),
+  // overwrite() or move_end().
   [[nodiscard]] std::optional<std::string> hash() const;
 
   [[nodiscard]] std::uint64_t bytes_written() const;

@@ -1,8 +1,8 @@
 // Options for packing meshes into fewer bytes, and the record of what packing changed.
 //
-// Quantized positions lie on one lattice in the coordinates of the output, whatever the mesh's own origin is: all
-// multiples of a step, which is a power of two.
-// So positions that are equal before stay equal, bit for bit, across meshes and across files that use the same step.
+// Quantized positions lie on one lattice: the multiples of a step, which is a power of two, in the coordinates of the
+// output. The mesh's own origin does not matter. So positions that are equal before stay equal, bit for bit, across
+// meshes and across files that use the same step.
 // The step depends on the voxel size and the box; with `position_bits`, on the box and the bits only.
 // float32 holds such coordinates exactly up to 2^24 steps from zero. Farther away, and always with 16-bit positions,
 // the meshes of a glTF file are relative to one common origin, which is a lattice point; a .drc file has no origin, so
