@@ -82,8 +82,8 @@ struct RenderFlags : OptionSet {
       "--unit-length",
       "L",
       parse_positive,
-      "Length in the world along which the volume reaches the opacity that --tf states. Default: a hundredth of the "
-      "volume's longest side.",
+      "Path length that reaches the opacity of --tf. In units of the world. Default: a hundredth of the volume's "
+      "longest side.",
       About::drawn_volume};
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "
