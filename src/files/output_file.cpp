@@ -94,7 +94,8 @@ struct OutputFile::State {
   std::size_t buffered = 0;
   std::uint64_t bytes = 0;
   std::optional<Error> failure;
-  std::optional<ContentHasher> hasher;
+  bool keeps_hash = false;
+  std::optional<ContentHasher> hasher;  // empty also after bytes were written out of order
 
   State() = default;
   State(const State&) = delete;
@@ -116,6 +117,7 @@ struct OutputFile::State {
   [[nodiscard]] Result<void> write_to(std::uint64_t place, std::span<const std::byte> span);
   [[nodiscard]] Result<void> set_size(std::uint64_t size);
   [[nodiscard]] Result<void> read_from(std::uint64_t place, std::span<std::byte> span);
+  [[nodiscard]] Result<void> hash_again();
   [[nodiscard]] Result<void> prepare();
   [[nodiscard]] Result<void> publish();
 };
@@ -225,9 +227,22 @@ Result<void> OutputFile::State::read_from(std::uint64_t place, std::span<std::by
   return {};
 }
 
+// Hashes the file as it is on disk. Call it when the buffer is empty.
+Result<void> OutputFile::State::hash_again() {
+  hasher.emplace();
+  for (std::uint64_t done = 0; done < bytes;) {
+    const auto block = buffer.span().first(std::min<std::uint64_t>(buffer.size(), bytes - done));
+    TRY(read_from(done, block));
+    hasher->add(block);
+    done += block.size();
+  }
+  return {};
+}
+
 // Does everything that can fail for lack of space; only a rename remains.
 Result<void> OutputFile::State::prepare() {
   TRY(flush());
+  if (kind == Kind::file && keeps_hash && !hasher) TRY(hash_again());
   if (kind == Kind::standard_output) return {};
   if (kind == Kind::file && temporary.empty()) {
     auto name = TemporaryName::name_file(folder, fd);
@@ -408,7 +423,10 @@ Result<void> OutputFile::move_end(std::uint64_t from, std::uint64_t to) {
   return state.set_size(to + count);
 }
 
-void OutputFile::keep_hash() { state_->hasher.emplace(); }
+void OutputFile::keep_hash() {
+  state_->keeps_hash = true;
+  state_->hasher.emplace();
+}
 
 std::optional<std::string> OutputFile::hash() const {
   return state_->hasher ? std::optional(state_->hasher->hash()) : std::nullopt;

@@ -86,8 +86,8 @@ class OutputFile {
 
   // Hashes everything written from now on; call before the first byte.
   void keep_hash();
-  // Returns the hash in the form of content_hash.hpp. Returns nothing without keep_hash(), or after extend(),
-  // overwrite() or move_end().
+  // Returns the hash in the form of content_hash.hpp, or nothing without keep_hash(). After extend(), overwrite() or
+  // move_end(), returns nothing until commit(), which then reads the whole file back.
   [[nodiscard]] std::optional<std::string> hash() const;
 
   [[nodiscard]] std::uint64_t bytes_written() const;

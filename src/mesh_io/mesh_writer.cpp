@@ -366,7 +366,7 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
   State& state = *state_;
   const MeshWriteOptions& options = state.options;
   const bool needs_whole_mesh = (options.format != MeshFormat::ply && options.format != MeshFormat::glb) ||
-                                options.ascii || options.flat_normals || options.hash_files ||
+                                options.ascii || options.flat_normals || (options.hash_files && ranks != nullptr) ||
                                 options.packing.packs() || options.packing.optimize_order || !head.attributes.empty() ||
                                 shape.origin != glm::dvec3(0) || files::is_stream(state.path);
   if (needs_whole_mesh || state.count > 0) return false;

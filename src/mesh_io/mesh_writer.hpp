@@ -111,9 +111,9 @@ class MeshWriter {
 
   // Begins the only mesh of the file, whose parts take_part() writes to their places at once. `head` is the mesh
   // without its arrays. Works for binary PLY and unpacked GLB with 32-bit indices in regular files, without attributes,
-  // flat normals, an origin or a hash. Otherwise returns false and does nothing: add the whole mesh. Fails like add().
-  // If `ranks` is not null, these ranks write the file together: all of them call it with the same mesh, each writes
-  // its parts, and all call finish().
+  // flat normals or an origin. Otherwise returns false and does nothing: add the whole mesh. Fails like add().
+  // If `ranks` is not null, these ranks write the file together, unless it needs a hash: all of them call it with the
+  // same mesh, each writes its parts, and all call finish().
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
   // Writes a part after begin_parts() returned true; see mesh::MeshSink::take(). Fails with ErrorCode::output.
   [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;

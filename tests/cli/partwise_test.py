@@ -1,6 +1,7 @@
 """Meshes that go to their file while they are made: the same bytes, in memory that does not grow with the mesh."""
 
 import json
+import os
 import resource
 import struct
 
@@ -80,6 +81,30 @@ class PartwiseTest(ProgramTest):
             (self.folder / name).unlink()
             (self.folder / f"slabs_{name}").unlink()
         self.assertEqual(self.files(), ["layers.raw", "r.json"])
+
+    def test_sequences_take_no_whole_mesh_and_record_the_hash_of_each_file(self):
+        raw, *layers = self.write_layers(160)
+        for frame in (1, 2):
+            (self.folder / f"in_{frame}.raw").hardlink_to(self.folder / raw)
+        sequence = ("in_#.raw", *layers, "--normals", "none", "--memory-limit", "24M", "--jobs", 1)
+        for name in ("a.ply", "a.glb"):
+            with self.subTest(name=name):
+                output = ("-o", f"out/{{}}_{name}", "--mkdir")
+                self.convert(*sequence, *output)
+                self.convert(raw, *layers, "--normals", "none", "-o", name)
+                single = (self.folder / name).read_bytes()
+                for frame in (1, 2):
+                    self.assertTrue((self.folder / f"out/{frame}_{name}").read_bytes() == single)
+                # A file of another hash is made again, although its size and time are the same.
+                changed = self.folder / f"out/2_{name}"
+                times = changed.stat()
+                with changed.open("r+b") as file:
+                    file.seek(100 * MIB)
+                    file.write(b"damage")
+                os.utime(changed, ns=(times.st_atime_ns, times.st_mtime_ns))
+                again = self.convert(*sequence, *output, "--resume")
+                self.assertIn("1 of 2 frames done, 1 kept", again.err)
+                self.assertTrue(changed.read_bytes() == single)
 
     def test_no_file_is_left_if_writing_fails(self):
         for name in ("a.ply", "a.glb"):

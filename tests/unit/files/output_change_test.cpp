@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "files/content_hash.hpp"
 #include "files/output_file.hpp"
 #include "support/temp_folder.hpp"
 #include "unit/files/output_process.hpp"
@@ -36,6 +37,22 @@ TEST(OutputFileChange, OverwritesBytesInBufferAndFile) {
   ASSERT_TRUE(file.write("!"));
   ASSERT_TRUE(file.commit());
   EXPECT_EQ(read_bytes(folder / "out"), "-1ab456789" + large + "end!");
+}
+
+TEST(OutputFileChange, HashesChangedBytesWhenItCommits) {
+  const TempFolder folder;
+  auto file = must_create(folder / "out");
+  file.keep_hash();
+  const std::string room = pattern(2'500'000);  // no multiple of a block
+  ASSERT_TRUE(file.write("head"));
+  EXPECT_EQ(file.hash(), content_hash("head"));
+  ASSERT_EQ(file.extend(room.size()), std::uint64_t{4});
+  ASSERT_TRUE(file.fill(1'000'004, bytes_of(room).subspan(1'000'000)));
+  ASSERT_TRUE(file.fill(4, bytes_of(room).first(1'000'000)));
+  ASSERT_TRUE(file.write("tail"));
+  EXPECT_EQ(file.hash(), std::nullopt);
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(file.hash(), content_hash("head" + room + "tail"));
 }
 
 // Moves forward and backward, by more and less than the moved size, and than a block.
