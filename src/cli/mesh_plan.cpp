@@ -174,9 +174,10 @@ Result<void> check_mesh_frames(const ConvertFlags& flags, const batch::Frames& f
   const auto other =
       std::ranges::find_if(found.frames, [&](const batch::Frame& frame) { return is_gltf_named(frame) != first; });
   if (other == found.frames.end()) return {};
-  return refuse_usage(fmt::format("{} and {} have different up axes: glTF prescribes y, other formats count as z",
-                                  printable(found.frames.front().input), printable(other->input)),
-                      "convert the files of each format in a run of its own");
+  return refuse_usage(
+      fmt::format("{} and {}: expected glTF files only, or none; glTF has y up, other formats z by default",
+                  printable(found.frames.front().input), printable(other->input)),
+      "convert the files of each format in a run of its own");
 }
 
 }  // namespace isoextract::cli

@@ -37,7 +37,7 @@ struct RenderPlan {
   std::vector<convert::IsoChoice> isos;
   std::vector<std::string> meshes;
   std::vector<glm::dvec3> mesh_colors;  // linear; one per mesh, or one for all; empty: their own colors
-  std::vector<double> opacity;          // of surfaces, then meshes: one each, or one for all; empty: opaque
+  std::vector<double> opacity;          // of surfaces, then meshes: one each, or one for all; empty: by default
   render::Shading shading = render::Shading::smooth;
   bool draws_volume = true;
   std::optional<std::string> transfer_file;

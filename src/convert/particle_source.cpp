@@ -81,7 +81,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
         ErrorCode::usage,
         fmt::format("{}: expected particles, because the options or the output are for particles; found a volume",
                     files::input_label(options.input)),
-        {Remedy::leave_out, Setting::particle_options});
+        Hint{{Remedy::leave_out, Setting::particle_options}, {Remedy::change, Setting::output_name}});
   }
   if (!particles && !expected) return false;  // the reader's message says best what the file is not
   TRY(check_no_volume_options(options, particles));

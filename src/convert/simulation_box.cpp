@@ -79,7 +79,8 @@ Result<void> apply_box_options(const BoxOptions& options, points::ParticleSet& p
     particles.box = {options.bounds->min, glm::dmat3(size.x, 0, 0, 0, size.y, 0, 0, 0, size.z), periodic};
     if (!particles.box->is_valid()) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: expected a box with a volume, found {}", particles.label, box_text(*particles.box)),
+                  fmt::format("{}: expected a box with sides longer than 0, found {}", particles.label,
+                              box_text(*particles.box)),
                   {Remedy::change, Setting::simulation_box});
     }
   }

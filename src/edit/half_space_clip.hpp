@@ -38,11 +38,12 @@ struct ClipFigures {
 // have no attributes; its edge keys are dropped if a plane cuts it. A plane with no vertex outside its half-space
 // changes nothing.
 //
-// Vertices within ClipOptions::snap of a plane, but at least mesh::on_plane_tolerance(), count as on it. They move onto
-// it; those within the tolerance stay. So the result lies inside `kept` up to the tolerance. Old vertices keep their
-// order, new ones follow with interpolated normals; triangles keep order and winding. Two meshes of one origin, one
-// on_plane_tolerance() and one snap get bitwise the same new vertex on a shared edge; so do the two sides of one plane.
-// The result does not depend on the number of threads.
+// Vertices within the larger of ClipOptions::snap and mesh::on_plane_tolerance() of a plane count as on it. They move
+// onto it; those within the tolerance stay. Vertices may lie outside `kept` by up to that distance, because a plane
+// that cuts nothing moves none, and a later plane may move them again. Old vertices keep their order, new ones follow
+// with interpolated normals; triangles keep order and winding. Two meshes of one origin, one on_plane_tolerance() and
+// one snap get bitwise the same new vertex on a shared edge; so do the two sides of one plane. The result does not
+// depend on the number of threads.
 //
 // With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the
 // half-space and come after all other triangles. Triangles in the plane that bound only the removed side are dropped.

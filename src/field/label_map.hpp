@@ -61,7 +61,7 @@ struct LabelMap {
 
 // Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks
 // of a sparse field, not its tiles. The cost does not depend on the size of the field. Returns nothing if these samples
-// have one value only.
+// and the background of a sparse field have one value only.
 [[nodiscard]] std::optional<LabelMapKind> guess_label_map(const ScalarField& field);
 
 }  // namespace isoextract::field

@@ -136,7 +136,7 @@ class PeriodicTest(ProgramTest):
             run = self.run_program("a.csv", "--periodic", wrong, "-o", "out.ply")
             self.assert_fails(1, run, "none, or one or more of x,y,z with commas")
         run = self.run_program("a.csv", "--radius", RADIUS, "--box", "1,1,1,2,2,1", "-o", "out.ply")
-        self.assert_fails(1, run, "expected a box with a volume")
+        self.assert_fails(1, run, "expected a box with sides longer than 0")
 
     def test_unwrapped_bodies_are_whole(self):
         whole = ball((7, 1, 6))  # across the face x = 7 of the box

@@ -53,7 +53,8 @@ struct RenderFlags : OptionSet {
   Value<std::vector<double>> opacity{
       in(OptionGroup::vertices), "--opacity", "A[,B...]", parse_opacity,
       "Opacity of surfaces and meshes, above 0, at most 1. One for all, or one for each: "
-      "surfaces of --iso or --labels first, then meshes. Default: opaque."};
+      "surfaces of --iso or --labels first, then meshes. Default: opaque, but for outer surfaces with --color-by and "
+      "meshes whose materials state an opacity."};
   Value<std::string> output{in(OptionGroup::output), "-o,--output", "FILE", parse_text,
                             "Picture to write (default: INPUT.png). .png, or .exr with linear light, depth and "
                             "normals; - is stdout, as PNG. Several pictures need a pattern, such as turn_{:04}.png."};
@@ -74,8 +75,8 @@ struct RenderFlags : OptionSet {
       "MIN,MAX",
       parse_value_range,
       "Values that a named transfer function covers. Default: from the upper end of the background's noise to the "
-      "99.9th percentile of the samples above that end. Level sets: values inside. Fields with values of both signs "
-      "around 0: the large ones of either sign.",
+      "99.9th percentile of the samples above that end, at most 8 times as far as their mean. Level sets: values "
+      "inside. Fields with values of both signs around 0: the large ones of either sign.",
       About::drawn_volume};
   Value<double> unit_length{
       in(OptionGroup::output),
