@@ -11,20 +11,24 @@
 namespace isoextract::cli {
 namespace {
 
-// Parses a number above 0 with its unit: voxels, or world units with the suffix "world".
 struct Measure {
   double amount = 0;
   bool in_world_units = false;
 };
 
+constexpr std::string_view kVoxels = "voxels";  // as one writes the unit of 3voxel, too
+
+// Removes `unit` from the end of the text.
+bool take_unit(std::string_view& text, std::string_view unit) {
+  if (!text.ends_with(unit)) return false;
+  text.remove_suffix(unit.size());
+  return true;
+}
+
+// Parses a number above 0 with its unit: voxels, or world units with the suffix "world".
 std::optional<Measure> measure_of(std::string_view text) {
-  constexpr std::string_view kVoxel = "voxel";
-  constexpr std::string_view kWorld = "world";
-  const bool in_world_units = text.ends_with(kWorld);
-  if (in_world_units)
-    text.remove_suffix(kWorld.size());
-  else if (text.ends_with(kVoxel))
-    text.remove_suffix(kVoxel.size());
+  const bool in_world_units = take_unit(text, convert::kWorldUnit);
+  if (!in_world_units && !take_unit(text, convert::kVoxelUnit)) take_unit(text, kVoxels);
   const auto amount = parse_positive(text);
   if (!amount) return std::nullopt;
   return Measure{*amount, in_world_units};
@@ -52,6 +56,12 @@ Result<convert::MinComponentSize> parse_least_piece(std::string_view text) {
       "a number of triangles such as 100, or area:40 or volume:5 in voxels, or volume:5world in the "
       "units of the written mesh",
       text);
+}
+
+Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
+  if (const auto distance = measure_of(text)) return convert::SimplifyBound{distance->amount, distance->in_world_units};
+  return expected_but("a distance above 0, in voxels such as 0.1 or in the units of the written mesh such as 0.5world",
+                      text);
 }
 
 Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
@@ -88,8 +98,9 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
 
 Result<convert::HollowChoice> parse_hollow(std::string_view text) {
   const std::size_t end = text.find_last_of("0123456789.");
-  const std::string_view unit = end == std::string_view::npos ? text : text.substr(end + 1);
+  std::string_view unit = end == std::string_view::npos ? text : text.substr(end + 1);
   const auto thickness = parse_positive(text.substr(0, text.size() - unit.size()));
+  if (unit == kVoxels) unit = convert::kVoxelUnit;
   if (thickness && (unit == convert::kVoxelUnit || unit == convert::kWorldUnit)) {
     return convert::HollowChoice{*thickness, std::string(unit)};
   }

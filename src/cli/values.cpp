@@ -13,6 +13,7 @@
 #include "base/byte_size.hpp"
 #include "base/nearest_name.hpp"
 #include "base/printable.hpp"
+#include "convert/conversion_size.hpp"
 #include "convert/label_selection.hpp"
 #include "simulate/terrain.hpp"
 
@@ -229,21 +230,6 @@ Result<double> parse_not_negative(std::string_view text) {
   return *number;
 }
 
-Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
-  constexpr std::string_view kVoxel = "voxel";
-  constexpr std::string_view kWorld = "world";
-  std::string_view number = text;
-  const bool in_world_units = text.ends_with(kWorld);
-  if (in_world_units) number.remove_suffix(kWorld.size());
-  if (text.ends_with(kVoxel)) number.remove_suffix(kVoxel.size());
-  const auto distance = whole_text_as<double>(number);
-  if (!distance || !std::isfinite(*distance) || *distance <= 0) {
-    return expected_found(
-        "a distance above 0, in voxels such as 0.1 or in the units of the written mesh such as 0.5world", text);
-  }
-  return convert::SimplifyBound{*distance, in_world_units};
-}
-
 Result<convert::TriangleCount> parse_triangle_count(std::string_view text) {
   constexpr double kMost = 0x1p53;
   std::string_view number = text;
@@ -443,6 +429,14 @@ Result<int> parse_repeats(std::string_view text) {
 }
 
 Result<std::uint64_t> parse_size(std::string_view text) { return parse_byte_size(text); }
+
+Result<std::uint64_t> parse_memory_size(std::string_view text) {
+  const std::uint64_t bytes = TRY(parse_byte_size(text));
+  const bool has_unit = text.find_first_of("BbKkMmGgTt") != std::string_view::npos;
+  if (has_unit || bytes >= convert::kProgramBytes) return bytes;
+  return fail(ErrorCode::usage, fmt::format("expected a size with a unit, such as 512M or 2G, found '{}'", text),
+              fmt::format("add a unit: K, M, G or T, or B for bytes, as in {}B", text));
+}
 
 Result<std::vector<NoteId>> parse_note_ids(std::string_view text) {
   std::vector<NoteId> ids;

@@ -75,6 +75,8 @@ struct HeightBase {
 [[nodiscard]] Result<volume_io::ComponentChoice> parse_component(std::string_view text);  // 0 or above, or length
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);                      // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, below 2^63: 512, 16M, 1.5GiB
+// Parses as parse_size() does, but refuses a number below convert::kProgramBytes without a unit: 20 is more likely 20G.
+[[nodiscard]] Result<std::uint64_t> parse_memory_size(std::string_view text);
 
 [[nodiscard]] Result<convert::MinComponentSize> parse_least_piece(
     std::string_view text);                                                          // 100, area:40, volume:5world

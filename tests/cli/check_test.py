@@ -347,7 +347,7 @@ class CheckTest(ProgramTest):
             peak, unit = re.search(r"peak memory ([\d.]+) (MiB|GiB)", run.err).groups()
             peak = float(peak) * {"MiB": MIB, "GiB": 1024 * MIB}[unit]
             self.assertGreater(peak, 2 * OVERHEAD, name)
-            refused = self.run_program("check", name, "--memory-limit", str(int(peak - OVERHEAD)))
+            refused = self.run_program("check", name, "--memory-limit", f"{int(peak - OVERHEAD)}B")
             self.assert_fails(2, refused, "--memory-limit")
 
     def test_same_figures_for_any_number_of_threads(self):

@@ -105,7 +105,7 @@ class ErrorTest(ProgramTest):
         report = json.loads((self.folder / "r.json").read_text())
         (self.folder / "a.ply").unlink()
         limit = report["reserved_memory_bytes"] // 3
-        run = self.run_program(*arguments, "--memory-limit", str(limit))
+        run = self.run_program(*arguments, "--memory-limit", f"{limit}B")
         self.assert_fails(2, run, "demo:random?size=32: the surface at iso 0 and the measurement of its error need at least",
                           "--memory-limit SIZE")
         self.assertEqual(json.loads((self.folder / "r.json").read_text())["extractions"], [], "nothing was extracted")

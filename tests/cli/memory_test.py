@@ -43,13 +43,13 @@ class MemoryTest(ProgramTest):
         self.assertGreater(needed, peak_at_least)
         self.assertLess(report["peak_memory_bytes"], needed + allowed, f"{arguments}: more than is reserved")
         before = self.files()
-        run, report = self.report(*arguments, "--memory-limit", str(needed + MIB))
+        run, report = self.report(*arguments, "--memory-limit", f"{needed + MIB}B")
         self.assertEqual(run.code, 0, run.err)
         self.assertLess(report["peak_memory_bytes"], needed + MIB + allowed)
         kept = {"waves.nrrd", "leaves.vdb", "map.raw", "report.json"}
         for name in set(self.files()) - kept:
             (self.folder / name).unlink()
-        run, report = self.report(*arguments, "--memory-limit", str(needed // 2))
+        run, report = self.report(*arguments, "--memory-limit", f"{needed // 2}B")
         self.assert_fails(2, run, "memory", "--memory-limit")
         self.assertLess(report["peak_memory_bytes"], needed // 2 + allowed)
         self.assertEqual(set(self.files()), set(before) & kept)
@@ -81,6 +81,9 @@ class MemoryTest(ProgramTest):
 
     def test_another_resolution(self):
         self.check("demo:gyroid?size=160", "--iso", "0", "--resolution", "256", "-o", "a.ply")
+
+    def test_a_hollow_mesh(self):
+        self.check("demo:sphere?size=128", "--iso", "0", "--hollow", "1.5voxel", "-o", "a.ply")
 
     @needs_data("vdb/smoke.vdb")
     def test_sparse_samples(self):

@@ -338,7 +338,7 @@ class SchemasTest(ProgramTest):
         for code, arguments in ((2, ("bad.vdb", "--iso", "0.5", "-o", "a.glb")), (2, ("none.vdb", "--iso", "0.5", "-o", "a.glb")),
                                 (2, (SPHERE, "--iso", "90", "-o", "a.glb")), (1, (SPHERE, "--nonsense", "-o", "a.glb")),
                                 (1, (SPHERE, "--iso", "0", "--method", "mc", "--relax", "2", "-o", "a.glb")),
-                                (2, (SPHERE, "--iso", "0", "-o", "a.glb", "--memory-limit", "1")),
+                                (2, (SPHERE, "--iso", "0", "-o", "a.glb", "--memory-limit", "1B")),
                                 (3, (SPHERE, "--iso", "0", "--backend", "gpu", "--device", "99", "-o", "a.glb")),
                                 (4, (SPHERE, "--iso", "0", "-o", "no/where/a.glb"))):
             with self.subTest(arguments=arguments):

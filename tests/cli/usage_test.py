@@ -91,6 +91,16 @@ class UsageTest(ProgramTest):
             self.assertIn(f"error: {option}: expected ", err)
             self.assertIn(f"'{value}'", err)
 
+    def test_a_memory_size_without_a_unit_is_not_taken_for_bytes(self):
+        for value in ("20", "0.5", "2000000"):
+            for command in ((SPHERE, "--iso", "0"), ("simulate", "water")):
+                err = self.refused(*command, "--memory-limit", value)
+                self.assertIn(f"--memory-limit: expected a size with a unit, such as 512M or 2G, found '{value}'", err)
+                self.assertIn(f"add a unit: K, M, G or T, or B for bytes, as in {value}B", err)
+        self.assertIn("--gpu-memory: expected a size with a unit", self.refused(SPHERE, "--iso", "0", "--gpu-memory", "4"))
+        self.assert_fails(2, self.run_program(SPHERE, "--iso", "0", "-o", "a.ply", "--memory-limit", "20B"), "memory")
+        self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--memory-limit", "4294967296")
+
     def test_iso_must_be_finite(self):
         for value in ("nan", "inf", "-inf"):
             self.assertIn("a finite number", self.refused(SPHERE, "--iso", value))

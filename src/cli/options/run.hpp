@@ -62,7 +62,7 @@ struct DeviceFlags : OptionSet {
       *this,
       "--gpu-memory",
       "SIZE",
-      parse_size,
+      parse_memory_size,
       "Limit of GPU memory for samples and triangles. Larger volumes are extracted in slabs; the output does not "
       "depend on it. Default: a quarter of the GPU's memory, 1G where the GPU does not tell.",
       About::gpu};
@@ -86,7 +86,7 @@ struct JsonFlag : Flag {
 // The option of commands that read files.
 struct MemoryLimit : Value<std::uint64_t> {
   explicit MemoryLimit(const Place& place)
-      : Value(place, "--memory-limit", "SIZE", parse_size,
+      : Value(place, "--memory-limit", "SIZE", parse_memory_size,
               "Limit for samples and meshes, such as 512M or 8G. An input that needs more is refused. Samples that are "
               "mapped "
               "from their file do not count. Default: the machine's memory.") {}

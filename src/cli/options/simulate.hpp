@@ -52,7 +52,7 @@ struct SequenceFlags : OptionSet {
   Flag no_clobber{*this, "--no-clobber", "Leave existing files alone."};
   Flag make_folders{*this, "--mkdir", "Create missing output folders. A slash at the end of -o does so, too."};
   Value<std::uint64_t> memory_limit{
-      *this, "--memory-limit", "SIZE", parse_size,
+      *this, "--memory-limit", "SIZE", parse_memory_size,
       "Limit for cells and particles, such as 512M or 8G. A simulation that needs more is "
       "refused. Default: the machine's memory."};
 };
