@@ -362,6 +362,7 @@ RunResult BatchRun::State::run(RunEvents& the_events) {
       fatal_error = finished.error();
     }
   }
+  if (manifest) manifest->remove_if_unused();
   RunResult result;
   for (const std::size_t i : frames) result.rows.push_back(std::move(rows[i]));
   result.set_aside = std::move(set_aside);

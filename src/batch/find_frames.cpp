@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <numeric>
 #include <string_view>
 #include <unordered_set>
@@ -327,18 +328,49 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
   return found;
 }
 
+// Returns the paths that the header of a file with samples alone may have; none for other files.
+std::vector<std::string> headers_of(fs::path file) {
+  if (file.extension() == ".gz" || file.extension() == ".bz2") file.replace_extension();
+  constexpr std::array<std::string_view, 4> kData{".raw", ".zraw", ".img", ".dat"};
+  if (std::ranges::find(kData, file.extension().string()) == kData.end()) return {};
+  std::vector<std::string> headers;
+  for (const std::string_view extension : {".nhdr", ".mhd", ".hdr", ".ini"}) {
+    headers.push_back(file.replace_extension(extension).string());
+  }
+  return headers;
+}
+
+// Fails if the inputs are slices of one volume: a frame of one slice has no surface.
+Result<void> check_slices(std::span<const std::string> inputs) {
+  if (!std::ranges::all_of(inputs, [](const std::string& input) { return volume_io::has_picture_extension(input); }))
+    return {};
+  const std::vector<Sequence> sequences = sequences_of(inputs);
+  if (sequences.size() != 1 || !volume_io::is_slice_stack(sequences.front().pattern, Context())) return {};
+  const std::string pattern = printable(sequences.front().pattern);
+  return fail(ErrorCode::usage,
+              fmt::format("{} and {} more: expected volumes as frames, found slices of the one volume {}",
+                          printable(inputs.front()), inputs.size() - 1, pattern),
+              fmt::format("give the pattern '{}', in quotes, to read all its slices, or the folder, if it holds only "
+                          "the slices that you want",
+                          pattern));
+}
+
 }  // namespace
 
 bool has_header_beside(const std::string& folder, const std::string& name) {
-  fs::path stem(name);
-  if (stem.extension() == ".gz" || stem.extension() == ".bz2") stem.replace_extension();
-  constexpr std::array<std::string_view, 4> kData{".raw", ".zraw", ".img", ".dat"};
-  if (std::ranges::find(kData, stem.extension().string()) == kData.end()) return false;
-  constexpr std::array<std::string_view, 4> kHeaders{".nhdr", ".mhd", ".hdr", ".ini"};
-  return std::ranges::any_of(kHeaders, [&](std::string_view extension) {
+  return std::ranges::any_of(headers_of(fs::path(folder) / name), [](const std::string& header) {
     std::error_code none;
-    return fs::exists(fs::path(folder) / stem.replace_extension(extension), none);
+    return fs::exists(header, none);
   });
+}
+
+std::vector<std::string> without_sample_files(std::span<const std::string> inputs) {
+  const std::unordered_set<std::string> listed(inputs.begin(), inputs.end());
+  std::vector<std::string> others;
+  std::ranges::copy_if(inputs, std::back_inserter(others), [&](const std::string& input) {
+    return std::ranges::none_of(headers_of(input), [&](const std::string& header) { return listed.contains(header); });
+  });
+  return others;
 }
 
 Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind) {
@@ -398,8 +430,9 @@ std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> fr
   return runs_of(missing);
 }
 
-Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range,
+Result<Frames> find_frames(std::span<const std::string> given, const std::optional<FrameRange>& range,
                            bool pictures_are_frames) {
+  const std::vector<std::string> inputs = without_sample_files(given);
   if (inputs.empty()) return fail(ErrorCode::usage, "expected an input, found none");
   const std::string& input = inputs.front();
   const auto choose = [&](Result<FoundFrames> found) -> Result<Frames> {
@@ -407,7 +440,10 @@ Result<Frames> find_frames(std::span<const std::string> inputs, const std::optio
     return chosen_frames(std::move(*found), range,
                          inputs.size() == 1 ? input : fmt::format("{} and {} more", input, inputs.size() - 1));
   };
-  if (inputs.size() > 1) return choose(listed_files(inputs));
+  if (inputs.size() > 1) {
+    if (!pictures_are_frames) TRY(check_slices(inputs));
+    return choose(listed_files(inputs));
+  }
   std::error_code none;
   const fs::file_status status = is_file_name(input) ? fs::status(input, none) : fs::file_status();
   const bool is_folder = fs::is_directory(status);

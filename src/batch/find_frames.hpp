@@ -41,7 +41,7 @@ struct Frames {
 // Returns the numbers of the range without a frame. `frames` are ordered by number.
 [[nodiscard]] std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames);
 
-// Finds the frames. `inputs` are one of these:
+// Finds the frames. `given` is one of these:
 //   a pattern     the files and volume folders that match it (frame_pattern.hpp); if a file has exactly this name, only
 //                 that file
 //   demo:NAME     with a pattern in it: one input for each number of `range`, which is then required
@@ -51,7 +51,9 @@ struct Frames {
 //   a volume      a folder that is one volume (volume_io::is_volume_folder()): one frame
 //   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, whose input is the
 //                 pattern or folder; with `pictures_are_frames` each picture is a frame
-//   other inputs  a list of paths, one frame each; a missing file is a frame, too, and reading it fails later
+//   other inputs  a list of paths, one frame each, as without_sample_files() returns it; a missing file is a frame,
+//   too,
+//                 and reading it fails later
 //
 // Numbers of the frames:
 //   - If the names differ only in one decimal number (detail/decimal_names.hpp), the frames get the numbers 1 to n by
@@ -69,17 +71,22 @@ struct Frames {
 // Fails with ErrorCode::usage in these cases:
 //   - a folder holds several sequences (the message lists them);
 //   - a list has a file twice;
+//   - a list has slices of one volume, without `pictures_are_frames`;
 //   - a list has a pattern, or a folder that is no volume;
 //   - a list has a word that names no file and has no period, slash, brace, # or *, like a stray option value;
 //   - FramePattern::parse() fails, or a pattern in demo:NAME has no range;
 //   - a pattern's number is part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb);
 //   - `range` is set for a single file, stack or volume folder;
-//   - `inputs` is empty, or there are more than kMaxFrames frames.
-[[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range,
+//   - `given` is empty, or there are more than kMaxFrames frames.
+[[nodiscard]] Result<Frames> find_frames(std::span<const std::string> given, const std::optional<FrameRange>& range,
                                          bool pictures_are_frames = false);
 
 // Returns whether the file has the samples of a header beside it, with which it is read: scan.raw beside scan.nhdr.
 [[nodiscard]] bool has_header_beside(const std::string& folder, const std::string& name);
+
+// Returns the inputs without sample files whose header is another input, such as a shell's list for tooth/* with
+// tooth.nhdr and tooth.raw.
+[[nodiscard]] std::vector<std::string> without_sample_files(std::span<const std::string> inputs);
 
 // Returns the note about files of a folder that a run passes over; `kind` completes "the extension of ... format".
 [[nodiscard]] Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind);

@@ -185,6 +185,7 @@ struct Manifest::State {
   int before = -1;  // the replaced file; stays open, so that a run that opened it cannot lock it
   int folder = -1;  // also locked
   bool resume = false;
+  bool is_used = false;                                  // has records, or is not this run's own
   std::unordered_map<std::string, FrameRecord> records;  // of earlier runs; without `resume` only their jobs
 
   State() = default;
@@ -279,6 +280,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
     if (state->file < 0) return output_error(state->path, "open it for writing", errno);
     if (::flock(state->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();
   }
+  state->is_used = !text->empty() || !kept.empty() || !header.shard.is_all();
   state->keep(std::move(kept));
   return Manifest(std::move(state));
 }
@@ -294,6 +296,13 @@ Result<void> Manifest::begin(const std::string& job) {
   return state_->records.erase(job) == 0 ? Result<void>() : state_->append(line_of(revocation_json(job)));
 }
 
-Result<void> Manifest::add(const FrameRecord& record) { return state_->append(line_of(json_of(record))); }
+Result<void> Manifest::add(const FrameRecord& record) {
+  state_->is_used = true;
+  return state_->append(line_of(json_of(record)));
+}
+
+void Manifest::remove_if_unused() const {
+  if (!state_->is_used) ::unlink(state_->path.c_str());
+}
 
 }  // namespace isoextract::batch

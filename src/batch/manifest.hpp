@@ -85,6 +85,9 @@ class Manifest {
   [[nodiscard]] Result<void> begin(const std::string& job);
   // Appends a record. Fails with ErrorCode::output.
   [[nodiscard]] Result<void> add(const FrameRecord& record);
+  // Removes the manifest of a whole batch if this run created it and no frame was finished. A shard's stays: merging
+  // reads from it which frames failed.
+  void remove_if_unused() const;
 
  private:
   struct State;

@@ -163,7 +163,10 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "put {iso} into the name instead");
   }
   const bool tells_apart = by_label || names.uses(OutputWord::iso);
-  if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !tells_apart) {
+  // Of several labels with the same name, the conversion refuses the second.
+  const bool is_one =
+      source.isos.empty() || (source.isos.size() == 1 && (!all_labels || source.isos.front().is_label_name()));
+  if (names.uses(OutputWord::piece) && !is_one && !tells_apart) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: bodies of several surfaces would have the same file names", label_of_source(source)),
                 "put {iso} into the name as well");
@@ -182,9 +185,6 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                             source.more_grids.size() + 1),
                 "put {grid} into the name to get a file for each, or write all into a glb");
   }
-  // Of several labels with the same name, the writer refuses the second.
-  const bool is_one =
-      source.isos.empty() || (source.isos.size() == 1 && (!all_labels || source.isos.front().is_label_name()));
   if (is_one || tells_apart) return {};
   if (all_labels) {
     return fail(ErrorCode::usage,

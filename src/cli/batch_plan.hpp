@@ -52,9 +52,9 @@ struct BatchPlan {
 // (FILE.h5:/path). Returns true for an invalid pattern: the search for frames reports it.
 [[nodiscard]] bool is_frame_pattern(const std::string& input);
 
-// Replaces several files that are one volume, such as slices/*.png listed by a shell, by the pattern or the folder that
-// names the volume (batch::find_one_volume()).
-void join_slices(std::vector<std::string>& inputs);
+// Replaces several files that are one volume, such as slices/*.png listed by a shell, by the header, the pattern or the
+// folder that names the volume (batch::without_sample_files() and batch::find_one_volume()).
+void join_files(std::vector<std::string>& inputs);
 
 // Plans the batch. `environment` is std::getenv, or a replacement in tests. plan_batch() asks it for the variables of
 // job schedulers: for --shard auto, or without --shard for a note. Fails with ErrorCode::usage if options are invalid

@@ -65,10 +65,10 @@ Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& p
   const bool tells_apart = path.find("{iso}") != std::string::npos ||
                            path.find(convert::kLabelPlaceholder) != std::string::npos ||
                            path.find(convert::kNamePlaceholder) != std::string::npos;
-  if ((flags.labels.is_set_of_labels() || flags.isos.size() > 1) && !tells_apart) {
+  const bool is_set = flags.labels.is_set_of_labels() && !flags.labels.chosen->front().is_label_name();
+  if ((is_set || flags.isos.size() > 1) && !tells_apart) {
     return refuse_usage(fmt::format("-o {}: bodies of several surfaces would have the same file names", path),
-                        flags.labels.is_set_of_labels() ? "put {label} into the file name as well"
-                                                        : "put {iso} into the file name as well");
+                        is_set ? "put {label} into the file name as well" : "put {iso} into the file name as well");
   }
   return {};
 }

@@ -61,7 +61,7 @@ Result<std::vector<std::string>> find_masks(std::span<const std::string> inputs,
       return refuse_usage(fmt::format("{}: expected each mask once, found this input twice", printable(input)));
     }
   }
-  std::vector<std::string> masks(inputs.begin(), inputs.end());
+  std::vector<std::string> masks = batch::without_sample_files(inputs);
   std::ranges::sort(masks, files::NaturalLess());
   return masks;
 }

@@ -233,6 +233,22 @@ class BatchRulesTest(ProgramTest):
         self.assertEqual(self.names("a"), ["1.bin.old", "1.gltf.old"])
         self.assertEqual(self.names("b"), ["1_1.obj.old"])
 
+    def test_a_batch_without_a_finished_frame_leaves_no_manifest(self):
+        self.write_frames(range(1, 4))
+        self.damage(1, 2, 3)
+        self.run_batch("-o", "out/{}.ply", code=5)
+        self.assertEqual(self.names(), [])
+        self.write_frames(range(1, 3))  # --resume works without it, and keeps the frames of its own manifest
+        self.run_batch("-o", "out/{}.ply", "--resume", code=5)
+        self.assertEqual(self.names(), ["1.ply", "2.ply"])
+        self.assertTrue((self.folder / "out/isoextract.manifest").exists())
+        self.damage(1, 2)
+        self.run_batch("-o", "out/{}.ply", "--resume", code=5)
+        self.assertTrue((self.folder / "out/isoextract.manifest").exists(), "an earlier run made it")
+        # A shard's stays: merging reads which frames failed.
+        self.run_batch("-o", "shards/{}.ply", "--shard", "1/2", code=5)
+        self.assertTrue((self.folder / "shards/isoextract.1-of-2.manifest").exists())
+
     # Reports and notes
 
     def test_frames_that_fail_for_one_reason_are_told_together(self):

@@ -184,10 +184,12 @@ class ImagesTest(ProgramTest):
         self.assertIn("9 files are the slices of one volume", run.err)
         self.assertEqual((self.folder / "list.ply").read_bytes(), (self.folder / "folder.ply").read_bytes())
         self.assertEqual(self.info(*names)["field"]["box"]["max"], [13, 11, 8])
-        # A part of the stack stays a list of frames, and so does a list with an option for frames.
+        # A slice alone has no surface, so a part of the stack, or the stack with an option for frames, is refused.
         for more in (names[:4], [*names, "--frames", "5-13"]):
             run = self.run_program(*more, "--iso", "100", "-o", "frame_{}.ply")
-            self.assert_fails(5, run, "a surface needs at least 2 samples along each axis")
+            self.assert_fails(1, run, "expected volumes as frames, found slices of the one volume png/s_{}.png",
+                              "give the pattern 'png/s_{}.png', in quotes")
+        self.assertEqual([name for name in self.files() if "manifest" in name], [])
 
     def test_stacks_tell_what_is_missing_or_differs(self):
         volume = ball(dtype="u1")

@@ -254,6 +254,9 @@ TEST_F(FindFrames, LeavesSamplesToTheirHeaders) {
   make({"e/scan.nhdr", "e/scan.zraw"});
   EXPECT_EQ(found({"e"}), "1=e/scan.nhdr");
   EXPECT_TRUE(find({"e"})->notes.empty() || find({"e"})->notes.front().id != NoteId::other_files);
+  EXPECT_EQ(found({"e/scan.nhdr", "e/scan.zraw"}), "1=e/scan.nhdr");
+  EXPECT_EQ(found({"d/a_1.nhdr", "d/a_1.raw", "d/a_2.nhdr", "d/a_2.raw.gz"}), "1=d/a_1.nhdr 2=d/a_2.nhdr");
+  EXPECT_EQ(found({"d/a_1.raw", "d/a_2.nhdr"}), "1=d/a_1.raw 2=d/a_2.nhdr") << "the header of a_1.raw is not listed";
   make({"f/scan.nhdr", "f/other.raw"});
   EXPECT_EQ(found({"f"}), "1=f/other.raw 2=f/scan.nhdr");
 }
