@@ -6,7 +6,6 @@
 #include <iterator>
 #include <new>
 #include <span>
-#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -157,16 +156,13 @@ class Conversion {
         const auto asked = job_.source.mesh ? all : all.subspan(first_iso_of(job_, output_, grid), output.isos.size());
         const auto isos =
             chosen_.large_enough(surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
-        const Notes repeated = repeated_notes(source_.label, asked, files::output_label(output.path));
-        for (const Note& text : repeated) events_.note(text);
+        for (const Note& text : repeated_notes(source_.label, asked, files::output_label(output.path)))
+          events_.note(text);
         TRY(add_surfaces(isos, *file, in_pieces));
         skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
       }
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
-    if (labels_ && !in_pieces && std::ranges::all_of(skipped, is_nothing)) {
-      TRY(tell_no_label(source_, job_, labels_->labels().size(), output, events_));
-    }
     // A surface split into bodies has one file for each body, so `output` itself names no file.
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
@@ -303,22 +299,21 @@ class Conversion {
     if (!choice) return {};
     return_large_blocks();
     looks_ = TRY(LabelAppearance::open(job_, source_.field, opened_->second, context_));
+    if (masks_) looks_.add_names_without_voxels(masks_->names_without_voxels());
     if (!backends_.extractor()->has(job_.surface.method)) {
       const Error error{ErrorCode::unavailable,
                         fmt::format("the {} backend does not have {}", backends_.extractor()->name(), method().title),
                         {Remedy::use, Setting::cpu_backend}};
       if (!backends_.fall_back_to_cpu(error)) return tl::unexpected(error);
     }
-    auto found =
-        TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
+    labels_ = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
     TRY(volume_io::check_mapping_intact(source_.field));
-    labels_ = std::move(found);
     for (const Note& note : labels_->notes()) events_.note(note);
     const auto missing =
         looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background, job_.source.roi.has_value());
-    const bool asks_for_all = source_.isos.front().asked.kind == IsoChoice::Kind::all_labels;
-    if (asks_for_all && missing) events_.note(*missing);
+    if (missing && source_.isos.front().asked.kind == IsoChoice::Kind::all_labels) events_.note(*missing);
     chosen_ = TRY(choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, job_.empty, source_.label));
+    TRY(check_piece_names(job_, chosen_, looks_, source_.label));
     for (const Note& note : chosen_.notes) events_.note(note);
     // Of several layers, some may have none of the labels.
     if (is_layered_ || !chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
@@ -375,9 +370,7 @@ class Conversion {
       report.entries = std::move(file.facts);
       events_.end(report);
     }
-    for (const Note& text : result.notes) {
-      if (told_.insert(text.text).second) events_.note(text);  // the same for each of many files
-    }
+    for (const Note& text : result.notes) events_.note(text);
     for (const mesh_io::WrittenFile& written : result.files) file.written.bytes += written.bytes;
     file.written.files += result.files.size();
     return std::move(result.files);
@@ -386,10 +379,11 @@ class Conversion {
   // Completes the file, unless each label has its own.
   Result<void> finish(OutputMeshes& file, const std::vector<SkippedSurfaces>& skipped) {
     std::vector<mesh_io::WrittenFile> files;
+    const std::string path = file.written.files == 1 ? outcome_.files.back().path : file.job.path;  // of the only label
     if (file.written.files == 0) files = TRY(close(file));
     tell_skipped(file.job, skipped, true, "");
     file.written.placement = job_.source.mesh ? file_text(source_.placement) : world_text(source_.placement);
-    tell_written(std::move(file.written), file.job, file.time, std::move(files));
+    tell_written(std::move(file.written), path, file.time, std::move(files));
     return {};
   }
 
@@ -403,10 +397,10 @@ class Conversion {
   }
 
   // Without surfaces, no time is reported.
-  void tell_written(WrittenOutput output, const OutputFileJob& job, const std::optional<StageTime>& time,
+  void tell_written(WrittenOutput output, const std::string& path, const std::optional<StageTime>& time,
                     std::vector<mesh_io::WrittenFile> files) {
     locate(std::move(files));
-    StageReport report(StageName::write, files::output_label(job.path));
+    StageReport report(StageName::write, files::output_label(path));
     report.time = time;
     if (time) report.did = "written";
     report.output = std::move(output);
@@ -415,12 +409,16 @@ class Conversion {
 
   Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {
     const bool in_pieces = job_.edits.pieces.split && output.path.find(kPiecePlaceholder) != std::string::npos;
+    const bool has_label = !labels_ || !std::ranges::all_of(skipped, is_nothing);
+    const Error none = no_label(source_, job_.surface.background, labels_ ? labels_->labels().size() : 0);
+    if (!has_label && job_.empty == EmptyPolicy::error) return tl::unexpected(none);
     const auto removed = TRY(collector_ != nullptr ? Result<std::vector<std::string>>()
                              : in_pieces           ? remove_old_pieces(output, 1, meshes_.format, read(), context_)
                                                    : remove_old_meshes(output, meshes_.format, context_));
-    tell_skipped(output, skipped, false,
-                 removed.empty() ? "" : fmt::format(" and removed the old {}", first_and_last(removed)));
-    tell_written({}, output, std::nullopt, {});
+    const std::string besides = removed.empty() ? "" : fmt::format(" and removed the old {}", first_and_last(removed));
+    tell_skipped(output, skipped, false, besides);
+    if (!has_label) events_.note(note_of_no_label(none, output, besides));
+    tell_written({}, output.path, std::nullopt, {});
     return {};
   }
 
@@ -460,7 +458,6 @@ class Conversion {
   std::optional<MaskLayers> masks_;             // if the job has masks
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
   ChosenLabels chosen_;                         // of labels_
-  std::unordered_set<std::string> told_;        // notes about files
   SurfaceList all_;                             // surfaces of the current grid
   LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output

@@ -193,8 +193,8 @@ Result<Mask> read_mask(const std::string& path, const volume_io::ReadOptions& op
   }
   if (grid != nullptr && !have_same_grid(*grid, mask.field)) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected the grid of {}, {}; found {}", label, field_label(*grid), grid_text(*grid),
-                            grid_text(mask.field)),
+                fmt::format("the masks {} and {} have different grids: {}; and {}", field_label(*grid), label,
+                            grid_text(*grid), grid_text(mask.field)),
                 "all masks need one grid; convert the masks of each grid in a run of their own");
   }
   mask.found = TRY(field::visit_sample_type(mask.field.type(), [&]<class T>(std::type_identity<T> /*type*/) {
@@ -284,7 +284,6 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
   masks.options_ = options;
   std::shared_ptr<ReservedBuffer<std::uint8_t>> occupied;
   Map first;
-  std::vector<std::string> empty;
   std::vector<std::string> apart;  // masks in other layers than the first
   std::uint64_t shared = 0;
   for (std::size_t k = 0; k < masks.paths_.size(); ++k) {
@@ -310,7 +309,7 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
     }
     const auto label = static_cast<std::int64_t>(k) + 1;
     if (mask.found.voxels == 0) {
-      empty.push_back(name_of(path));
+      masks.empty_.push_back(name_of(path));
       continue;
     }
     shared += mask.found.shared;
@@ -331,9 +330,9 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
   const std::string all = masks.paths_.size() > 1
                               ? fmt::format("{} and {} more", masks.grid_.source, masks.paths_.size() - 1)
                               : masks.grid_.source;
-  if (!empty.empty()) {
+  if (!masks.empty_.empty()) {
     events.note({NoteId::labels_empty, fmt::format("{}: no mesh for {} of {} masks, which have no voxels: {}", all,
-                                                   empty.size(), masks.paths_.size(), list_text(empty))});
+                                                   masks.empty_.size(), masks.paths_.size(), list_text(masks.empty_))});
   }
   if (shared > 0) {
     events.note({NoteId::masks_overlap,

@@ -43,6 +43,8 @@ class MaskLayers {
 
   // Returns the names of the masks with voxels, with their labels and layers.
   [[nodiscard]] const std::vector<field::LabelName>& names() const { return names_; }
+  // Returns the names of the other masks, those without a voxel.
+  [[nodiscard]] const std::vector<std::string>& names_without_voxels() const { return empty_; }
   // Returns the voxels and bounds of the masks with voxels, in ascending order of label.
   [[nodiscard]] const std::vector<field::LabelFigures>& figures() const { return figures_; }
 
@@ -60,6 +62,7 @@ class MaskLayers {
   volume_io::ReadOptions options_;
   field::ScalarField grid_;                   // of all masks, without samples
   std::vector<field::LabelName> names_;       // of masks with voxels
+  std::vector<std::string> empty_;            // names of the masks without voxels
   std::vector<field::LabelFigures> figures_;  // of the same masks
   std::uint64_t faces_ = 0;
   std::int64_t count_ = 1;            // of the layers

@@ -128,7 +128,12 @@ class HollowTest(ProgramTest):
         source = ("ball.raw", "--dims", "12,12,12", "--dtype", "f32", "--iso", "0")
         _, vertices, _, record = self.hollow(*source, thickness="5world")
         self.assertEqual((vertices, record["cavities"], record["min"]), ([], 0, None))
-        self.assertIn("note[no-effect]", self.last.err)
+        self.assertIn("no part is thicker than two walls of 5world each, 5 in the units of the mesh", self.last.err)
+        self.assertIn("a thinner wall can leave a cavity", self.last.err)
+        self.assertNotIn("null", self.last.err)
+        self.assertEqual(str(record["volume"]), "0.0")
+        self.hollow(*source, thickness="30voxels")  # the plural, too
+        self.assertIn("two walls of 30voxel each", self.last.err)
         self.write_raw("cut.raw", (12, 12, 12), sphere((5.5, 5.5, 0), 4))
         cut = ("cut.raw", *source[1:], "--hollow", "1world")
         run = self.run_program(*cut, "-o", "cut.ply")

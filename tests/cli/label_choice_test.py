@@ -122,6 +122,26 @@ class LabelChoiceTest(ProgramTest):
         for wrong in ("1,", "!", "4-2", ""):
             self.assert_fails(1, self.run_program(*self.map, "--labels", wrong, "-o", "x.glb"), "1-40,Hippocampus*,!Skull")
 
+    def test_the_old_file_of_a_choice_without_labels_is_removed_and_told(self):
+        for chosen in ("Kidney*", "30-40", "99"):
+            (self.folder / "x.glb").write_bytes(b"old")
+            run = self.run_program(*self.map, "--labels", chosen, "-o", "x.glb")
+            self.assert_fails(2, run)
+            self.assertIn("x.glb", self.files())
+            run = self.convert(*self.map, "--labels", chosen, "--empty", "skip", "-o", "x.glb")
+            self.assertIn("the conversion did not write x.glb and removed the old x.glb", run.err)
+            self.assertEqual(run.err.count("note[no-surface]"), 1)
+            self.assertNotIn("x.glb", self.files())
+            run = self.convert(*self.map, "--labels", chosen, "--empty", "skip", "-o", "x.glb")
+            self.assertIn("the conversion did not write x.glb\n", run.err)
+
+    def test_the_result_names_the_file_of_the_only_label(self):
+        table = ("--label-names", "names.txt")
+        run = self.convert(*self.map, "--labels", "Skull", *table, "-o", "of_{name}.stl")
+        self.assertIn(" -> of_Skull.stl: ", run.err)
+        run = self.convert(*self.map, "--labels", "2,3", "-o", "of_{label}.stl")
+        self.assertIn(" -> of_{label}.stl (2 files): ", run.err)
+
     def test_a_label_by_its_name_goes_to_a_format_of_one_surface(self):
         table = ("--label-names", "names.txt")
         self.convert(*self.map, "--labels", "Skull", *table, "-o", "name.stl")
@@ -130,7 +150,13 @@ class LabelChoiceTest(ProgramTest):
         number = re.search(r"^\s*(\d+).*Skull", TABLE, re.M)[1]
         self.convert(*self.map, "--labels", number, *table, "-o", "number.stl")
         self.assertEqual((self.folder / "name.stl").read_bytes(), (self.folder / "number.stl").read_bytes())
+        self.convert(*self.map, "--labels", "Skull", *table, "--split-components", "-o", "body_{piece}.stl")
+        self.assertEqual((self.folder / "body_1.stl").read_bytes(), (self.folder / "name.stl").read_bytes())
         (self.folder / "twice.txt").write_text(TABLE.replace("Hippocampus left", "Skull"))
+        bodies = (*self.map, "--labels", "Skull", "--label-names", "twice.txt", "--split-components", "-o")
+        self.assert_fails(1, self.run_program(*bodies, "two_{piece}.stl"), "several labels have the name 'Skull'", "{label}")
+        self.assertEqual([name for name in self.files() if name.startswith("two_")], [])
+        self.convert(*bodies, "two_{name}_{piece}.stl")
         for names, chosen, message in ((table, "Sk*", "one stl file holds one surface, but labels Sk* can give several"),
                                        (("--label-names", "twice.txt"), "Skull", "the format stl holds one mesh, found 2")):
             self.assert_fails(1, self.run_program(*self.map, "--labels", chosen, *names, "-o", "several.stl"), message)

@@ -155,11 +155,11 @@ class MasksTest(ProgramTest):
         self.write_balls()
         self.write("z_other.nii", self.left[:-1])
         self.assert_fails(2, self.run_program("seg", "--masks", "-o", "out.glb"),
-                          "seg/z_other.nii: expected the grid of seg/kidney_left.nii.gz, 28 x 24 x 20 samples",
-                          "found 28 x 24 x 19 samples")
+                          "the masks seg/kidney_left.nii.gz and seg/z_other.nii have different grids: 28 x 24 x 20 samples",
+                          "; and 28 x 24 x 19 samples")
         self.write("z_other.nii", self.left, origin=(0.0, 0.0, 1.0))
         self.assert_fails(2, self.run_program("seg", "--masks", "-o", "out.glb"),
-                          "first sample at (0, 0, 0); found", "first sample at (0, 0, 1)")
+                          "first sample at (0, 0, 0); and", "first sample at (0, 0, 1)")
         self.write("z_other.nii", self.left, spacing=(0.5, 0.75, 2.001))  # 0.038 mm at the far end
         self.assert_fails(2, self.run_program("seg", "--masks", "-o", "out.glb"), "(0, 0, 2.001)")
         self.write("z_other.nii", np.zeros_like(self.left), origin=(0.0, 0.0, 1e-5))  # rounding
@@ -174,6 +174,12 @@ class MasksTest(ProgramTest):
         self.assert_fails(2, self.run_program("seg/a_empty.nii.gz", "--masks", "-o", "none.glb"), "no sample has a label")
         self.convert("seg/a_empty.nii.gz", "--masks", "--empty", "skip", "-o", "none.glb")
         self.assertNotIn("none.glb", self.files())
+        asked = ("seg", "--masks", "--labels")
+        self.assert_fails(2, self.run_program(*asked, "a_empty", "-o", "none.glb"), "no sample has the label 'a_empty'")
+        run = self.convert(*asked, "a_empty,kidney_left,spleen", "--empty", "skip", "-o", "left.glb")
+        self.assertIn("no sample has the label 'a_empty'", run.err)
+        self.assertIn("no label is 'spleen'", run.err)
+        self.assertEqual(list(read_glb((self.folder / "left.glb").read_bytes())), ["kidney_left"])
 
     def test_a_full_mask_is_a_box(self):
         self.write("body.nii", np.ones_like(self.left))
@@ -208,9 +214,16 @@ class MasksTest(ProgramTest):
             (self.folder / "seg" / f"{name}.raw").write_bytes(mask.astype(np.uint8).tobytes())
             (self.folder / "seg" / f"{name}.nhdr").write_text(
                 f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {sizes}\nencoding: raw\ndata file: {name}.raw\n\n")
-        meshes, run = self.meshes("seg", "--masks")
-        self.assertEqual(list(meshes), ["left", "right"])
-        self.assertNotIn("other-files", run.err)
+        listed = [f"seg/{name}" for name in ("left.nhdr", "left.raw", "right.nhdr", "right.raw")]
+        for inputs in (["seg"], listed):
+            meshes, run = self.meshes(*inputs, "--masks")
+            self.assertEqual(list(meshes), ["left", "right"])
+            self.assertNotIn("other-files", run.err)
+        self.assertEqual(run.err.count("note[placement-assumed]"), 1)  # not once for each mask
+        # Without --masks, too: a header alone is one conversion, several are frames.
+        self.assertNotIn("frames", self.convert(*listed[:2], "--iso", "0.5", "-o", "left.ply").err)
+        self.convert(*listed, "--iso", "0.5", "-o", "of_{}.ply", "--jobs", "2")
+        self.assertEqual([name for name in self.files() if name.startswith("of_")], ["of_1.ply", "of_2.ply"])
 
     def test_missing_folders_are_made_on_request(self):
         self.write_balls()

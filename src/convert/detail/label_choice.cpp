@@ -41,11 +41,13 @@ Result<void> select(const std::string& text, const LabelAppearance& looks, Empty
   for (const field::LabelName& other : looks.of_other_layers()) {
     static_cast<void>(selection->contains(other.label, other.name));
   }
-  std::vector<std::string> terms;
+  const std::vector<std::string> names = looks.names();
+  std::vector<std::string> without_sample;  // names of labels
+  std::vector<std::string> terms;           // of no label
   for (const LabelSelection::UnmatchedTerm& term : selection->unmatched()) {
+    const bool is_known = std::ranges::find(names, term.text) != names.end();
     if (term.is_one_label && empty == EmptyPolicy::error) {
-      const std::vector<std::string> names = looks.names();
-      if (std::ranges::find(names, term.text) != names.end()) {
+      if (is_known) {
         return fail(ErrorCode::no_surface,
                     fmt::format("{}: no sample has the label '{}'", source, printable(term.text)),
                     {Remedy::use, Setting::empty_policy});
@@ -55,7 +57,11 @@ Result<void> select(const std::string& text, const LabelAppearance& looks, Empty
       return fail(ErrorCode::no_surface, fmt::format("{}: no label is '{}'", source, printable(term.text)),
                   std::move(hint));
     }
-    terms.push_back(fmt::format("'{}'", printable(term.text)));
+    (is_known ? without_sample : terms).push_back(fmt::format("'{}'", printable(term.text)));
+  }
+  if (!without_sample.empty()) {
+    chosen.notes.push_back({NoteId::labels_unmatched,
+                            fmt::format("{}: no sample has the label {}", source, fmt::join(without_sample, " or "))});
   }
   if (terms.empty()) return {};
   chosen.notes.push_back(
@@ -96,6 +102,25 @@ Result<ChosenLabels> choose_labels(std::span<const ResolvedIso> asked, const ext
   }
   drop_small(found, least, source, chosen);
   return chosen;
+}
+
+Result<void> check_piece_names(const ConversionJob& job, const ChosenLabels& chosen, const LabelAppearance& looks,
+                               const std::string& source) {
+  for (const OutputFileJob& output : job.outputs) {
+    if (output.isos.size() != 1 || !output.isos.front().is_label_name()) continue;
+    const auto uses = [&](std::string_view word) { return output.path.find(word) != std::string::npos; };
+    if (!uses(kPiecePlaceholder) || uses(kLabelPlaceholder) || uses(kNamePlaceholder)) continue;
+    const std::string& name = output.isos.front().selection;
+    const std::vector<field::LabelName> others = looks.of_other_layers();
+    const bool is_shared =
+        chosen.labels.size() > 1 || std::ranges::find(others, name, &field::LabelName::name) != others.end();
+    if (!is_shared) continue;
+    return fail(ErrorCode::usage,
+                fmt::format("{}: several labels have the name '{}', and their bodies would have the same file names",
+                            source, printable(name)),
+                "put {label} into the file name as well");
+  }
+  return {};
 }
 
 std::size_t group_size(std::span<const ResolvedIso> next, const extract::LabelVoxels& found) {

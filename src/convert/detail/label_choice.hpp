@@ -36,6 +36,11 @@ struct ChosenLabels {
                                                  const LabelAppearance& looks, std::uint64_t least, EmptyPolicy empty,
                                                  const std::string& source);
 
+// Fails with ErrorCode::usage if the job splits the labels of one name into files of bodies, and several labels have
+// that name: the files of the second would replace those of the first.
+[[nodiscard]] Result<void> check_piece_names(const ConversionJob& job, const ChosenLabels& chosen,
+                                             const LabelAppearance& looks, const std::string& source);
+
 // Returns how many of the next surfaces, at least one, are made at the same time: labels with little work, as long as
 // all of them together stay small.
 [[nodiscard]] std::size_t group_size(std::span<const ResolvedIso> next, const extract::LabelVoxels& found);

@@ -68,7 +68,12 @@ std::string LabelAppearance::given_name(std::int64_t label) const {
 std::vector<std::string> LabelAppearance::names() const {
   std::vector<std::string> names;
   for (const field::LabelName& entry : labels_) names.push_back(entry.name);
+  names.insert(names.end(), without_voxels_.begin(), without_voxels_.end());
   return names;
+}
+
+void LabelAppearance::add_names_without_voxels(const std::vector<std::string>& names) {
+  without_voxels_.insert(without_voxels_.end(), names.begin(), names.end());
 }
 
 std::vector<field::LabelName> LabelAppearance::of_other_layers() const {

@@ -29,7 +29,10 @@ class LabelAppearance {
   // Returns the name that the table or the file gives the label, or an empty text.
   [[nodiscard]] std::string given_name(std::int64_t label) const;
 
-  // Returns the names that the table or the file gives labels, of all layers.
+  // Adds names of labels that no sample has, such as those of empty masks.
+  void add_names_without_voxels(const std::vector<std::string>& names);
+
+  // Returns the names that the table or the file gives labels, of all layers, and the added ones.
   [[nodiscard]] std::vector<std::string> names() const;
   // Returns the labels with names of other layers than this one.
   [[nodiscard]] std::vector<field::LabelName> of_other_layers() const;
@@ -55,6 +58,7 @@ class LabelAppearance {
   std::vector<field::LabelName> labels_;                    // with names, of all layers
   std::unordered_map<std::int64_t, std::size_t> by_label_;  // index in labels_ of the first entry of this layer
   std::unordered_map<std::string, std::size_t> shared_by_;  // number of entries with a name, of all layers
+  std::vector<std::string> without_voxels_;                 // the added names
   std::optional<std::int64_t> layer_;
   bool has_table_ = false;  // a table may name any number of labels besides those of the map
 };

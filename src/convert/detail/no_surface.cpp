@@ -44,13 +44,9 @@ Error no_label(const Source& source, std::int64_t background, std::size_t labels
           {Remedy::use, Setting::empty_policy}};
 }
 
-Result<void> tell_no_label(const Source& source, const ConversionJob& job, std::size_t labels,
-                           const OutputFileJob& output, Events& events) {
-  const Error none = no_label(source, job.surface.background, labels);
-  if (job.empty == EmptyPolicy::error) return tl::unexpected(none);
-  events.note({NoteId::no_surface,
-               fmt::format("{}; the conversion did not write {}", none.message, files::output_label(output.path))});
-  return {};
+Note note_of_no_label(const Error& none, const OutputFileJob& output, const std::string& besides) {
+  return {NoteId::no_surface, fmt::format("{}; the conversion did not write {}{}", none.message,
+                                          files::output_label(output.path), besides)};
 }
 
 Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked, bool are_labels,

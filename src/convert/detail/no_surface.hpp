@@ -27,10 +27,8 @@ namespace isoextract::convert {
 // none besides the background.
 [[nodiscard]] Error no_label(const Source& source, std::int64_t background, std::size_t labels);
 
-// Notes that an output was not written because none of `labels` labels is left. Fails with no_label() for
-// EmptyPolicy::error.
-[[nodiscard]] Result<void> tell_no_label(const Source& source, const ConversionJob& job, std::size_t labels,
-                                         const OutputFileJob& output, Events& events);
+// Returns the note that an output was not written because of no_label(); `besides` says what else happened to it.
+[[nodiscard]] Note note_of_no_label(const Error& none, const OutputFileJob& output, const std::string& besides);
 
 // Returns the error for a surface without triangles. Examines all samples, unless the source is empty, the surface is a
 // label's (`are_labels`), or clipping left nothing of it. `cut_away` then has its bounds before clipping, in output

@@ -11,7 +11,7 @@ void Recorder::begin_grid(const std::optional<std::string>& grid) {
 }
 
 void Recorder::note(const Note& note) {
-  if (again_) return;
+  if (again_ || !told_.insert(note).second) return;
   outcome_.notes.push_back(note);
   listener_.note(note);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ class Recorder final : public Events {
   Outcome& outcome_;
   Events& listener_;
   std::vector<std::optional<std::string>> begun_;
+  std::set<Note> told_;  // each note once: many files of one input, such as masks, have the same notes
   bool again_ = false;
   std::string grid_;
 };

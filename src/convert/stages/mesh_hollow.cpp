@@ -81,12 +81,13 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
                             stage.subject(surface), topology.open_edges),
                 hint);
   }
-  const double thickness = TRY(thickness_of(*stage.job.edits.hollow, stage.source));
+  const HollowChoice& choice = *stage.job.edits.hollow;
+  const double thickness = TRY(thickness_of(choice, stage.source));
   const double cell = wall_cell(thickness, stage.source);
   extract::InnerWall wall = TRY(extract::make_inner_wall(surface.mesh, {thickness, cell}, context));
   const extract::WallFigures facts = wall.facts;
   const std::uint64_t triangles = wall.mesh.triangles.size();
-  const double cavity_volume = -mesh::measure_size(wall.mesh).volume;
+  const double cavity_volume = triangles > 0 ? -mesh::measure_size(wall.mesh).volume : 0;
   if (triangles > 0) {
     auto memory = TRY(context.reserve((surface.mesh.positions.size() + wall.mesh.positions.size()) *
                                               (mesh::vertex_bytes(surface.mesh) + sizeof(std::uint32_t)) +
@@ -109,8 +110,11 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
   report.did = "hollowed";
   if (facts.cavities == 0) {
     report.notes.push_back(
-        {NoteId::no_effect, fmt::format("{}: no part is thicker than two walls of {:.4g}, so the surface stays solid",
-                                        stage.subject(surface), thickness)});
+        {NoteId::no_effect, fmt::format("{}: no part is thicker than two walls of {:.4g}{} each, {:.4g} in the units "
+                                        "of the mesh, so the surface stays solid; a thinner wall can leave a cavity",
+                                        stage.subject(surface), choice.thickness, choice.unit, thickness)});
+    report.lines.push_back(
+        {fmt::format("hollowed{}: no cavity; {:.2f} s", surface.id.place(), watch.elapsed().wall_seconds)});
     return report;
   }
   std::string text = fmt::format(
