@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <string_view>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 
@@ -102,6 +104,8 @@ auto with_input(const std::string& input, const ParticleReadOptions& options, co
   const std::string name = files::input_label(input);
   try {
     const std::string path = must(plugin_host::unpacked_input(input, plugin_host::GzipFiles::keep, context));
+    std::error_code none;
+    if (path != input && std::filesystem::is_directory(path, none)) throw Refused{plugin_host::not_one_input(input)};
     const auto file = must(files::InputFile::open(path, context));
     return work(file);
   } catch (const Refused& refused) {

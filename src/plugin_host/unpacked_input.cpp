@@ -117,4 +117,11 @@ Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, con
   return unpacked->path().string();
 }
 
+Error not_one_input(const std::string& input) {
+  return {ErrorCode::input,
+          fmt::format("{}: expected an archive with the files of one input, such as slices, found none or several",
+                      files::input_label(input)),
+          "unpack the archive, then list its files, or give their folder"};
+}
+
 }  // namespace isoextract::plugin_host

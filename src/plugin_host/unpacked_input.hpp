@@ -22,4 +22,7 @@ enum class GzipFiles { keep, unpack };
 // files::UnpackedFiles::make() does.
 [[nodiscard]] Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, const Context& context);
 
+// Returns the error for an archive whose folder of unpacked files is not one input. `input` starts the message.
+[[nodiscard]] Error not_one_input(const std::string& input);
+
 }  // namespace isoextract::plugin_host

@@ -1,6 +1,7 @@
 #include "volume_io/detail/volume_detect.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -115,6 +116,7 @@ Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOpti
   for (const VolumeFormat* format : volume_formats()) {
     if (format->probe_folder(input, context)) return DetectedFormat{format, {}};
   }
+  if (files::packed_source(input) != input) return tl::unexpected(plugin_host::not_one_input(input));
   return fail(ErrorCode::input,
               fmt::format("{}: expected a file, or a folder of a format that isoextract reads, found a folder without "
                           "such files",
