@@ -219,8 +219,8 @@ class AnimateTest(ProgramTest):
         self.animate("-o", "w.glb", "--jobs", "1", "--threads", "1", "--report", "r_{}.json", inputs=inputs)
         one = (self.folder / "w.glb").read_bytes()
         needs = max(json.loads((self.folder / f"r_{k}.json").read_text())["reserved_memory_bytes"] for k in range(10))
-        for arguments in (("--jobs", "2"), ("--jobs", "4", "--threads", "2"), ("--jobs", "3", "--memory-limit", needs),
-                          ("--jobs", "4", "--memory-limit", needs * 3 // 2), ("--jobs", "4", "--memory-limit", 2 * needs)):
+        for arguments in (("--jobs", "2"), ("--jobs", "4", "--threads", "2"), ("--jobs", "3", "--memory-limit", f"{needs}B"),
+                          ("--jobs", "4", "--memory-limit", f"{needs * 3 // 2}B"), ("--jobs", "4", "--memory-limit", f"{2 * needs}B")):
             self.animate("-o", "w.glb", *arguments, inputs=inputs)
             self.assertEqual((self.folder / "w.glb").read_bytes(), one, arguments)
 

@@ -132,7 +132,7 @@ class MemoryTest(ProgramTest):
     def test_leaves_beside_nothing(self):
         """What lies beside them is listed before it is known how much that is."""
         limit = 500 * MIB
-        run, report = self.report(self.write_scattered(60, 24), "--iso", "0.5", "-o", "a.ply", "--memory-limit", str(limit))
+        run, report = self.report(self.write_scattered(60, 24), "--iso", "0.5", "-o", "a.ply", "--memory-limit", f"{limit}B")
         self.assert_fails(2, run, "216000 blocks", "--memory-limit")
         self.assertLess(report["peak_memory_bytes"], limit + OVERHEAD // 2)
 
