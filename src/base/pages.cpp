@@ -6,6 +6,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "base/buffer.hpp"
+
 namespace isoextract {
 
 void release_pages(const void* begin, std::size_t bytes) {
@@ -20,6 +22,9 @@ void release_pages(const void* begin, std::size_t bytes) {
 
 void return_large_blocks() { static_cast<void>(::mallopt(M_MMAP_THRESHOLD, 1 << 20)); }
 
-void release_free_memory() { static_cast<void>(::malloc_trim(0)); }
+void release_free_memory() {
+  detail::trim_kept_blocks(0);
+  static_cast<void>(::malloc_trim(0));
+}
 
 }  // namespace isoextract

@@ -10,8 +10,9 @@ namespace isoextract {
 // while other threads read the same pages.
 void release_pages(const void* begin, std::size_t bytes);
 
-// Gives the allocator's free pages back to the system. Call it now and then while many short-lived blocks and a few
-// that stay are allocated on several threads: the free space between those that stay otherwise adds up.
+// Gives the allocator's free pages, and the blocks that Buffer keeps for reuse, back to the system. Call it now and
+// then while many short-lived blocks and a few that stay are allocated on several threads: the free space between those
+// that stay otherwise adds up.
 void release_free_memory();
 
 // Makes the allocator give each block of 1 MiB or more back to the system as soon as it is freed, from now on. By

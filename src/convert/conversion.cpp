@@ -169,24 +169,21 @@ class Conversion {
 
   // Makes the surfaces and adds them to the file, each as soon as those before it are added.
   Result<void> add_surfaces(std::span<const ResolvedIso> isos, OutputMeshes& file, bool& in_pieces) {
-    for (std::size_t begin = 0; begin < isos.size();) {
+    if (labels_ && !isos.empty()) {
+      TRY(check_sharing(false));
+      return maker().make_labels(isos, [&](MadeSurface made, const ResolvedIso& iso) {
+        return add_made(std::move(made), iso, file, in_pieces);
+      });
+    }
+    for (const ResolvedIso& iso : isos) {
       TRY(context_.check());
-      if (!labels_) source_.set_inside_side(isos[begin].id.iso_or_zero());
+      source_.set_inside_side(iso.id.iso_or_zero());
       const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
       TRY(check_sharing(sink != nullptr));
-      auto group = TRY(maker(sink.get()).make_next(isos.subspan(begin)));
-      const Result<std::optional<Surface>>& first = group.front().surface;
-      if (!labels_ && !first && backends_.fall_back_to_cpu(first.error())) {
-        group.front() = maker(sink.get()).make(isos[begin]);
-      }
-      for (std::size_t i = 0; i < group.size(); ++i) {
-        if (!group[i].surface && sink == nullptr && !labels_ && !source_.of_meshes) {
-          add_partwise_hint(group[i].surface.error());
-        }
-        TRY(add_made(std::exchange(group[i], {}), isos[begin + i], file, in_pieces));
-      }
-      begin += group.size();
-      if (group.size() > 1) release_free_memory();  // the reports that stay lie between freed meshes
+      MadeSurface made = maker(sink.get()).make(iso);
+      if (!made.surface && backends_.fall_back_to_cpu(made.surface.error())) made = maker(sink.get()).make(iso);
+      if (!made.surface && sink == nullptr && !source_.of_meshes) add_partwise_hint(made.surface.error());
+      TRY(add_made(std::move(made), iso, file, in_pieces));
     }
     return {};
   }
@@ -308,6 +305,7 @@ class Conversion {
     }
     labels_ = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
     TRY(volume_io::check_mapping_intact(source_.field));
+    release_free_memory();  // finding them and relaxing take more than the labels keep
     for (const Note& note : labels_->notes()) events_.note(note);
     const auto missing =
         looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background, job_.source.roi.has_value());

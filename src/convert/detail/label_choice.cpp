@@ -123,17 +123,18 @@ Result<void> check_piece_names(const ConversionJob& job, const ChosenLabels& cho
   return {};
 }
 
-std::size_t group_size(std::span<const ResolvedIso> next, const extract::LabelVoxels& found) {
-  constexpr std::uint64_t kMostChunks = 4096;  // their faces take at most some ten MiB
+LabelGroup next_group(std::span<const ResolvedIso> next, const extract::LabelVoxels& found) {
+  constexpr std::uint64_t kMostChunks = 2048;  // their faces take at most some ten MiB
   constexpr std::size_t kMostLabels = 256;
-  if (usable_threads() == 1) return 1;
+  if (next.empty()) return {};
+  if (usable_threads() == 1) return {1, false};
   std::size_t size = 0;
   for (std::uint64_t chunks = 0; size < std::min(next.size(), kMostLabels); ++size) {
     const extract::FoundLabel* const label = found.find(next[size].id.label());
     chunks += label != nullptr ? label->chunks : 0;
     if (chunks > kMostChunks) break;
   }
-  return std::max<std::size_t>(size, 1);
+  return size > 0 ? LabelGroup{size, true} : LabelGroup{1, false};
 }
 
 }  // namespace isoextract::convert

@@ -41,8 +41,14 @@ struct ChosenLabels {
 [[nodiscard]] Result<void> check_piece_names(const ConversionJob& job, const ChosenLabels& chosen,
                                              const LabelAppearance& looks, const std::string& source);
 
-// Returns how many of the next surfaces, at least one, are made at the same time: labels with little work, as long as
-// all of them together stay small.
-[[nodiscard]] std::size_t group_size(std::span<const ResolvedIso> next, const extract::LabelVoxels& found);
+// Surfaces that are made at the same time.
+struct LabelGroup {
+  std::size_t size = 0;   // at least 1, if surfaces are left
+  bool is_small = false;  // all of them together take little memory, so the group before may still be there
+};
+
+// Returns the next group: one surface, or the first few of small labels. On one thread, each surface is a group that is
+// not small.
+[[nodiscard]] LabelGroup next_group(std::span<const ResolvedIso> next, const extract::LabelVoxels& found);
 
 }  // namespace isoextract::convert

@@ -1,8 +1,10 @@
 #include "convert/detail/surface_maker.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/label_choice.hpp"
@@ -129,20 +131,90 @@ void finish(const SurfaceMaker& maker, MadeSurface& made) {
   }
 }
 
+bool ran_out_of_memory(const MadeSurface& made) {
+  return !made.surface && made.surface.error().code == ErrorCode::out_of_memory;
+}
+
+// Hands the surfaces over, up to the first one that fails or, if `may_repeat`, that ran out of memory.
+class Handover {
+ public:
+  Handover(std::span<MadeSurface> made, std::span<const ResolvedIso> asked, bool may_repeat)
+      : made_(made), asked_(asked), may_repeat_(may_repeat) {}
+
+  // Keeps an exception until finish(): it must not leave a parallel loop.
+  void run(const SurfaceMaker::TakeSurface& take) {
+    try {
+      for (; taken_ < made_.size() && !(may_repeat_ && ran_out_of_memory(made_[taken_])); ++taken_) {
+        done_ = take(std::exchange(made_[taken_], {}), asked_[taken_]);
+        if (!done_) return;
+      }
+    } catch (...) {
+      exception_ = std::current_exception();
+    }
+  }
+
+  // Returns how many surfaces were taken. Throws the exception of run().
+  Result<std::size_t> finish() {
+    if (exception_) std::rethrow_exception(exception_);
+    if (!done_) return tl::unexpected(std::move(done_.error()));
+    return taken_;
+  }
+
+ private:
+  std::span<MadeSurface> made_;
+  std::span<const ResolvedIso> asked_;
+  bool may_repeat_;
+  std::size_t taken_ = 0;
+  Result<void> done_;
+  std::exception_ptr exception_;
+};
+
 }  // namespace
 
-Result<std::vector<MadeSurface>> SurfaceMaker::make_next(std::span<const ResolvedIso> asked) const {
-  if (simplifies_together()) return make_together(asked);
-  std::vector<MadeSurface> made(labels != nullptr ? group_size(asked, *labels) : 1);
-  for_each_index(made.size(), [&](std::size_t i) { made[i] = make(asked[i]); });
-  return made;
+Result<void> SurfaceMaker::make_labels(std::span<const ResolvedIso> asked, const TakeSurface& take) const {
+  if (simplifies_together()) {
+    auto made = TRY(make_together(asked));
+    Handover handover(made, asked, false);
+    handover.run(take);
+    TRY(handover.finish());
+    return {};
+  }
+  std::vector<MadeSurface> made;  // the first of `asked`
+  bool is_alone = true;           // no other surface took memory while `made` was made
+  bool one_by_one = false;        // memory ran out for one of several
+  while (!asked.empty()) {
+    TRY(context.check());
+    const std::span<const ResolvedIso> rest = asked.subspan(made.size());
+    const LabelGroup group =
+        one_by_one ? LabelGroup{std::min<std::size_t>(rest.size(), 1), false} : next_group(rest, *labels);
+    std::vector<MadeSurface> next(made.empty() || group.is_small ? group.size : 0);
+    Handover handover(made, asked, !is_alone);
+    for_each_fixed_range(1 + next.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (i == 0) {
+          handover.run(take);
+        } else if (!context.cancelled()) {
+          next[i - 1] = make(rest[i - 1]);
+        }
+      }
+    });
+    const std::size_t taken = TRY(handover.finish());
+    TRY(context.check());
+    asked = asked.subspan(taken);
+    one_by_one = one_by_one || taken < made.size();
+    is_alone = made.empty() && next.size() == 1;
+    if (taken < made.size()) next.clear();
+    if (made.size() > 1) release_free_memory();  // the reports that stay lie between freed meshes
+    made = std::move(next);
+  }
+  return {};
 }
 
 Result<std::vector<MadeSurface>> SurfaceMaker::make_together(std::span<const ResolvedIso> asked) const {
   std::vector<MadeSurface> made(asked.size());
   const auto for_groups = [&](const auto& body) {
     for (std::size_t begin = 0; begin < made.size();) {
-      const std::size_t count = group_size(asked.subspan(begin), *labels);
+      const std::size_t count = next_group(asked.subspan(begin), *labels).size;
       for_each_index(count, [&](std::size_t i) { body(begin + i); });
       begin += count;
     }

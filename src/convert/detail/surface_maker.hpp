@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -51,10 +52,14 @@ struct SurfaceMaker {
   // parallel loop would make TBB end the loops of the other surfaces in their middle.
   [[nodiscard]] MadeSurface make(const ResolvedIso& asked) const;
 
-  // Makes the first of the surfaces, or the first few of small labels side by side: there is too little work in one of
-  // them for several threads. Labels that are simplified are all made, because they are simplified together to keep
-  // common faces. Fails if that simplification does; other errors and exceptions are those of the surfaces.
-  [[nodiscard]] Result<std::vector<MadeSurface>> make_next(std::span<const ResolvedIso> asked) const;
+  // Makes surfaces of labels and hands each to `take`, on one thread at a time, in their order. Makes small labels side
+  // by side, while `take` works on those before them: there is too little work in one of them for several threads. If
+  // memory runs out for one of several, makes it once more and the rest one by one. Labels that are simplified are all
+  // made first, because they are simplified together to keep common faces. Fails if that simplification does, if `take`
+  // does, and if the context is cancelled; other errors and exceptions are those of the surfaces. Throws what `take`
+  // throws.
+  using TakeSurface = std::function<Result<void>(MadeSurface made, const ResolvedIso& asked)>;
+  [[nodiscard]] Result<void> make_labels(std::span<const ResolvedIso> asked, const TakeSurface& take) const;
 
   [[nodiscard]] bool simplifies_together() const { return labels != nullptr && job.edits.simplify.has_value(); }
 

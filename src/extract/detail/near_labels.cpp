@@ -7,34 +7,45 @@
 #include "extract/detail/voxel_input.hpp"
 
 namespace isoextract::extract {
+namespace {
+
+// Returns the rows of corners that have voxels of chunk n (NearChunks) around them. `voxels`: the rows of chunk n that
+// have voxels. A corner has the voxels at its own place and one step lower around it.
+std::uint64_t corner_rows(int n, std::uint64_t voxels) {
+  constexpr std::uint64_t kLastOfY = 0x8080808080808080U;
+  std::uint64_t rows = (n & 2) != 0 ? voxels | (voxels & ~kLastOfY) << 1 : (voxels & kLastOfY) >> 7;
+  rows = (n & 4) != 0 ? rows | rows << 8 : rows >> 56;
+  return rows;
+}
+
+}  // namespace
 
 NearLabels::NearLabels(const LabelChunks& labels, const glm::ivec3& origin) {
   for (int n = 0; n < 8; ++n) {
     const glm::ivec3 chunk = origin - chunk_step(7 - n);
     const std::span<const LabelChunk> listed = labels.at(chunk);
-    for (const LabelChunk& part : listed) put(part.label, n, part.bits);
+    for (const LabelChunk& part : listed) put(part, n);
     if (!listed.empty()) continue;
-    if (const auto label = labels.unlisted(chunk)) put(*label, n, &full_chunk());
+    if (const auto label = labels.unlisted(chunk)) put({*label, chunk, &full_chunk(), kAllBits}, n);
   }
 }
 
 std::uint64_t NearLabels::used(int y, int z) const {
   std::uint64_t found = 0;
-  for (const Entry& entry : entries_) {
-    found |= mixed(corner_words(entry.near, y, z));
-  }
+  for_each_in_row(y, z, [&](const Entry& /*entry*/, const CornerWords& words) { found |= mixed(words); });
   return found;
 }
 
-void NearLabels::put(std::int64_t label, int n, const ChunkBits* bits) {
-  auto at = std::ranges::find(entries_, label, &Entry::label);
+void NearLabels::put(const LabelChunk& chunk, int n) {
+  auto at = std::ranges::find(entries_, chunk.label, &Entry::label);
   if (at == entries_.end()) {
-    Entry none{label, {}};
+    Entry none{chunk.label, {}};
     none.near.fill(&empty_chunk());
     entries_.push_back(none);
     at = entries_.end() - 1;
   }
-  at->near[static_cast<std::size_t>(n)] = bits;
+  at->near[static_cast<std::size_t>(n)] = chunk.bits;
+  at->rows |= corner_rows(n, chunk.rows);
 }
 
 NearRest::NearRest(const LabelChunks& labels, const NearLabels& near, const glm::ivec3& origin) {

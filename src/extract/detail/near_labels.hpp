@@ -15,18 +15,27 @@ class NearLabels {
   struct Entry {
     std::int64_t label;
     NearChunks near;
+    std::uint64_t rows = 0;  // the rows of corners that have voxels of the label around them, as bits by chunk_row()
   };
 
   NearLabels(const LabelChunks& labels, const glm::ivec3& origin);
 
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
 
+  // Calls f(entry, corner_words()) for the labels that have voxels around the corners of a row.
+  template <class F>
+  void for_each_in_row(int y, int z, const F& f) const {
+    for (const Entry& entry : entries_) {
+      if ((entry.rows >> chunk_row(y, z) & 1) != 0) f(entry, corner_words(entry.near, y, z));
+    }
+  }
+
   // Returns a bit for each corner of a row that has at least two labels around it. Voxels without a label count as one
   // more label.
   [[nodiscard]] std::uint64_t used(int y, int z) const;
 
  private:
-  void put(std::int64_t label, int n, const ChunkBits* bits);
+  void put(const LabelChunk& chunk, int n);
 
   std::vector<Entry> entries_;
 };

@@ -20,39 +20,48 @@ struct NearPlaces {
   [[nodiscard]] static constexpr int of(int x, int y, int z) { return x + 1 + 66 * (y + 1 + 10 * (z + 1)); }
 };
 
-// Calls f(place, number) for the points of a chunk and one step around it.
-template <class F>
-void for_each_near_point(const NetGrid& grid, std::size_t chunk, const F& f) {
-  const auto put_rows = [&](int step_y, int step_z) {
-    const auto find = [&](int step_x) {
-      return grid.find(grid.origins()[chunk] + kVoxelChunk * glm::ivec3(step_x, step_y, step_z));
-    };
-    const std::array<std::int32_t, 3> chunks{find(-1), find(0), find(1)};
-    const auto first = [](int step) { return step < 0 ? 7 : 0; };
-    const auto last = [](int step) { return step > 0 ? 0 : 7; };
-    for (int z = first(step_z); z <= last(step_z); ++z) {
-      for (int y = first(step_y); y <= last(step_y); ++y) {
-        const int place = NearPlaces::of(0, y + 8 * step_y, z + 8 * step_z);
-        const NetGrid::Row lower = grid.row(chunks[0], y, z);
-        if (lower.used >> 63 != 0) f(place - 1, lower.number(63));
-        const NetGrid::Row row = grid.row(chunks[1], y, z);
-        std::uint32_t k = row.first;
-        for_each_bit(row.used, [&](int bit) { f(place + bit, k++); });
-        const NetGrid::Row upper = grid.row(chunks[2], y, z);
-        if ((upper.used & 1) != 0) f(place + 64, upper.first);
-      }
+// The points of a chunk and one step around it, in planes across z.
+class NearPointPlanes {
+ public:
+  NearPointPlanes(const NetGrid& grid, std::size_t chunk) : grid_(grid) {
+    for (int n = 0; n < 27; ++n) {
+      const glm::ivec3 steps = glm::ivec3(n % 3, n / 3 % 3, n / 9) - 1;
+      chunks_[static_cast<std::size_t>(n)] = grid.find(grid.origins()[chunk] + kVoxelChunk * steps);
     }
-  };
-  for (int z = -1; z <= 1; ++z) {
-    for (int y = -1; y <= 1; ++y) put_rows(y, z);
   }
-}
+
+  // Calls f(place, number) for the points of a plane, from -1 to 8. Places are those of the plane -1.
+  template <class F>
+  void for_each(int z, const F& f) const {
+    for (int y = -1; y <= 8; ++y) {
+      const std::int32_t* const chunks = &chunks_[3 * steps_to(y) + 9 * steps_to(z)];
+      const int place = NearPlaces::of(0, y, -1);
+      const NetGrid::Row lower = grid_.row(chunks[0], y, z);
+      if (lower.used >> 63 != 0) f(place - 1, lower.number(63));
+      const NetGrid::Row row = grid_.row(chunks[1], y, z);
+      std::uint32_t k = row.first;
+      for_each_bit(row.used, [&](int bit) { f(place + bit, k++); });
+      const NetGrid::Row upper = grid_.row(chunks[2], y, z);
+      if ((upper.used & 1) != 0) f(place + 64, upper.first);
+    }
+  }
+
+ private:
+  // Returns the number, 0 to 2, of the chunk of a corner along y or z.
+  static std::size_t steps_to(int corner) { return static_cast<std::size_t>((corner >> 3) + 1); }
+
+  const NetGrid& grid_;
+  std::array<std::int32_t, 27> chunks_;  // by steps along x, then y, then z
+};
 
 class NearPoints {
  public:
   NearPoints(const NetGrid& grid, std::size_t chunk) {
-    for_each_near_point(grid, chunk,
-                        [&](int place, std::uint32_t k) { numbers_[static_cast<std::size_t>(place)] = k; });
+    const NearPointPlanes planes(grid, chunk);
+    for (int z = -1; z <= 8; ++z) {
+      const int first = NearPlaces::kSteps[2] * (z + 1);
+      planes.for_each(z, [&](int place, std::uint32_t k) { numbers_[static_cast<std::size_t>(first + place)] = k; });
+    }
   }
 
   // Returns the number of the point at a place that has one. The value at another place is undefined.

@@ -141,10 +141,9 @@ void NetFaces::find_sides(const NetGrid& grid, const LabelChunks& labels) {
     const NearLabels near(labels, grid.origins()[c]);
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       std::array<std::uint64_t, kFacesAround> differ{};
-      for (const NearLabels::Entry& entry : near.entries()) {
-        const CornerWords words = corner_words(entry.near, y, z);
+      near.for_each_in_row(y, z, [&](const NearLabels::Entry& /*entry*/, const CornerWords& words) {
         for (unsigned f = 0; f < kFacesAround; ++f) differ[f] |= words[voxel_below(f)] ^ words[voxel_above(f)];
-      }
+      });
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) {
         unsigned sides = 0;
@@ -187,10 +186,9 @@ void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
     const NearLabels near(labels, grid.origins()[c]);
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       CornerWords labeled{};
-      for (const NearLabels::Entry& entry : near.entries()) {
-        const CornerWords words = corner_words(entry.near, y, z);
+      near.for_each_in_row(y, z, [&](const NearLabels::Entry& /*entry*/, const CornerWords& words) {
         for (std::size_t n = 0; n < words.size(); ++n) labeled[n] |= words[n];
-      }
+      });
       std::uint32_t number = first_of_row(c, chunk_row(y, z));
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) {
@@ -213,8 +211,7 @@ void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
     const NearLabels near(labels, grid.origins()[c]);
     const NearFaces faces(grid, *this, c);
     grid.for_each_row(c, [&](const NetGrid::Row&, int y, int z) {
-      for (const NearLabels::Entry& entry : near.entries()) {
-        const CornerWords words = corner_words(entry.near, y, z);
+      near.for_each_in_row(y, z, [&](const NearLabels::Entry& /*entry*/, const CornerWords& words) {
         for_each_bit(mixed(words), [&](int bit) {
           const unsigned pattern = pattern_at(words, bit);
           const FaceSides& sides = kFaceSides[pattern];
@@ -230,7 +227,7 @@ void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
             }
           });
         });
-      }
+      });
     });
   });
 }

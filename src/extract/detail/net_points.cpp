@@ -26,10 +26,9 @@ bool find_middles_of(const LabelChunks& labels, const glm::ivec3& origin, std::a
   bool any = false;
   for (ChunkBits& bits : middles) bits.fill(0);
   const NearLabels near(labels, origin);
-  for (const NearLabels::Entry& entry : near.entries()) {
-    for (int z = 0; z < 8; ++z) {
-      for (int y = 0; y < 8; ++y) {
-        const CornerWords words = corner_words(entry.near, y, z);
+  for (int z = 0; z < 8; ++z) {
+    for (int y = 0; y < 8; ++y) {
+      near.for_each_in_row(y, z, [&](const NearLabels::Entry& entry, const CornerWords& words) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
           for_each_bit(diagonal(words_on_side(words, axis, 1)), [&](int bit) {
             if ((corner_fans()[pattern_at(words, bit)].doubled[1] >> axis & 1) == 0) return;
@@ -40,7 +39,7 @@ bool find_middles_of(const LabelChunks& labels, const glm::ivec3& origin, std::a
             any = true;
           });
         }
-      }
+      });
     }
   }
   return any;

@@ -129,30 +129,46 @@ class Links {
   // from the point's corner. `offsets` has an element after that of the last point.
   template <class F>
   void for_each_mean(std::size_t chunk, const Buffer<glm::vec3>& offsets, const F& f) const {
-    constexpr std::array<int, kFaces> kWays{-NearPlaces::kSteps[0], NearPlaces::kSteps[0],  -NearPlaces::kSteps[1],
-                                            NearPlaces::kSteps[1],  -NearPlaces::kSteps[2], NearPlaces::kSteps[2]};
+    // Within a plane of places (NearPointPlanes).
+    constexpr std::array<int, kFaces> kWays{
+        -NearPlaces::kSteps[0], NearPlaces::kSteps[0], -NearPlaces::kSteps[1], NearPlaces::kSteps[1], 0, 0};
     // A copy at places is faster to read than the list of points: the neighbors of a point are at fixed distances.
-    std::array<Int4, NearPlaces::kCount> near;
-    for_each_near_point(grid_, chunk, [&](int place, std::uint32_t k) {
-      std::memcpy(&near[static_cast<std::size_t>(place)], &offsets[k], sizeof(Int4));
-    });
-    grid_.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
-      const RowFixedAxes fixed(grid_.origins()[chunk] + glm::ivec3(0, y, z), bounds_);
-      const int place = NearPlaces::of(0, y, z);
-      std::uint32_t k = row.first;
-      for_each_bit(row.used, [&](int bit) {
-        const Steps& steps = kSteps[joined_[k]];
-        Float4 sum = load(&steps);
-        // A sum over all six is faster than a loop over the connected ones: the processor cannot predict their number.
-        for (std::size_t face = 0; face < kFaces; ++face) {
-          const int other = place + bit + kWays[face];
-          sum += std::bit_cast<Float4>(near[static_cast<std::size_t>(other)] & steps.joined[face]);
-        }
-        sum *= steps.share;
-        f(k, sum, kFreeAxes[fixed.at(bit)]);
-        ++k;
+    // Three planes of it stay in the fastest cache.
+    std::array<std::array<Int4, NearPlaces::kSteps[2]>, 3> planes;
+    const auto plane_at = [&](int z) -> auto& { return planes[static_cast<std::size_t>(z + 1) % planes.size()]; };
+    const NearPointPlanes points(grid_, chunk);
+    const auto copy_plane = [&](int z) {
+      auto& plane = plane_at(z);
+      points.for_each(z, [&](int place, std::uint32_t k) {
+        std::memcpy(&plane[static_cast<std::size_t>(place)], &offsets[k], sizeof(Int4));
       });
-    });
+    };
+    copy_plane(-1);
+    copy_plane(0);
+    for (int z = 0; z < 8; ++z) {
+      copy_plane(z + 1);
+      const std::array<const Int4*, kFaces> near{plane_at(z).data(), plane_at(z).data(),     plane_at(z).data(),
+                                                 plane_at(z).data(), plane_at(z - 1).data(), plane_at(z + 1).data()};
+      for (int y = 0; y < 8; ++y) {
+        const NetGrid::Row row = grid_.row(static_cast<std::int32_t>(chunk), y, z);
+        if (row.used == 0) continue;
+        const RowFixedAxes fixed(grid_.origins()[chunk] + glm::ivec3(0, y, z), bounds_);
+        const int place = NearPlaces::of(0, y, -1);
+        std::uint32_t k = row.first;
+        for_each_bit(row.used, [&](int bit) {
+          const Steps& steps = kSteps[joined_[k]];
+          Float4 sum = load(&steps);
+          // A sum over all six is faster than a loop over the connected ones: the processor cannot predict their
+          // number.
+          for (std::size_t face = 0; face < kFaces; ++face) {
+            sum += std::bit_cast<Float4>(near[face][place + bit + kWays[face]] & steps.joined[face]);
+          }
+          sum *= steps.share;
+          f(k, sum, kFreeAxes[fixed.at(bit)]);
+          ++k;
+        });
+      }
+    }
   }
 
  private:
@@ -164,7 +180,8 @@ class Links {
     const std::array<NearChunks, 2> others = rest.near();
     grid_.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
       FaceCounts counts;
-      for (const NearLabels::Entry& entry : near.entries()) counts.add(corner_words(entry.near, y, z));
+      near.for_each_in_row(y, z,
+                           [&](const NearLabels::Entry& /*entry*/, const CornerWords& words) { counts.add(words); });
       for (const NearChunks& chunks : others) counts.add(corner_words(chunks, y, z));
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) { joined_[k++] = counts.joined(bit); });

@@ -26,18 +26,19 @@ class CornerRows {
 
   [[nodiscard]] CornerWords row(int y, int z) const { return corner_words(near_, y, z); }
 
-  // Returns whether any two voxels touch along an edge only.
-  [[nodiscard]] bool touch() const {
-    CornerWords whole{};  // if every chunk is full or empty, voxels touch as the chunks do, or not at all
+  // Returns whether find(words), contacts() or mixed(), finds a corner.
+  template <class Find>
+  [[nodiscard]] bool any(const Find& find) const {
+    CornerWords whole{};  // if every chunk is full or empty, voxels meet as the chunks do
     bool uniform = true;
     for (std::size_t n = 0; n < 8; ++n) {
       whole[n] = near_[n] == &full_chunk() ? kAllBits : 0;
       uniform = uniform && (whole[n] != 0 || near_[n] == &empty_chunk());
     }
-    if (uniform) return contacts(whole) != 0;
+    if (uniform) return find(whole) != 0;
     for (int z = 0; z < 8; ++z) {
       for (int y = 0; y < 8; ++y) {
-        if (contacts(row(y, z)) != 0) return true;
+        if (find(row(y, z)) != 0) return true;
       }
     }
     return false;
@@ -80,6 +81,28 @@ void for_each_corner(const LayerRectangles& layer, const F& f) {
   }
 }
 
+// Returns the chunks that have a corner of a single face: a corner with voxels inside and outside around it.
+Result<std::vector<glm::ivec3>> list_face_origins(const VoxelChunks& voxels, const Context& context,
+                                                  const std::string& what, Reservation& memory) {
+  const std::vector<VoxelChunk>& chunks = voxels.chunks();
+  memory = TRY(context.reserve(8 * chunks.size() * sizeof(glm::ivec3), what));
+  std::vector<glm::ivec3> origins;
+  origins.reserve(8 * chunks.size());
+  for (const VoxelChunk& chunk : chunks) {
+    for (int n = 0; n < 8; ++n) origins.push_back(chunk.origin + chunk_step(n));
+  }
+  make_unique(origins);
+  auto flags = TRY(make_reserved_buffer<std::uint8_t>(origins.size(), context, what));
+  for_each_index(origins.size(),
+                 [&](std::size_t c) { flags->values[c] = CornerRows(voxels, origins[c]).any(mixed<8>) ? 1 : 0; });
+  std::size_t kept = 0;
+  for (std::size_t c = 0; c < origins.size(); ++c) {
+    if (flags->values[c] != 0) origins[kept++] = origins[c];
+  }
+  origins.resize(kept);
+  return origins;
+}
+
 std::uint64_t below_bit(int bit) { return (std::uint64_t{1} << bit) - 1; }
 
 }  // namespace
@@ -116,7 +139,7 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
     unsigned found = 0;
     for (int n = 0; n < 8; ++n) {
       const glm::ivec3 origin = chunks[c].origin + chunk_step(n);
-      if ((n == 0 || !voxels.lists(origin)) && CornerRows(voxels, origin).touch()) found |= 1U << n;
+      if ((n == 0 || !voxels.lists(origin)) && CornerRows(voxels, origin).any(contacts)) found |= 1U << n;
     }
     flags->values[c] = static_cast<std::uint8_t>(found);
   });
@@ -136,12 +159,15 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
 }
 
 Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::vector<LayerRectangles>& rectangles,
-                                          bool closes, const NetPoints* net, const Context& context,
+                                          VoxelFaces faces, const NetPoints* net, const Context& context,
                                           const std::string& what) {
+  const bool are_single = faces == VoxelFaces::plain;
+  const bool closes = faces != VoxelFaces::rectangles;
   SurfacePoints points;
   points.net_ = net;
   Reservation list_memory;
-  points.origins_ = TRY(list_origins(voxels, rectangles, closes, context, what, list_memory));
+  points.origins_ = TRY(are_single ? list_face_origins(voxels, context, what, list_memory)
+                                   : list_origins(voxels, rectangles, closes, context, what, list_memory));
   points.memory_.push_back(std::move(list_memory));
   const std::size_t chunks = points.origins_.size();
   auto memory = context.reserve(VoxelChunks::bytes(chunks) + chunks * (sizeof(ChunkBits) + sizeof(RowBases) + 4), what);
@@ -155,21 +181,17 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
 
   context.progress().begin("numbering corners", 0);
   for_each_index(chunks, [&](std::size_t c) {
-    points.used_[c].fill(0);
-    if (closes) points.mark_contacts(voxels, c);
+    if (!closes) {
+      points.used_[c].fill(0);
+      return;
+    }
+    const CornerRows rows(voxels, points.origins_[c]);
+    for (int row = 0; row < 64; ++row) {
+      const CornerWords words = rows.row(row & 7, row >> 3);
+      points.used_[c][static_cast<std::size_t>(row)] = are_single ? mixed(words) : contacts(words);
+    }
   });
-  for_each_index(rectangles.size(), [&](std::size_t l) {
-    std::array<glm::ivec3, 4> last;  // neighbors in the list usually share it
-    std::array<std::size_t, 4> chunk{};
-    last.fill(glm::ivec3(1));
-    for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {
-      if (const glm::ivec3 origin = chunk_origin(corner); origin != last[c]) {
-        last[c] = origin;
-        chunk[c] = static_cast<std::size_t>(points.index_.find(origin));
-      }
-      points.mark(chunk[c], corner);
-    });
-  });
+  if (!are_single) points.mark_corners(rectangles);
   TRY(context.check());
 
   for_each_index(chunks, [&](std::size_t c) {
@@ -201,17 +223,26 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
   return points;
 }
 
+// Marks the corners of the rectangles as used.
+void SurfacePoints::mark_corners(const std::vector<LayerRectangles>& rectangles) {
+  for_each_index(rectangles.size(), [&](std::size_t l) {
+    std::array<glm::ivec3, 4> last;  // neighbors in the list usually share it
+    std::array<std::size_t, 4> chunk{};
+    last.fill(glm::ivec3(1));
+    for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {
+      if (const glm::ivec3 origin = chunk_origin(corner); origin != last[c]) {
+        last[c] = origin;
+        chunk[c] = static_cast<std::size_t>(index_.find(origin));
+      }
+      mark(chunk[c], corner);
+    });
+  });
+}
+
 void SurfacePoints::mark(std::size_t chunk, const glm::ivec3& corner) {
   std::atomic_ref<std::uint64_t> word(used_[chunk][chunk_row(corner.y, corner.z)]);
   const std::uint64_t bit = std::uint64_t{1} << (corner.x & 63);
   if ((word.load(std::memory_order_relaxed) & bit) == 0) word.fetch_or(bit, std::memory_order_relaxed);
-}
-
-void SurfacePoints::mark_contacts(const VoxelChunks& voxels, std::size_t chunk) {
-  const CornerRows rows(voxels, origins_[chunk]);
-  for (int z = 0; z < 8; ++z) {
-    for (int y = 0; y < 8; ++y) used_[chunk][chunk_row(y, z)] = contacts(rows.row(y, z));
-  }
 }
 
 bool SurfacePoints::has_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes) const {

@@ -31,12 +31,12 @@ struct FaceCorner {
 
 class SurfacePoints {
  public:
-  // Numbers the vertices of `rectangles`. `closes`: add the vertices that a closed mesh needs besides the rectangle
-  // corners. `net`: take the positions of corners from the net, and treat each rectangle as a single face; null:
-  // corners stay at the voxel corners. `net` must outlive the result. Fails if memory runs out and if the context is
-  // cancelled.
+  // Numbers the vertices of `rectangles`, which are those of `faces`. Unless `faces` are VoxelFaces::rectangles, adds
+  // the vertices that a closed mesh needs besides the rectangle corners. `net`: take the positions of corners from the
+  // net, and treat each rectangle as a single face; null: corners stay at the voxel corners. `net` must outlive the
+  // result. Fails if memory runs out and if the context is cancelled.
   [[nodiscard]] static Result<SurfacePoints> make(const VoxelChunks& voxels,
-                                                  const std::vector<LayerRectangles>& rectangles, bool closes,
+                                                  const std::vector<LayerRectangles>& rectangles, VoxelFaces faces,
                                                   const NetPoints* net, const Context& context,
                                                   const std::string& what);
 
@@ -97,8 +97,8 @@ class SurfacePoints {
                                                                     const std::vector<LayerRectangles>& rectangles,
                                                                     bool closes, const Context& context,
                                                                     const std::string& what, Reservation& memory);
+  void mark_corners(const std::vector<LayerRectangles>& rectangles);
   void mark(std::size_t chunk, const glm::ivec3& corner);
-  void mark_contacts(const VoxelChunks& voxels, std::size_t chunk);
   [[nodiscard]] bool has_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes) const;
   void fill_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes);
   void count_rows(std::size_t chunk);

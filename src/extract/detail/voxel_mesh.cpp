@@ -1,6 +1,8 @@
 #include "extract/detail/voxel_mesh.hpp"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -48,8 +50,7 @@ class OutlinePolygon {
     top_.clear();
     left_.clear();
     right_.clear();
-    // u x v points along the axis, except for planes across y.
-    turned_ = (rectangle.upward == (axis_ == 1)) != mirrored_;
+    turn_for(rectangle);
     // Named by the quadrant of the corner in which the rectangle lies.
     const FaceCorner low_low = corner(rectangle, 0, 0);
     const FaceCorner high_low = corner(rectangle, 1, 0);
@@ -75,16 +76,8 @@ class OutlinePolygon {
 
   // Returns the number of triangles of a face that write_bent() writes: two, and one for each middle vertex.
   [[nodiscard]] std::size_t count_bent(const FaceRectangle& face) {
-    const int voxel = face.upward ? 0 : 1;
-    const auto upper = [&](int other_axis, int quadrant) { return axis_ < other_axis ? voxel : quadrant; };
-    const int u = plane_u(axis_);
-    const int v = plane_v(axis_);
     std::size_t count = 2;
-    const auto add = [&](auto /*vertex*/, int /*at*/) { ++count; };
-    finders_[0].along(corner(face, 0, 0), u, 1, upper(v, 1), add);
-    finders_[2].along(corner(face, 0, 1), u, 1, upper(v, 0), add);
-    finders_[3].along(corner(face, 0, 0), v, 1, upper(u, 1), add);
-    finders_[1].along(corner(face, 1, 0), v, 1, upper(u, 0), add);
+    for_each_middle(face, [&](std::size_t /*side*/, std::uint32_t /*vertex*/) { ++count; });
     return count;
   }
 
@@ -92,17 +85,16 @@ class OutlinePolygon {
     return bottom_.size() + top_.size() + left_.size() + right_.size() - 2;
   }
 
-  // Writes a face whose corners are not in a plane, as two halves with all middle vertices of its sides. Of the two
-  // diagonals, it takes the one whose smaller half is larger. The label on the other side thus chooses the same one,
-  // and no half has zero area: four points in the four quadrants around a grid edge always allow that.
-  void write_bent(const Buffer<glm::vec3>& positions, glm::uvec3*& out) const {
-    const std::array<std::uint32_t, 4> around{bottom_.front().vertex, bottom_.back().vertex, top_.back().vertex,
-                                              top_.front().vertex};
-    const auto between = [](const std::vector<Found>& side, std::size_t ends) -> const std::uint32_t* {
-      return side.size() > ends ? &side[side.size() / 2].vertex : nullptr;
-    };
-    const std::array<const std::uint32_t*, 4> middles{between(bottom_, 2), between(right_, 0), between(top_, 2),
-                                                      between(left_, 0)};
+  // Writes a single face whose corners are not in a plane, as two halves with all middle vertices of its sides. Of the
+  // two diagonals, it takes the one whose smaller half is larger. The label on the other side thus chooses the same
+  // one, and no half has zero area: four points in the four quadrants around a grid edge always allow that.
+  void write_bent(const FaceRectangle& face, const Buffer<glm::vec3>& positions, glm::uvec3*& out) {
+    turn_for(face);
+    const std::array<std::uint32_t, 4> around{
+        finders_[0].vertex(corner(face, 0, 0)), finders_[1].vertex(corner(face, 1, 0)),
+        finders_[3].vertex(corner(face, 1, 1)), finders_[2].vertex(corner(face, 0, 1))};
+    std::array<std::optional<std::uint32_t>, 4> middles;  // of the sides, each after its corner in `around`
+    if (closes_) for_each_middle(face, [&](std::size_t side, std::uint32_t vertex) { middles[side] = vertex; });
     const auto area = [&](std::size_t apex) {  // squared area of the half around corner `apex`
       const glm::dvec3 at(positions[around[apex]]);
       const glm::dvec3 normal = glm::cross(glm::dvec3(positions[around[(apex + 1) % 4]]) - at,
@@ -115,11 +107,11 @@ class OutlinePolygon {
       const std::uint32_t last = around[(apex + 1) % 4];
       std::uint32_t at = around[before];
       std::uint32_t from = around[apex];
-      if (middles[before] != nullptr) {
+      if (middles[before]) {
         put(at, *middles[before], last, out);
         at = *middles[before];
       }
-      if (middles[apex] != nullptr) {
+      if (middles[apex]) {
         put(at, from, *middles[apex], out);
         from = *middles[apex];
       }
@@ -163,6 +155,23 @@ class OutlinePolygon {
     std::uint32_t vertex;
     int at;  // half steps along the side
   };
+
+  // u x v points along the axis, except for planes across y.
+  void turn_for(const FaceRectangle& rectangle) { turned_ = (rectangle.upward == (axis_ == 1)) != mirrored_; }
+
+  // Calls f(side, vertex) for the vertices in the middle of the sides of a single face: bottom, right, top, left.
+  template <class F>
+  void for_each_middle(const FaceRectangle& face, const F& f) {
+    const int voxel = face.upward ? 0 : 1;
+    const auto upper = [&](int other_axis, int quadrant) { return axis_ < other_axis ? voxel : quadrant; };
+    const auto of_side = [&](std::size_t side) { return [&f, side](auto vertex, int /*at*/) { f(side, vertex); }; };
+    const int u = plane_u(axis_);
+    const int v = plane_v(axis_);
+    finders_[0].along(corner(face, 0, 0), u, 1, upper(v, 1), of_side(0));
+    finders_[1].along(corner(face, 1, 0), v, 1, upper(u, 0), of_side(1));
+    finders_[2].along(corner(face, 0, 1), u, 1, upper(v, 0), of_side(2));
+    finders_[3].along(corner(face, 0, 0), v, 1, upper(u, 1), of_side(3));
+  }
 
   void put(std::uint32_t a, std::uint32_t b, std::uint32_t c, glm::uvec3*& out) const {
     *out++ = turned_ ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c);
@@ -253,7 +262,7 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   const bool closes = faces != VoxelFaces::rectangles;
   const std::string what = fmt::format("{}: the faces of its voxels", field.source);
   auto layers = TRY(list_face_rectangles(voxels, faces, context, what));
-  auto points = TRY(SurfacePoints::make(voxels, layers, closes, net, context, what));
+  auto points = TRY(SurfacePoints::make(voxels, layers, faces, net, context, what));
 
   // The sides of single faces have no vertices except those in their middles.
   const bool has_side_vertices = closes && (faces != VoxelFaces::plain || points.has_middles());
@@ -288,12 +297,12 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   each([&](const Portion& portion, OutlinePolygon& polygon) {
     glm::uvec3* out = result.mesh.triangles.data() + portion.first_triangle;
     for (const FaceRectangle& rectangle : portion.rectangles) {
-      polygon.look_up(rectangle);
       if (net != nullptr) {
-        polygon.write_bent(result.mesh.positions, out);
-      } else {
-        polygon.write(out);
+        polygon.write_bent(rectangle, result.mesh.positions, out);
+        continue;
       }
+      polygon.look_up(rectangle);
+      polygon.write(out);
     }
   });
   TRY(context.check());
