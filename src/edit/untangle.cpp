@@ -183,49 +183,138 @@ std::vector<char> vertices_around(const mesh::Mesh& mesh, const Pairs& pairs, in
   return marks;
 }
 
+// The triangles that untangling can change or meet, as a mesh of their own. Its boundary stays in place.
+class Patch {
+ public:
+  Patch(const mesh::Mesh& mesh, const Pairs& pairs, const glm::dmat3& to_metric) {
+    const std::vector<char> moving = vertices_around(mesh, pairs, kMostRounds / kRoundsARing);
+    const std::vector<char> kept = vertices_around(mesh, pairs, kMostRounds / kRoundsARing + 2);
+    const mesh::BoxTree reached = tree_of_reach(mesh, moving, to_metric);
+    std::vector<char> chosen(mesh.triangles.size(), 0);
+    for_each_index(chosen.size(), [&](std::size_t t) {
+      const glm::uvec3& c = mesh.triangles[t];
+      bool near = (kept[c.x] | kept[c.y] | kept[c.z]) != 0;
+      const auto box = mesh::box_around(mesh.positions[c.x], mesh.positions[c.y], mesh.positions[c.z]);
+      if (!near) reached.for_each_near(box, [&](std::uint32_t) { near = true; });
+      chosen[t] = near ? 1 : 0;
+    });
+    std::vector<std::uint32_t> number(mesh.positions.size(), 0);
+    for (std::uint32_t t = 0; t < chosen.size(); ++t) {
+      if (chosen[t] == 0) continue;
+      triangles_.push_back(t);
+      for (int corner = 0; corner < 3; ++corner) number[mesh.triangles[t][corner]] = 1;
+    }
+    for (std::uint32_t v = 0; v < number.size(); ++v) {
+      if (number[v] == 0) continue;
+      number[v] = static_cast<std::uint32_t>(vertices_.size());
+      vertices_.push_back(v);
+    }
+    mesh_.name = mesh.name;
+    mesh_.positions = Buffer<glm::vec3>(vertices_.size());
+    for (std::size_t v = 0; v < vertices_.size(); ++v) mesh_.positions[v] = mesh.positions[vertices_[v]];
+    mesh_.triangles = Buffer<glm::uvec3>(triangles_.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      const glm::uvec3& c = mesh.triangles[triangles_[t]];
+      mesh_.triangles[t] = {number[c.x], number[c.y], number[c.z]};
+    }
+  }
+
+  static std::uint64_t bytes(const mesh::Mesh& whole) {
+    const std::size_t vertices = whole.positions.size();
+    const std::size_t triangles = whole.triangles.size();
+    return vertices * (sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 3) + mesh::BoxTree::bytes(triangles) +
+           triangles * (sizeof(glm::uvec3) + 2 * sizeof(std::uint32_t) + 1);
+  }
+
+  mesh::Mesh& mesh() { return mesh_; }
+
+  void put_back(mesh::Mesh& whole) const {
+    for (std::size_t v = 0; v < vertices_.size(); ++v) whole.positions[vertices_[v]] = mesh_.positions[v];
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+      const glm::uvec3& c = mesh_.triangles[t];
+      whole.triangles[triangles_[t]] = {vertices_[c.x], vertices_[c.y], vertices_[c.z]};
+    }
+  }
+
+ private:
+  // Returns a tree of the boxes that the triangles of moving vertices cannot leave.
+  static mesh::BoxTree tree_of_reach(const mesh::Mesh& mesh, const std::vector<char>& moving,
+                                     const glm::dmat3& to_metric) {
+    const glm::dmat3 rows = glm::transpose(glm::inverse(to_metric));
+    const glm::vec3 reach(kMostMove * glm::dvec3(glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])));
+    std::vector<mesh::FloatBox> boxes;
+    for (const glm::uvec3& t : mesh.triangles) {
+      if ((moving[t.x] | moving[t.y] | moving[t.z]) == 0) continue;
+      const auto box = mesh::box_around(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+      boxes.push_back({box.min - reach, box.max + reach});
+    }
+    Buffer<mesh::BoxTree::Item> items(boxes.size());
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) items[i] = {boxes[i].center(), i};
+    return {items.span(), [&](std::uint32_t i) { return boxes[i]; }};
+  }
+
+  mesh::Mesh mesh_;
+  std::vector<std::uint32_t> vertices_;   // of the whole mesh, ascending
+  std::vector<std::uint32_t> triangles_;  // of the whole mesh, ascending
+};
+
+Result<void> untangle_patch(mesh::Mesh& mesh, const UntangleOptions& options, UntangleFigures& figures,
+                            const Context& context) {
+  const std::size_t vertices = mesh.positions.size();
+  const auto memory = TRY(context.reserve(2 * Neighbors::bytes(3 * mesh.triangles.size(), vertices) +
+                                              EdgeFlips::bytes(mesh) + vertices * (4 * sizeof(glm::vec3) + 3),
+                                          mesh.name + ": the vertices of intersecting triangles"));
+  const std::vector<glm::vec3> before(mesh.positions.begin(), mesh.positions.end());
+  SmoothOptions bounds;
+  bounds.walls = options.walls;
+  bounds.cuts = options.cuts;
+  const Buffer<glm::vec3> none = no_moves(vertices);
+  int moves_done = 0;
+  auto found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
+  while (found.pairs > 0 && figures.rounds < kMostRounds) {
+    TRY(context.check());
+    const Signal signal(mesh, bounds);  // flips change the neighbors
+    const std::size_t flips = EdgeFlips(mesh, signal).run(found.examples);
+    figures.flips += flips;
+    if (flips == 0) {
+      const std::vector<char> moving = vertices_around(mesh, found.examples, moves_done++ / kRoundsARing);
+      Buffer<glm::vec3> moves(vertices);
+      for_each_vertex(vertices, [&](std::size_t v) {
+        const glm::dvec3 moved = options.to_metric * (glm::dvec3(mesh.positions[v]) - glm::dvec3(before[v]));
+        const bool may_move = moving[v] != 0 && glm::length(moved) < kMostMove / 2;
+        const glm::dvec3 move = may_move ? signal.laplacian(none, v) : glm::dvec3(0);
+        const double length = glm::length(options.to_metric * move);
+        moves[v] = length > kMostMove / 2 ? glm::vec3(move * (kMostMove / 2 / length)) : glm::vec3(move);
+      });
+      TRY(move_untangled(mesh, moves, context));
+    }
+    found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
+    ++figures.rounds;
+  }
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const glm::dvec3 move = glm::dvec3(mesh.positions[v]) - glm::dvec3(before[v]);
+    figures.moved += move != glm::dvec3(0) ? 1 : 0;
+    figures.greatest_move = std::max(figures.greatest_move, glm::length(options.to_metric * move));
+  }
+  return {};
+}
+
 Result<UntangleFigures> untangle_mesh(mesh::Mesh& mesh, const UntangleOptions& options, const Context& context) {
   const Stopwatch watch;
   UntangleFigures figures;
-  auto found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
+  const auto found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
   figures.pairs_before = figures.pairs_after = found.pairs;
   figures.more_before = found.at_least;
   if (found.pairs > 0) {
-    const std::size_t vertices = mesh.positions.size();
-    const auto memory = TRY(context.reserve(2 * Neighbors::bytes(3 * mesh.triangles.size(), vertices) +
-                                                EdgeFlips::bytes(mesh) + vertices * (4 * sizeof(glm::vec3) + 3),
-                                            mesh.name + ": the vertices of intersecting triangles"));
-    const std::vector<glm::vec3> before(mesh.positions.begin(), mesh.positions.end());
-    SmoothOptions bounds;
-    bounds.walls = options.walls;
-    bounds.cuts = options.cuts;
-    const Buffer<glm::vec3> none = no_moves(vertices);
-    int moves_done = 0;
-    while (figures.pairs_after > 0 && figures.rounds < kMostRounds) {
-      TRY(context.check());
-      const Signal signal(mesh, bounds);  // flips change the neighbors
-      const std::size_t flips = EdgeFlips(mesh, signal).run(found.examples);
-      figures.flips += flips;
-      if (flips == 0) {
-        const std::vector<char> moving = vertices_around(mesh, found.examples, moves_done++ / kRoundsARing);
-        Buffer<glm::vec3> moves(vertices);
-        for_each_vertex(vertices, [&](std::size_t v) {
-          const glm::dvec3 moved = options.to_metric * (glm::dvec3(mesh.positions[v]) - glm::dvec3(before[v]));
-          const bool may_move = moving[v] != 0 && glm::length(moved) < kMostMove / 2;
-          const glm::dvec3 move = may_move ? signal.laplacian(none, v) : glm::dvec3(0);
-          const double length = glm::length(options.to_metric * move);
-          moves[v] = length > kMostMove / 2 ? glm::vec3(move * (kMostMove / 2 / length)) : glm::vec3(move);
-        });
-        TRY(move_untangled(mesh, moves, context));
-      }
-      found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
-      figures.pairs_after = found.pairs;
-      ++figures.rounds;
+    if (found.at_least) {  // the pairs beyond the limit can be anywhere
+      TRY(untangle_patch(mesh, options, figures, context));
+    } else {
+      const auto memory = TRY(context.reserve(Patch::bytes(mesh), mesh.name + ": the triangles near intersections"));
+      Patch patch(mesh, found.examples, options.to_metric);
+      TRY(untangle_patch(patch.mesh(), options, figures, context));
+      patch.put_back(mesh);
     }
-    for (std::size_t v = 0; v < vertices; ++v) {
-      const glm::dvec3 move = glm::dvec3(mesh.positions[v]) - glm::dvec3(before[v]);
-      figures.moved += move != glm::dvec3(0) ? 1 : 0;
-      figures.greatest_move = std::max(figures.greatest_move, glm::length(options.to_metric * move));
-    }
+    figures.pairs_after = TRY(mesh::find_self_intersections(mesh, {kMostPairs, 0}, context)).pairs;
     mesh.edges = {};
   }
   figures.time = watch.elapsed();

@@ -10,8 +10,10 @@
 
 #include "edit/bounded_simplify.hpp"
 #include "edit/smooth.hpp"
+#include "edit/untangle.hpp"
 #include "mesh/join_meshes.hpp"
 #include "mesh/self_intersections.hpp"
+#include "mesh/topology.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 #include "support/sample_meshes.hpp"
@@ -139,6 +141,46 @@ TEST(NewIntersections, NoneBySmoothing) {
   }
   mesh::Mesh clean = test::sphere(40, false);
   EXPECT_EQ(smooth(clean, {}, Context())->held_vertices, 0U);
+}
+
+TEST(Untangle, LeavesWhatIsFarFromPairsAsItIs) {
+  std::mt19937 engine(3);
+  std::uniform_real_distribution<double> noise(-1, 1);
+  constexpr int kSize = 24;
+  constexpr int kTangled = 10;  // samples along z with noise; the others belong to a ball
+  const field::ScalarField field =
+      test::dense_field<float>(glm::ivec3(kSize, kSize, 3 * kSize), [&](int i, int j, int k) {
+        const bool inside = std::min({i, j, k}) > 0 && std::max(i, j) < kSize - 1 && k < kTangled;
+        if (inside) return noise(engine);
+        return k < kTangled ? -1.0 : kSize / 2.0 - 2 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(11.6, 11.4, 50.3));
+      });
+  const mesh::Mesh tangled = std::move(test::extract(field, {}).mesh);
+  const mesh::Topology before = mesh::measure_topology(tangled);
+  ASSERT_TRUE(before.is_closed_oriented_manifold());
+  mesh::Mesh clean = copy(tangled);
+  const auto figures = untangle(clean, {}, Context());
+  ASSERT_TRUE(figures);
+  EXPECT_EQ(figures->pairs_before, count_pairs(tangled));
+  EXPECT_GT(figures->pairs_before, 20U);
+  EXPECT_LT(figures->pairs_after, figures->pairs_before / 4);
+  EXPECT_EQ(figures->pairs_after, count_pairs(clean));
+  EXPECT_GT(figures->flips, 0U);
+  const mesh::Topology after = mesh::measure_topology(clean);
+  EXPECT_TRUE(after.is_closed_oriented_manifold());
+  EXPECT_EQ(after.genus(), before.genus());
+  EXPECT_EQ(after.components, before.components);
+  std::size_t moved = 0;
+  ASSERT_EQ(clean.positions.size(), tangled.positions.size());
+  for (std::size_t v = 0; v < clean.positions.size(); ++v) moved += clean.positions[v] != tangled.positions[v] ? 1 : 0;
+  EXPECT_EQ(moved, figures->moved);
+  std::size_t in_ball = 0;
+  for (std::size_t t = 0; t < clean.triangles.size(); ++t) {
+    const auto z = static_cast<float>(tangled.origin.z) + tangled.positions[tangled.triangles[t].x].z;
+    if (z < 2 * kTangled) continue;
+    ++in_ball;
+    EXPECT_EQ(clean.triangles[t], tangled.triangles[t]);
+  }
+  EXPECT_GT(in_ball, 1000U);
 }
 
 }  // namespace
