@@ -40,9 +40,10 @@ struct SequenceKind {
   std::uint64_t first = 0;         // the number of the first frame; its step is first * every
 };
 
-// Plans the frames and their files. A name without a placeholder for the frame number gets the last step alone. Fails
-// with ErrorCode::usage if -o is missing or unusable, if names repeat, if --every is given without such a placeholder,
-// if the steps are no multiple of --every, or for too many frames.
+// Plans the frames and their files. A folder, or a file name with a placeholder for the frame number, gets all frames;
+// any other file name the last step alone. Fails with ErrorCode::usage if -o is missing or unusable, if names repeat,
+// if
+// --every is given for the last step alone, if the steps are no multiple of --every, or for too many frames.
 [[nodiscard]] Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind);
 
 struct WaterPlan {

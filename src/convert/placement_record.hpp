@@ -28,8 +28,8 @@ namespace isoextract::convert {
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Returns the placement of a mesh that was read from a file with the placement `before`, and then placed by `again`.
-// Voxel coordinates stay voxel coordinates only if `again` changes nothing; otherwise the result refers to the world of
-// the file.
+// If `before` has voxel coordinates, returns `before` where `again` changes nothing, else `again`: the coordinates of
+// the file then count as world coordinates.
 [[nodiscard]] ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again);
 
 // Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no

@@ -31,8 +31,8 @@ namespace isoextract::files {
 // if there is none: no file, a folder, a device, a pipe or standard output. Fails with ErrorCode::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
 
-// Renames the file that remove_old_file() would remove to NAME.old or, if that exists, NAME.old.2 and so on. Returns
-// the new path, or nothing if there is no such file.
+// Renames the regular file that an OutputFile of this name would replace. The new name is NAME.old or, if that exists,
+// NAME.old.2 and so on. Returns the new path, or nothing if there is no such file.
 [[nodiscard]] Result<std::optional<std::filesystem::path>> rename_old_file(const std::filesystem::path& path);
 
 // Returns whether the path is standard output, a pipe or a device: bytes written there cannot be taken back.

@@ -231,8 +231,8 @@ Result<void> check_options(const FieldOptions& options) {
     if (value > 1) return fail(ErrorCode::usage, fmt::format("expected {} of at most 1, found {}", what, value));
   }
   if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
-    return fail(ErrorCode::usage,
-                fmt::format("expected lambda, how far kernel centers move, from 0 to 1, found {}", anisotropy.lambda));
+    return fail(ErrorCode::usage, fmt::format("expected a lambda from 0 to 1 (how far kernel centers move), found {}",
+                                              anisotropy.lambda));
   }
   if (!(std::isfinite(anisotropy.widest) && anisotropy.widest >= 1)) {
     return fail(ErrorCode::usage,

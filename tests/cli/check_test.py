@@ -286,7 +286,7 @@ class CheckTest(ProgramTest):
         (primitive,) = model["meshes"][0]["primitives"]
         model["accessors"][primitive["attributes"]["NORMAL"]]["count"] -= 1
         (self.folder / "sphere.gltf").write_text(json.dumps(model))
-        self.assert_fails(2, self.run_program("check", "sphere.gltf"), "sphere.gltf: expected ", " normals of component type 5126 or 5120 to 5123, found")
+        self.assert_fails(2, self.run_program("check", "sphere.gltf"), "sphere.gltf: expected ", " normals of component type 5126 (float) or 5120 to 5123 (bytes, shorts), found")
         self.convert("compare", "sphere.gltf", "sphere.gltf")  # which does without
 
     def test_each_mesh_of_a_file_and_all(self):

@@ -100,7 +100,7 @@ const json& entry(const json& model, const char* list, std::uint64_t index) {
   const auto found = model.find(list);
   const std::size_t size = found != model.end() && found->is_array() ? found->size() : 0;
   if (index >= size) {
-    throw DamagedMesh(fmt::format("expected an index below {} into '{}', found {}", size, list, index));
+    throw DamagedMesh(fmt::format("expected an index of one of the {} entries of '{}', found {}", size, list, index));
   }
   if (const json& value = (*found)[index]; !value.is_object()) {
     throw DamagedMesh(fmt::format("expected a JSON object as entry {} of '{}', found {}", index, list, shown(value)));

@@ -32,8 +32,9 @@ void add_gltf_normals(GltfData& data, const nlohmann::json& attributes, std::uin
   const GltfView view = data.view(whole(attributes, "NORMAL"), "VEC3", 3);
   const bool is_short = view.component >= kGltfByte && view.component <= kGltfUnsignedShort;
   if (view.count != vertices || (view.component != kGltfFloat && !is_short)) {
-    throw DamagedMesh(fmt::format("expected {} normals of component type {} or {} to {}, found {} normals of type {}",
-                                  vertices, kGltfFloat, kGltfByte, kGltfUnsignedShort, view.count, view.component));
+    throw DamagedMesh(fmt::format(
+        "expected {} normals of component type {} (float) or {} to {} (bytes, shorts), found {} normals of type {}",
+        vertices, kGltfFloat, kGltfByte, kGltfUnsignedShort, view.count, view.component));
   }
   const std::uint64_t first = normals.values.size();
   require_vertex_count(first + vertices);

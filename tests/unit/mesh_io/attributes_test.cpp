@@ -287,7 +287,7 @@ TEST_F(GltfAttributeTest, RefusesDamagedGltf) {
           "expected a buffer view with room for 3 values, found 64 bytes");
   damaged(R"("_A":1)", R"({"bufferView":0,"componentType":5124,"count":3,"type":"SCALAR"})",
           "expected component type 5120, 5121, 5122, 5123, 5125 or 5126 of");
-  damaged(R"("_A":7)", kBytes, "expected an index below 2 into 'accessors'");
+  damaged(R"("_A":7)", kBytes, "expected an index of one of the 2 entries of 'accessors'");
   damaged(R"("_A":"x")", kBytes, "expected an accessor as '_A'");
   damaged(R"("COLOR_0":1)", kBytes, "expected colors with three or four components");
   damaged(R"("COLOR_0":1)", R"({"bufferView":0,"componentType":5121,"count":3,"type":"VEC3"})",
