@@ -93,7 +93,7 @@ struct RenderFlags : OptionSet {
                                              "Color of meshes without vertex colors. One for all, or one for each in "
                                              "order. Default: their materials, else gray."};
   Value<double> samples{in(OptionGroup::output), "--samples", "N", parse_samples,
-                        "Samples along a ray per shortest edge of a voxel (default: 1)."};
+                        "Samples per shortest voxel edge on a ray (default: 1)."};
   Value<int> antialias{in(OptionGroup::output), "--antialias", "N", parse_rays_across,
                        "Rays per pixel along each axis, 1 to 4. Default: 2 with surfaces or meshes, whose edges it "
                        "smooths; 1 for a volume alone. The time grows with N x N."};
