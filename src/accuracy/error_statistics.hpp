@@ -30,8 +30,8 @@ struct ErrorStatistics {
   // estimate.
   std::uint64_t corrected = 0;
 
-  // Raises the maximum and its place to those of other points of the same mesh; changes no other figure. Does nothing
-  // if either has no points.
+  // Takes max and worst of `other`, measured at other points of the same mesh, where they are larger; changes no other
+  // figure. Does nothing if either has no points.
   void include_max(const ErrorStatistics& other);
   [[nodiscard]] std::uint64_t unmeasured() const { return not_finite + outside + unreached; }
 };
@@ -57,7 +57,7 @@ class ErrorAccumulator {
   Length squares_;  // weighted
   Length max_;
   glm::dvec3 worst_{0.0};
-  std::vector<double> voxel_bins_;  // weight by size, in bins with 64 steps an octave
+  std::vector<double> voxel_bins_;  // total weight of the distances in each bin; 64 bins an octave
   std::vector<double> world_bins_;
 };
 

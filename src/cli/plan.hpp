@@ -1,5 +1,6 @@
-// Turns parsed options into the validated settings of each command. Opens tables of labels, and inputs without --iso or
-// with --labels: whether they hold particles, named labels or integers decides the defaults.
+// Turns parsed options into the validated settings of each command. Opens tables of labels, and the first input:
+// whether it holds a mesh, particles, named labels or integers decides the defaults. Opens all inputs for {step} in a
+// name.
 #pragma once
 
 #include <array>

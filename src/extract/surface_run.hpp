@@ -16,17 +16,17 @@
 
 namespace isoextract::extract {
 
-// The interface of a surface under extraction. Each pass is called at most once, in this order: count() if there can be
-// a surface, emit() unless a sink takes the mesh or the surface is the part of one rank. Samples are given by their
-// index in the field.
+// The interface of a surface under extraction. Each pass is called at most once, in this order: classify(); count(), if
+// there can be a surface; emit(), unless a sink takes the mesh or the surface is the part of one rank. Samples are
+// given by their index in the field.
 template <class S>
 concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats, mesh::Mesh& mesh, const glm::ivec3& p,
                                  int direction) {
   { seen.placement() } -> std::convertible_to<const OutputPlacement&>;
   // Compares the samples with iso and fills the classification figures. Returns false if there can be no surface.
   { surface.classify(stats) } -> std::same_as<Result<bool>>;
-  // Counts vertices and triangles; fills `count` and other figures of `stats`. A surface that is drawn in portions is
-  // drawn here already, so count() sets `stats.emit` to the time of drawing.
+  // Counts vertices and triangles; fills `count` and other figures of `stats`. A GPU captures a large surface in
+  // portions here already; count() then adds the time of capture to `stats.emit`.
   { surface.count(stats) } -> std::same_as<Result<MeshSizes>>;
   // Writes vertices and triangles to the start of a mesh that has room for as many as were counted.
   { surface.emit(mesh) } -> std::same_as<Result<void>>;
@@ -35,8 +35,9 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   // its outermost samples are inside, outside or both.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
   { seen.boundary_sides() } -> std::same_as<BoundarySides>;
-  { seen.draws_at_boundary() } -> std::same_as<bool>;  // called if boundary_sides() has both sides and there are holes
-  { seen.has_holes() } -> std::same_as<bool>;          // NaN samples were found under NanPolicy::hole
+  // Whether a cell at a face of cap_box() has triangles that reach the face. Called only with holes and both sides.
+  { seen.draws_at_boundary() } -> std::same_as<bool>;
+  { seen.has_holes() } -> std::same_as<bool>;  // NaN samples were found under NanPolicy::hole
   { seen.inside(p) } -> std::same_as<bool>;
   { seen.value(p) } -> std::same_as<double>;
   { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // the vertex on the crossed edge from `p`
@@ -54,7 +55,8 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
 };
 
 // Offers the mesh to the sink of `options`. If the sink takes it, sets Extraction::taken and delivers the mesh and its
-// cap. Does nothing if the mesh must be edited as a whole after emit().
+// cap. Does nothing without triangles, with edge keys, or if the mesh must be edited as a whole after emit() (holes, or
+// smooth normals beside NaN samples).
 template <SurfacePasses Surface>
 [[nodiscard]] Result<void> offer_to_sink(const ExtractOptions& options, Surface& surface, const MeshSizes& sizes,
                                          const BoundaryCap& cap, const std::optional<field::IndexBox>& box,

@@ -37,7 +37,7 @@ struct ParticleSet {
   std::string label;  // name for messages: the file, with the frame or part if any
   Buffer<glm::dvec3> positions;
   std::vector<ParticleAttribute> attributes;  // with unique names
-  std::vector<ParticleWords> words = {};      // attributes whose values are words; only selection expressions use them
+  std::vector<ParticleWords> words = {};      // attributes whose values are words, such as chemical elements
   Reservation memory;                         // for all arrays; made by the code that allocated them
   std::optional<SimulationBox> box = {};      // valid (SimulationBox::is_valid()); particles can lie outside of it
 
