@@ -334,6 +334,8 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
                     outer.name, options.thickness, extent.x, extent.y, extent.z),
         "choose a thicker wall");
   }
+  // A line through a point of the material meets the surface on both sides within the box.
+  if (2 * options.thickness > std::min({extent.x, extent.y, extent.z})) return InnerWall();
   context.progress().begin("hollowing", 0);
   const auto tree_memory = TRY(context.reserve(mesh::TriangleTree::bytes(outer.triangles.size()), what));
   const WallGrid grid(outer, options, bounds);

@@ -25,8 +25,8 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   { seen.placement() } -> std::convertible_to<const OutputPlacement&>;
   // Compares the samples with iso and fills the classification figures. Returns false if there can be no surface.
   { surface.classify(stats) } -> std::same_as<Result<bool>>;
-  // Counts vertices and triangles; fills `count` and other figures of `stats`. A GPU captures a large surface in
-  // portions here already; count() then adds the time of capture to `stats.emit`.
+  // Counts vertices and triangles; fills `count` and other figures of `stats`. On a GPU, count() itself
+  // captures a large surface, in portions, and adds the times of capture, read-back and weld to `stats.emit`.
   { surface.count(stats) } -> std::same_as<Result<MeshSizes>>;
   // Writes vertices and triangles to the start of a mesh that has room for as many as were counted.
   { surface.emit(mesh) } -> std::same_as<Result<void>>;
@@ -35,7 +35,8 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   // its outermost samples are inside, outside or both.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
   { seen.boundary_sides() } -> std::same_as<BoundarySides>;
-  // Whether a cell at a face of cap_box() has triangles that reach the face. Called only with holes and both sides.
+  // Whether a cell at a face of cap_box() has triangles that reach the face. Called only if there are
+  // holes, and boundary_sides() has inside and outside.
   { seen.draws_at_boundary() } -> std::same_as<bool>;
   { seen.has_holes() } -> std::same_as<bool>;  // NaN samples were found under NanPolicy::hole
   { seen.inside(p) } -> std::same_as<bool>;
