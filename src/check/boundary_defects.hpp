@@ -21,7 +21,7 @@ struct EdgeDefects {
 };
 
 // The rim of a hole: open edges connected through fans of triangles. A vertex with several fans counts as one vertex
-// for each fan. A non-manifold edge that ends on several rims joins them into one loop.
+// for each fan. Rims that meet at an end of a non-manifold edge share a fan there, and count as one loop.
 struct BoundaryLoop {
   std::uint64_t edges = 0;
   double length = 0;

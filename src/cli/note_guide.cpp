@@ -259,8 +259,9 @@ constexpr std::array kGuide{
               "To convert one shard, give --shard auto. To get a table, plot or page of all frames, run 'isoextract "
               "merge', then the command with --resume and without --shard."},
     NoteGuide{simulation_limits,
-              "The simulation differs from what the options suggest: particles are still in the nozzle or fell too "
-              "fast, the water does not come to rest, depths are below 0, or volumes get more layers.",
+              "The simulation differs from what the options suggest: particles are still in the nozzle, the program "
+              "slowed particles that fell too fast, the water does not come to rest, depths are below 0, or later "
+              "volumes have more layers because the water rises.",
               "For particles in the nozzle simulate more frames. For water that does not come to rest raise --flow-div "
               "or --friction."},
     NoteGuide{up_axis,

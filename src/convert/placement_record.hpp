@@ -23,8 +23,8 @@ namespace isoextract::convert {
 // Returns the up axis in the output.
 [[nodiscard]] UpAxis output_up(const Placement& placement);
 
-// Returns `other` with the axis `up` upward in the output: the placement of a mesh that another program made of the
-// same input with that up axis.
+// Returns `other`, turned so that the axis `up` points up in the output. For example, this places a mesh that another
+// program made of the same input.
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Returns the placement of a mesh that was read from a file with the placement `before`, and then placed by `again`.

@@ -27,8 +27,8 @@ constexpr auto words_of(ComponentMeasure /*type*/) {
                     Word{ComponentMeasure::volume, "volume"}};
 }
 
-// The removal steps. `least` and `fill_cavities` apply together: a filled cavity takes the bodies inside it along, even
-// if the body around it is removed too. `largest` comes last.
+// The removal steps. `least` and `fill_cavities` apply together. Filling a cavity removes the bodies in it, even if the
+// body around the cavity is removed as well. `largest` comes last.
 struct BodySelection {
   // Removes components that measure less than this. Removing a body removes its cavities; removing a cavity fills it.
   // Keeps a component whose exact size may reach the limit: the comparison allows for the rounding of its vertices.

@@ -139,7 +139,8 @@ class ModelReader {
       has_quantized_ = has_quantized_ || name == kQuantizationExtension;
       if (!name.empty() && !changes_triangles(name)) continue;
       throw DamagedMesh(
-          fmt::format("expected glTF with triangles that need no extension, found the required extension {}",
+          fmt::format("expected glTF whose triangles need no extension of another kind than Draco, meshopt or "
+                      "quantization, found the required extension {}",
                       shown(extension)),
           "export the file without this extension");
     }
