@@ -260,7 +260,7 @@ constexpr std::array kGuide{
               "merge', then the command with --resume and without --shard."},
     NoteGuide{simulation_limits,
               "The simulation differs from what the options suggest: particles are still in the nozzle, the program "
-              "slowed particles that fell too fast, the water does not come to rest, depths are below 0, or later "
+              "slowed particles that fell too fast, the water does not come to rest, or depths are below 0. Or later "
               "volumes have more layers because the water rises.",
               "For particles in the nozzle simulate more frames. For water that does not come to rest raise --flow-div "
               "or --friction."},
