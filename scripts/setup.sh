@@ -28,7 +28,7 @@ test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
   python3-pandas jq libopenvdb-tools shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev zstd
   libgdcm-tools python3-pil python3-tifffile python3-h5py python3-netcdf4 python3-segyio python3-pydicom
-  python3-scipy python3-zarr python3-numcodecs python3-mrcfile ferret-datasets
+  admesh python3-scipy python3-zarr python3-numcodecs python3-mrcfile ferret-datasets
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 # By the IDs of plug-ins, as the folders of plugins have them.

@@ -262,8 +262,8 @@ class AttributesTest(ProgramTest):
         text = self.convert("compare", "a.ply", "b.ply").text
         self.assertRegex(text, r"heat +the same values\n")
         self.assertRegex(text, r"more +only in the second mesh\n")
-        self.assertRegex(text, r"colour +largest difference 0\.\d+, at vertex \d+; mean 0\.\d+")
-        self.assertRegex(self.convert("compare", "a.ply", "c.glb", "--up", "y").text, r"colour +3 and 4 components")
+        self.assertRegex(text, r"color +largest difference 0\.\d+, at vertex \d+; mean 0\.\d+")
+        self.assertRegex(self.convert("compare", "a.ply", "c.glb", "--up", "y").text, r"color +3 and 4 components")
         found = json.loads(self.convert("compare", "a.ply", "b.ply", "--json").text)["attributes"]
         (same,) = [match for match in found["both"] if match["name"] == "heat"]
         self.assertEqual((found["same_vertices"], found["b_only"], same["difference"]["largest"]), (True, ["more"], 0))

@@ -291,7 +291,7 @@ class InfoLabelsTest(ProgramTest):
         (self.folder / "segmentations").mkdir()
         for name in ("heart.nii.gz", "aorta.nii.gz", "segmentations/kidney_left.nii.gz", "segmentations/liver.nii.gz"):
             self.write_nifti(ball(30, 5 + len(name) % 7), name)
-        for topic, count in (("labels", 4), ("masks", 7)):
+        for topic, count in (("labels", 4), ("masks", 8)):
             commands = re.findall(r"^  (isoextract .*)$", self.convert("help", topic).text, re.M)
             self.assertEqual(len(commands), count)
             for command in commands:

@@ -204,7 +204,7 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
                "within a buffer");
   expect_error("a.gltf", replaced("\"byteLength\":36,\"uri\"", "\"byteLength\":37,\"uri\""),
                "expected 37 bytes of buffer 0, found 36");
-  expect_error("a.gltf", replaced("\"POSITION\":0", "\"POSITION\":1"), "into 'accessors', found 1");
+  expect_error("a.gltf", replaced("\"POSITION\":0", "\"POSITION\":1"), "entries of 'accessors', found 1");
   expect_error("a.gltf", replaced("5126", "5123"), "expected positions of component type 5126");
   expect_error("a.gltf", replaced("\"bufferView\":0,\"componentType\"", "\"componentType\""),
                "expected an accessor with values in a buffer");
@@ -218,7 +218,7 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
                "expected 36 bytes of buffer 0, found 32");
   expect_error("a.gltf", replaced("\"attributes\"", "\"mode\":7,\"attributes\""), "found 7");
   expect_error("a.gltf", gltf(R"({"mesh":0,"children":[0]})"), "found node 0 twice");
-  expect_error("a.gltf", gltf(R"({"mesh":7})"), "into 'meshes', found 7");
+  expect_error("a.gltf", gltf(R"({"mesh":7})"), "entries of 'meshes', found 7");
   expect_error("a.gltf", gltf(R"({"mesh":0,"matrix":[1,2]})"), "expected 16 numbers as 'matrix'");
   expect_error("a.gltf", gltf(R"({"mesh":0,"scale":[1,null,1]})"), "expected numbers as 'scale'");
   expect_error("a.gltf", gltf(R"({"mesh":0,"scale":[1e308,1e308,1e308],"translation":[1e308,1e308,0]})"), "expected");
