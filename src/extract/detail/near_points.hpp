@@ -48,7 +48,10 @@ class NearPointPlanes {
 
  private:
   // Returns the number, 0 to 2, of the chunk of a corner along y or z.
-  static std::size_t steps_to(int corner) { return static_cast<std::size_t>((corner >> 3) + 1); }
+  static std::size_t steps_to(int corner) {
+    const int steps = (corner >> 3) + 1;
+    return static_cast<std::size_t>(steps);
+  }
 
   const NetGrid& grid_;
   std::array<std::int32_t, 27> chunks_;  // by steps along x, then y, then z
@@ -60,7 +63,10 @@ class NearPoints {
     const NearPointPlanes planes(grid, chunk);
     for (int z = -1; z <= 8; ++z) {
       const int first = NearPlaces::kSteps[2] * (z + 1);
-      planes.for_each(z, [&](int place, std::uint32_t k) { numbers_[static_cast<std::size_t>(first + place)] = k; });
+      planes.for_each(z, [&](int place, std::uint32_t k) {
+        const int at = first + place;
+        numbers_[static_cast<std::size_t>(at)] = k;
+      });
     }
   }
 
