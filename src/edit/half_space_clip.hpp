@@ -38,11 +38,11 @@ struct ClipFigures {
 // have no attributes; its edge keys are dropped if a plane cuts it. A plane with no vertex outside its half-space
 // changes nothing.
 //
-// Vertices within the larger of ClipOptions::snap and mesh::on_plane_tolerance() of a plane count as on it. They move
-// onto it; those within the tolerance stay. Vertices may lie outside `kept` by up to that distance, because a plane
-// that cuts nothing moves none, and a later plane may move them again. Old vertices keep their order, new ones follow
-// with interpolated normals; triangles keep order and winding. Two meshes of one origin, one on_plane_tolerance() and
-// one snap get bitwise the same new vertex on a shared edge; so do the two sides of one plane. The result does not
+// Vertices within mesh::on_plane_tolerance() of a plane count as on it and stay. Vertices farther away, but within
+// ClipOptions::snap, move onto it. Vertices may lie outside `kept` by up to that distance, because a plane that cuts
+// nothing moves none, and a later plane may move them again. Old vertices keep their order, new ones follow with
+// interpolated normals; triangles keep order and winding. Two meshes of one origin, one on_plane_tolerance() and one
+// snap get bitwise the same new vertex on a shared edge; so do the two sides of one plane. The result does not
 // depend on the number of threads.
 //
 // With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the

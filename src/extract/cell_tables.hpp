@@ -55,8 +55,8 @@ struct CaseTable {
   std::array<std::uint8_t, 256> alternating_faces{};
   std::array<std::uint16_t, 256> variants{};  // number of the case's first variant
   // The possible tunnels of each variant (variants with a tunnel have none; mt: empty). A slice of the cell at one z
-  // has four corners, one on each vertical edge. Where they alternate between inside and outside, index 0 has the
-  // corners on the edges 0-4 and 3-7 inside, index 1 those on 1-5 and 2-6.
+  // has four corners, one on each vertical edge. tunnels[v][0] is for slices that are inside on the edges 0-4 and 3-7
+  // and outside on 1-5 and 2-6, tunnels[v][1] for the reverse.
   std::vector<std::array<Tunnel, 2>> tunnels;
   std::vector<std::uint16_t> first;  // variant v has triangles[first[v]] to triangles[first[v + 1] - 1]
   std::vector<CellTriangle> triangles;

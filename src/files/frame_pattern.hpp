@@ -32,7 +32,7 @@ class FramePattern {
  public:
   // Parses a name. Returns nullopt if the name has no placeholder; callers then use it unchanged: {{ stays {{. Fails
   // with ErrorCode::usage for several placeholders, for widths above kMaxFrameDigits, and for widths that are no number
-  // ({:x}). Any other text in braces is text.
+  // ({:x}). Other text in braces is text, unless it contains `%d`, `#` or a brace.
   [[nodiscard]] static Result<std::optional<FramePattern>> parse(std::string_view name);
 
   // `width` is 4 for {:04} and 0 for {}. prefix and suffix are plain text, without escapes.

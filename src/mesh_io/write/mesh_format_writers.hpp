@@ -31,7 +31,7 @@ class FormatWriter {
 [[nodiscard]] std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, const Context& context,
                                                             files::OutputFile& file);
 
-// Writes a GLB of two or more unpacked meshes to a regular file, whose hash() is lost (OutputFile::move_end()). Each
+// Writes a GLB of two or more unpacked meshes to a regular file, whose hash() is empty until commit(). Each
 // mesh must live only during add(); the bytes are those of make_glb_writer(), but finish() writes the data a second
 // time.
 [[nodiscard]] std::unique_ptr<FormatWriter> make_moving_glb_writer(const MeshWriteOptions& options,
