@@ -51,9 +51,8 @@ struct Frames {
 //   a volume      a folder that is one volume (volume_io::is_volume_folder()): one frame
 //   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, whose input is the
 //                 pattern or folder; with `pictures_are_frames` each picture is a frame
-//   other inputs  a list of paths, one frame each, as without_sample_files() returns it; a missing file is a frame,
-//   too,
-//                 and reading it fails later
+//   other inputs  a list of paths, one frame each, as without_sample_files() returns it; a missing file is a frame
+//                 that fails when it is read
 //
 // Numbers of the frames:
 //   - If the names differ only in one decimal number (detail/decimal_names.hpp), the frames get the numbers 1 to n by

@@ -127,8 +127,7 @@ HelpTopic masks_topic() {
       {{"A mask has one value inside and another outside, such as 1 and 0, or 255 and 0. Marching cubes, the default "
         "method of --iso, keep the steps of the voxels, because a mask has no values to interpolate. Surface nets "
         "(--method surface-nets) make a smooth, closed surface. They are the default method of --labels, and a mask is "
-        "a "
-        "label map with one label.",
+        "a label map with one label.",
         {{"isoextract mask.nii.gz --labels 1 -o mask.stl", "a smooth closed surface; --labels 255 if 255 is inside"},
          {"isoextract mask.nii.gz --iso 0.5 --method surface-nets -o mask.stl", "the same surface by an iso value"},
          {"isoextract mask.nii.gz --labels 1 --relax 100 -o smooth.stl", "smoother, and takes longer"},

@@ -42,8 +42,7 @@ struct SequenceKind {
 
 // Plans the frames and their files. A folder, or a file name with a placeholder for the frame number, gets all frames;
 // any other file name the last step alone. Fails with ErrorCode::usage if -o is missing or unusable, if names repeat,
-// if
-// --every is given for the last step alone, if the steps are no multiple of --every, or for too many frames.
+// if --every is given for the last step alone, if the steps are no multiple of --every, or for too many frames.
 [[nodiscard]] Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind);
 
 struct WaterPlan {
