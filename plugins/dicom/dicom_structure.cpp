@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kUndefined = 0xFFFFFFFFU;
 constexpr std::uint32_t kItem = 0xFFFEE000U, kItemEnd = 0xFFFEE00DU, kSequenceEnd = 0xFFFEE0DDU;
-constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99";
+constexpr std::string_view kExplicit = "1.2.840.10008.1.2.1", kDeflated = "1.2.840.10008.1.2.1.99";
 
 // PS3.5, 7.1.2: those with a length of 4 bytes, and the others.
 constexpr std::string_view kLongKinds = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
@@ -161,8 +161,15 @@ std::string text_at(Source& source, const Element& element) {
   return text;
 }
 
-// Reads the attributes of group 2; returns their end.
-std::uint64_t read_meta(Source& source, std::uint64_t at, Structure& structure) {
+// Where the attributes of group 2 end, and where one of them is.
+struct Meta {
+  std::uint64_t end = 0;
+  std::uint64_t syntax = 0;  // the offset of the transfer syntax, if there is one
+};
+
+// Reads the attributes of group 2.
+Meta read_meta(Source& source, std::uint64_t at, Structure& structure) {
+  Meta meta;
   Walker walker(source, true, false);
   while (at < source.size()) {
     if (source.size() - at >= 2 && source.at(at, 2) != std::string_view("\2\0", 2)) break;
@@ -172,14 +179,23 @@ std::uint64_t read_meta(Source& source, std::uint64_t at, Structure& structure) 
       throw ReadError("expected an attribute of known length at byte " + std::to_string(at) +
                       ", found a sequence in the file's header: the header is damaged");
     if (element.tag == 0x00020002U) structure.class_uid = text_at(source, element);
-    if (element.tag == 0x00020010U) structure.transfer_syntax = text_at(source, element);
+    if (element.tag == 0x00020010U) {
+      structure.transfer_syntax = text_at(source, element);
+      meta.syntax = element.value;
+    }
     at = element.value + element.length;
   }
-  return at;
+  meta.end = at;
+  return meta;
 }
 
-// Inflates a raw zlib stream after the first `start` bytes of a file. The result is a whole file that is not deflated.
-std::shared_ptr<const std::string> inflate_file(const std::string& path, std::uint64_t start,
+void expect_object(std::uint64_t at, const Source& source) {
+  if (at >= source.size())
+    throw ReadError("expected a DICOM object after the file's header, found the end: the file ends early");
+}
+
+// Inflates the raw zlib stream after a file's header. The result is a whole file that is not deflated.
+std::shared_ptr<const std::string> inflate_file(const std::string& path, const Meta& meta,
                                                 const isoextract_plugin_host& host) {
   std::ifstream stream(path, std::ios::binary);
   const std::uint64_t size = std::filesystem::file_size(path);
@@ -188,10 +204,10 @@ std::shared_ptr<const std::string> inflate_file(const std::string& path, std::ui
   std::string packed(size, '\0');
   if (!stream.read(packed.data(), static_cast<std::streamsize>(size)))
     throw ReadError("the file changed during the run");
-  auto whole = std::make_shared<std::string>(packed, 0, start);
+  auto whole = std::make_shared<std::string>(packed, 0, meta.end);
   // The header of the result names the syntax without deflating; a UID is padded with zeros.
-  const std::size_t syntax = whole->find(kDeflated);
-  std::fill_n(whole->begin() + static_cast<std::ptrdiff_t>(syntax) + 19, 3, '\0');
+  std::fill_n(whole->begin() + static_cast<std::ptrdiff_t>(meta.syntax + kExplicit.size()),
+              kDeflated.size() - kExplicit.size(), '\0');
 
   z_stream zlib{};
   if (inflateInit2(&zlib, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
@@ -199,8 +215,8 @@ std::shared_ptr<const std::string> inflate_file(const std::string& path, std::ui
     z_stream* zlib;
     ~End() { inflateEnd(zlib); }
   } end{&zlib};
-  zlib.next_in = reinterpret_cast<Bytef*>(packed.data() + start);
-  zlib.avail_in = static_cast<uInt>(std::min<std::uint64_t>(size - start, std::numeric_limits<uInt>::max()));
+  zlib.next_in = reinterpret_cast<Bytef*>(packed.data() + meta.end);
+  zlib.avail_in = static_cast<uInt>(std::min<std::uint64_t>(size - meta.end, std::numeric_limits<uInt>::max()));
   constexpr std::size_t kStep = std::size_t{1} << 20U;
   int state = Z_OK;
   while (state == Z_OK) {
@@ -225,15 +241,17 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
   structure.path = path;
   auto source = std::make_unique<Source>(path);
   const bool has_preamble = source->size() >= 132 && source->at(128, 4) == "DICM";
-  std::uint64_t at = read_meta(*source, has_preamble ? 132 : 0, structure);
+  const Meta meta = read_meta(*source, has_preamble ? 132 : 0, structure);
+  std::uint64_t at = meta.end;
   if (structure.transfer_syntax.empty() && has_preamble)
     throw ReadError("expected the transfer syntax of a DICOM file, found none: the header is damaged or cut");
-  if (at >= source->size())
-    throw ReadError("expected a DICOM object after the file's header, found the end: the file ends early");
+  expect_object(at, *source);
   if (structure.transfer_syntax == kDeflated) {
-    structure.inflated = inflate_file(path, at, host);
+    structure.inflated = inflate_file(path, meta, host);
     source = std::make_unique<Source>(structure.inflated.get());
-    structure.transfer_syntax = "1.2.840.10008.1.2.1";
+    // Nothing may have been deflated: GDCM ends the process on a file that ends there.
+    expect_object(at, *source);
+    structure.transfer_syntax = kExplicit;
   }
   structure.big_endian = structure.transfer_syntax == "1.2.840.10008.1.2.2";
   bool is_explicit = structure.transfer_syntax != "1.2.840.10008.1.2";
@@ -243,7 +261,7 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
       throw ReadError("expected a DICOM file, found " + std::to_string(source->size()) + " bytes");
     const std::string_view kind = source->at(4, 2);
     is_explicit = kind[0] >= 'A' && kind[0] <= 'Z' && kind[1] >= 'A' && kind[1] <= 'Z';
-    structure.transfer_syntax = is_explicit ? "1.2.840.10008.1.2.1" : "1.2.840.10008.1.2";
+    structure.transfer_syntax = is_explicit ? kExplicit : "1.2.840.10008.1.2";
   }
   Walker walker(*source, is_explicit, structure.big_endian);
   while (at < source->size()) {

@@ -380,6 +380,15 @@ class DamageTest(DicomTestCase):
             run = self.run_program("info", "odd.dcm")
             self.assert_fails(2, run, "odd.dcm", "found a sequence in the file's header")
 
+    def test_a_deflated_file_of_nothing(self):
+        image = dicom.image(VOLUME[0], PLACES[0], syntax=pydicom.uid.DeflatedExplicitVRLittleEndian)
+        dicom.save(image, self.folder / "whole.dcm")
+        whole = (self.folder / "whole.dcm").read_bytes()
+        start = 144 + struct.unpack_from("<I", whole, 140)[0]  # the length of the file's header
+        (self.folder / "empty.dcm").write_bytes(whole[:start] + b"\x03\0")
+        run = self.run_program("info", "empty.dcm")
+        self.assert_fails(2, run, "empty.dcm", "found the end: the file ends early")
+
     def test_sizes_are_not_trusted(self):
         data = dicom.image(VOLUME[0], PLACES[0])
         data.Rows = data.Columns = 65535
