@@ -110,7 +110,7 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
       OfOneGrid{flags.edits.split, "--split-components numbers the components of one grid"},
       OfOneGrid{job.meshes().packing.packs(),
                 "--draco, --meshopt, --quantize and .drc files round positions by the voxels of one grid"},
-      OfOneGrid{job.source.particles.expected, "particle options need particles, which have no grids"}};
+      OfOneGrid{job.source.particles.expected, "particle options are for one set of particles"}};
   const auto* const found = std::ranges::find(of_one_grid, true, &OfOneGrid::given);
   if (found == of_one_grid.end()) return {};
   return refuse_usage(fmt::format("{}; expected one --grid, found {}", found->why, grids.size()),

@@ -34,10 +34,6 @@ std::optional<Measure> measure_of(std::string_view text) {
   return Measure{*amount, in_world_units};
 }
 
-tl::unexpected<Error> expected_but(const std::string& expected, std::string_view found) {
-  return fail(ErrorCode::usage, fmt::format("expected {}, found '{}'", expected, found));
-}
-
 }  // namespace
 
 Result<convert::MinComponentSize> parse_least_piece(std::string_view text) {
@@ -52,16 +48,20 @@ Result<convert::MinComponentSize> parse_least_piece(std::string_view text) {
       return convert::MinComponentSize{*measure, least->amount, least->in_world_units};
     }
   }
-  return expected_but(
-      "a number of triangles such as 100, or area:40 or volume:5 in voxels, or volume:5world in the "
-      "units of the written mesh",
-      text);
+  return fail(
+      ErrorCode::usage,
+      fmt::format(
+          "expected a number of triangles such as 100, or area:40 or volume:5 in voxels, or volume:5world in the "
+          "units of the written mesh, found '{}'",
+          text));
 }
 
 Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
   if (const auto distance = measure_of(text)) return convert::SimplifyBound{distance->amount, distance->in_world_units};
-  return expected_but("a distance above 0, in voxels such as 0.1 or in the units of the written mesh such as 0.5world",
-                      text);
+  return fail(ErrorCode::usage,
+              fmt::format("expected a distance above 0, in voxels such as 0.1 or in the units of the written "
+                          "mesh such as 0.5world, found '{}'",
+                          text));
 }
 
 Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
@@ -86,11 +86,11 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
     choice.pass_band = fits ? *band : choice.pass_band;
   }
   if (!fits) {
-    return expected_but(
-        fmt::format("a number of passes from 1 to {}, optionally a method as in 20:taubin, 20:sinc or 25:weighted, and "
-                    "for the first two a pass band between 0 and 1 as in 20:sinc:0.05",
-                    edit::kMaxSmoothPasses),
-        text);
+    return fail(
+        ErrorCode::usage,
+        fmt::format("expected a number of passes from 1 to {}, optionally a method as in 20:taubin, 20:sinc or "
+                    "25:weighted, and for the first two a pass band between 0 and 1 as in 20:sinc:0.05, found '{}'",
+                    edit::kMaxSmoothPasses, text));
   }
   choice.passes = *passes;
   return choice;
@@ -107,20 +107,24 @@ Result<convert::HollowChoice> parse_hollow(std::string_view text) {
   if (const auto known = convert::find_length_unit(unit); thickness && known) {
     return convert::HollowChoice{*thickness, std::string(known->name)};
   }
-  return expected_but(
-      "a thickness above 0 with its unit, such as 2mm, 2world in the units of the written mesh, or 3voxel", text);
+  return fail(ErrorCode::usage,
+              fmt::format("expected a thickness above 0 with its unit, such as 2mm, 2world in the units of the "
+                          "written mesh, or 3voxel, found '{}'",
+                          text));
 }
 
 Result<convert::RepairChoice> parse_repair(std::string_view text) {
   const auto edges = parse_count(text);
   if (edges && *edges <= edit::kMostHoleEdges) return convert::RepairChoice{*edges};
-  return expected_but(fmt::format("a number of edges from 0 to {}", edit::kMostHoleEdges), text);
+  return fail(ErrorCode::usage,
+              fmt::format("expected a number of edges from 0 to {}, found '{}'", edit::kMostHoleEdges, text));
 }
 
 Result<HeightBase> parse_height_base(std::string_view text) {
   if (text == "none") return HeightBase();
   const auto height = parse_number(text);
-  return height ? Result<HeightBase>(HeightBase{*height}) : expected_but("a height, or none", text);
+  if (!height) return fail(ErrorCode::usage, fmt::format("expected a height, or none, found '{}'", text));
+  return HeightBase{*height};
 }
 
 Result<convert::BlurStep> parse_blur(std::string_view text) {
@@ -134,11 +138,12 @@ Result<convert::BlurStep> parse_blur(std::string_view text) {
              sigma && (sigma->in_world_units || sigma->amount <= field::kMaxBlurSigma)) {
     return convert::BlurStep{convert::BlurKind::gaussian, sigma->amount, sigma->in_world_units};
   }
-  return expected_but(
-      fmt::format("the standard deviation of a Gaussian, above 0 and at most {} voxels such as 1.5, or in "
-                  "units of the input such as 0.7world; or median:1 to median:{}",
-                  field::kMaxBlurSigma, field::kMaxMedianWidth),
-      text);
+  return fail(
+      ErrorCode::usage,
+      fmt::format(
+          "expected the standard deviation of a Gaussian, above 0 and at most {} voxels such as 1.5, or in units "
+          "of the input such as 0.7world; or median:1 to median:{}, found '{}'",
+          field::kMaxBlurSigma, field::kMaxMedianWidth, text));
 }
 
 }  // namespace isoextract::cli

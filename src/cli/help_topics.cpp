@@ -164,20 +164,23 @@ HelpTopic mpi_topic() {
 }
 
 HelpTopic exit_codes_topic() {
-  return {"exit-codes",
-          "Exit codes",
-          "The exit codes of all commands.",
-          {{"Data goes to stdout, messages to stderr. The program never leaves a partial file.",
-            {{"0", "done"},
-             {"1", "usage: the options or their combination are invalid"},
-             {"2", "input: the program cannot read the input, has too little memory for it, or finds no surface in it"},
-             {"3", "unavailable: a feature, a plug-in, a device or a thread is missing"},
-             {"4", "output: the program cannot write the result"},
-             {"5", "frames: frames of a batch failed or were not started; the others are done"},
-             {"6",
-              "verification: a mesh does not match or fails a requirement (verify, compare, check, stability, or a "
-              "conversion with --verify or --require)"},
-             {"130", "cancelled: Ctrl-C ended the program; if another signal N ends it, shells show 128 + N"}}}}};
+  return {
+      "exit-codes",
+      "Exit codes",
+      "The exit codes of all commands.",
+      {{"Data goes to stdout, messages to stderr. The program never leaves a partial file.",
+        {{"0", "done"},
+         {"1", "usage: the options or their combination are invalid"},
+         {"2",
+          "input: the program cannot read the input, has too little memory for it, or finds no surface in it; or its "
+          "content does not suit an option"},
+         {"3", "unavailable: a feature, a plug-in, a device or a thread is missing"},
+         {"4", "output: the program cannot write the result"},
+         {"5", "frames: frames of a batch failed or were not started; the others are done"},
+         {"6",
+          "verification: a mesh does not match or fails a requirement (verify, compare, check, stability, or a "
+          "conversion with --verify or --require)"},
+         {"130", "cancelled: Ctrl-C ended the program; if another signal N ends it, shells show 128 + N"}}}}};
 }
 
 HelpTopic notes_topic() {

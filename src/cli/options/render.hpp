@@ -39,8 +39,9 @@ struct RenderFlags : OptionSet {
                                     mesh_io::mesh_extensions()}};  // volumes and meshes
   ParticleFlags particles{*this};
   Value<std::string> frames{in(OptionGroup::frames), "--frames", "N|A-BxS,...", parse_text,
-                            "Pictures of a turn, or frames of a sequence. N pictures of a turn around one input; or "
-                            "which frames of a sequence to draw, as in convert. Default: all frames."};
+                            "Pictures of a turn, or frames of a sequence. With one input, N draws N pictures while the "
+                            "camera turns around it once. With a sequence, A-BxS,... chooses the frames to draw, as in "
+                            "convert (default: all frames)."};
   IsoOption isos{in(OptionGroup::surface), "Draw a surface of the volume as well. ", ""};
   SurfaceFlags surface{*this};
   LabelFlags labels{*this, LabelFlags::Taken::names};
@@ -74,9 +75,10 @@ struct RenderFlags : OptionSet {
       "--tf-range",
       "MIN,MAX",
       parse_value_range,
-      "Values that a named transfer function covers. Default: from the upper end of the background's noise to the "
-      "99.9th percentile of the samples above that end, at most 8 times as far as their mean. Level sets: values "
-      "inside. Fields with values of both signs around 0: the large ones of either sign.",
+      "Values that a named transfer function covers. Without it the samples decide. Usually the range begins where the "
+      "noise of the background ends. It ends at the 99.9th percentile of the samples above that value, but at most 8 "
+      "times as far above it as their mean. For level sets it has the values inside, for fields like seismic "
+      "amplitudes the values far from 0.",
       About::drawn_volume};
   Value<double> unit_length{
       in(OptionGroup::output),

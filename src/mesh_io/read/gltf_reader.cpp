@@ -326,7 +326,7 @@ class ModelReader {
   // Returns how many triangles `corners` corners make in this mode.
   static std::uint64_t triangle_count(std::uint64_t mode, std::uint64_t corners, const char* what) {
     if (mode == kTriangles && corners % 3 != 0) {
-      throw DamagedMesh(fmt::format("expected three {} per triangle, found {} in total", what, corners));
+      throw DamagedMesh(fmt::format("expected a multiple of three {} for triangles, found {}", what, corners));
     }
     if (mode != kTriangles && corners < 3) {
       throw DamagedMesh(fmt::format("expected at least three {} in a strip or fan, found {}", what, corners));

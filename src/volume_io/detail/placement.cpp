@@ -18,14 +18,18 @@ Result<field::Affine> placement_by_reference(field::ScalarField& field, const Re
   }
   const glm::ivec3 dims = field.extents().max + 1;
   if (dims != other.dims) {
-    const std::string expected = other.dims == glm::ivec3(0)
-                                     ? other.source + ", a sparse grid, cannot place it"
-                                     : fmt::format("expected {} samples as in {}, whose grid would place it",
-                                                   dims_text(other.dims), other.source);
+    if (other.dims == glm::ivec3(0)) {
+      return fail(ErrorCode::input,
+                  fmt::format("{} states no spacing and no origin, and {}, a sparse grid, cannot place it: expected "
+                              "both in its name, found neither",
+                              field.source, other.source),
+                  "add its placement to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
+    }
     return fail(ErrorCode::input,
-                fmt::format("{} states no spacing and no origin: {}, found {} samples", field.source, expected,
-                            dims_text(dims)),
-                "add its placement to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
+                fmt::format("{} states no spacing and no origin: expected {} samples as in {}, whose grid would place "
+                            "it, found {}",
+                            field.source, dims_text(other.dims), other.source, dims_text(dims)),
+                "add spacing and origin to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
   }
   if (other.source != field.source) {
     field.notes.push_back(
