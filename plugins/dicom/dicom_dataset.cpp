@@ -4,10 +4,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <sstream>
 
 #include <gdcmByteValue.h>
 #include <gdcmItem.h>
 #include <gdcmSequenceOfItems.h>
+
+#include "dicom_structure.hpp"
 
 namespace isoextract_dicom {
 namespace {
@@ -143,7 +146,17 @@ std::optional<double> seconds_of(const std::string& time) {
 }
 
 Items::Items(const gdcm::DataSet& data, const gdcm::Tag& tag) {
-  if (data.FindDataElement(tag)) items_ = data.GetDataElement(tag).GetValueAsSQ();
+  if (!data.FindDataElement(tag)) return;
+  const gdcm::DataElement& element = data.GetDataElement(tag);
+  if (const gdcm::ByteValue* bytes = element.GetByteValue()) {
+    if (element.GetVR() != gdcm::VR::INVALID && element.GetVR() != gdcm::VR::UN) {
+      std::ostringstream name;
+      name << tag << ", found one of the type " << element.GetVR();
+      throw ReadError("expected a sequence as the attribute " + name.str() + ": the header is damaged");
+    }
+    check_items(std::string(bytes->GetPointer(), bytes->GetLength()));
+  }
+  items_ = element.GetValueAsSQ();
 }
 
 std::size_t Items::size() const { return items_ == nullptr ? 0 : items_->GetNumberOfItems(); }

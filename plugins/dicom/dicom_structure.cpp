@@ -110,21 +110,7 @@ class Walker {
                             element.length == kUndefined, depth + 1);
   }
 
- private:
-  static constexpr int kDeepest = 32;
-
-  void need(std::uint64_t at, std::uint64_t count, std::uint64_t end) const {
-    if (at > end || count > end - at)
-      throw ReadError("expected an attribute at byte " + std::to_string(at) + ", found the end: the file ends early");
-  }
-  std::uint32_t number(std::uint64_t at, std::size_t count) {
-    std::uint32_t value = 0;
-    const std::string_view bytes = source_.at(at, count);
-    for (std::size_t i = 0; i < count; ++i)
-      value = value << 8U | static_cast<unsigned char>(bytes[big_ ? i : count - 1 - i]);
-    return value;
-  }
-
+  // Checks items from `at` up to the delimiter of their sequence, or to `end`; returns where they end.
   std::uint64_t skip_items(std::uint64_t at, std::uint64_t end, bool has_delimiter, int depth) {
     if (depth > kDeepest)
       throw ReadError("expected at most " + std::to_string(kDeepest) + " nested sequences, found more");
@@ -147,6 +133,21 @@ class Walker {
       }
     }
     return at;
+  }
+
+ private:
+  static constexpr int kDeepest = 32;
+
+  void need(std::uint64_t at, std::uint64_t count, std::uint64_t end) const {
+    if (at > end || count > end - at)
+      throw ReadError("expected an attribute at byte " + std::to_string(at) + ", found the end: the file ends early");
+  }
+  std::uint32_t number(std::uint64_t at, std::size_t count) {
+    std::uint32_t value = 0;
+    const std::string_view bytes = source_.at(at, count);
+    for (std::size_t i = 0; i < count; ++i)
+      value = value << 8U | static_cast<unsigned char>(bytes[big_ ? i : count - 1 - i]);
+    return value;
   }
 
   Source& source_;
@@ -278,6 +279,11 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
     at = walker.skip(element, source->size(), 0);
   }
   return structure;
+}
+
+void check_items(const std::string& value) {
+  Source source(&value);
+  Walker(source, false, false).skip_items(0, value.size(), false, 1);
 }
 
 std::unique_ptr<std::istream> open_stream(const Structure& structure) {

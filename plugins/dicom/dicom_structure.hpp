@@ -25,6 +25,10 @@ struct Structure {
 // Reserves the memory of a deflated file in the host.
 Structure check_structure(const std::string& path, const isoextract_plugin_host& host);
 
+// Checks the value of a sequence without types (implicit, little endian; PS3.5, 6.2.2) in the same way. check_structure()
+// does not see it where its length is known, and GDCM makes items of it later.
+void check_items(const std::string& value);
+
 // Opens the file, or its inflated bytes.
 std::unique_ptr<std::istream> open_stream(const Structure& structure);
 

@@ -389,6 +389,16 @@ class DamageTest(DicomTestCase):
         run = self.run_program("info", "empty.dcm")
         self.assert_fails(2, run, "empty.dcm", "found the end: the file ends early")
 
+    def test_items_of_untyped_sequences(self):
+        image = dicom.enhanced(VOLUME, PLACES, syntax=pydicom.uid.ImplicitVRLittleEndian)
+        dicom.save(image, self.folder / "whole.dcm")
+        whole = (self.folder / "whole.dcm").read_bytes()
+        self.assertEqual(self.run_program("info", "whole.dcm").code, 0)
+        position = whole.index(bytes.fromhex("2000 3200"), whole.index(bytes.fromhex("2000 1391")))
+        (self.folder / "odd.dcm").write_bytes(whole[:position + 4] + struct.pack("<I", 1 << 30) + whole[position + 8:])
+        run = self.run_program("info", "odd.dcm")
+        self.assert_fails(2, run, "odd.dcm", f"expected an attribute of {1 << 30} bytes", "found")
+
     def test_sizes_are_not_trusted(self):
         data = dicom.image(VOLUME[0], PLACES[0])
         data.Rows = data.Columns = 65535
