@@ -83,9 +83,9 @@ std::optional<fs::path> find_referenced(const fs::path& folder, const std::strin
 std::optional<std::vector<std::string>> directory_of(const std::string& path, const isoextract_plugin_host& host) {
   const Structure structure = check_structure(path, host);
   if (structure.class_uid != "1.2.840.10008.1.3.10") return std::nullopt;
-  const auto stream = open_stream(structure);
+  std::istringstream stream = checked_stream(structure, host);
   gdcm::Reader reader;
-  reader.SetStream(*stream);
+  reader.SetStream(stream);
   const gdcm::Tag records(0x0004, 0x1220);
   if (!reader.ReadUpToTag(records)) throw ReadError("expected a DICOM directory, found one that GDCM cannot read");
   std::vector<std::string> ids;

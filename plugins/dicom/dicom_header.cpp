@@ -14,17 +14,6 @@
 namespace isoextract_dicom {
 namespace {
 
-// Reads a header that has been checked up to its pixels, or all of a file without them.
-void read_header(gdcm::Reader& reader, std::istream& stream, const Structure& structure) {
-  const gdcm::Tag float_pixels(0x7fe0, 0x0008);
-  const gdcm::Tag double_pixels(0x7fe0, 0x0009);
-  const gdcm::Tag integer_pixels(0x7fe0, 0x0010);
-  const std::uint32_t last = structure.pixels == 0 ? 0x7FE00010U : structure.pixels;
-  reader.SetStream(stream);
-  if (!reader.ReadUpToTag(gdcm::Tag(last), {float_pixels, double_pixels, integer_pixels}))
-    throw ReadError("expected a DICOM header, found one that GDCM cannot read");
-}
-
 void read_layout(const gdcm::DataSet& data, Pixels& pixels) {
   pixels.rows = short_of(data, gdcm::Tag(0x0028, 0x0010)).value_or(0);
   pixels.columns = short_of(data, gdcm::Tag(0x0028, 0x0011)).value_or(0);
@@ -106,9 +95,10 @@ std::shared_ptr<const Object> read_object(const std::string& path, const isoextr
   pixels.is_float = structure.pixels == 0x7FE00008U || structure.pixels == 0x7FE00009U;
   pixels.inflated = structure.inflated;
 
-  const auto stream = open_stream(structure);
+  std::istringstream stream = checked_stream(structure, host);
   gdcm::Reader reader;
-  read_header(reader, *stream, structure);
+  reader.SetStream(stream);
+  if (!reader.Read()) throw ReadError("expected a DICOM header, found one that GDCM cannot read");
   const gdcm::DataSet& data = reader.GetFile().GetDataSet();
   read_layout(data, pixels);
   if (structure.pixels == 0) {

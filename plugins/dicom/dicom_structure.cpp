@@ -162,15 +162,8 @@ std::string text_at(Source& source, const Element& element) {
   return text;
 }
 
-// Where the attributes of group 2 end, and where one of them is.
-struct Meta {
-  std::uint64_t end = 0;
-  std::uint64_t syntax = 0;  // the offset of the transfer syntax, if there is one
-};
-
-// Reads the attributes of group 2.
-Meta read_meta(Source& source, std::uint64_t at, Structure& structure) {
-  Meta meta;
+// Reads the attributes of group 2; returns their end.
+std::uint64_t read_meta(Source& source, std::uint64_t at, Structure& structure) {
   Walker walker(source, true, false);
   while (at < source.size()) {
     if (source.size() - at >= 2 && source.at(at, 2) != std::string_view("\2\0", 2)) break;
@@ -180,14 +173,10 @@ Meta read_meta(Source& source, std::uint64_t at, Structure& structure) {
       throw ReadError("expected an attribute of known length at byte " + std::to_string(at) +
                       ", found a sequence in the file's header: the header is damaged");
     if (element.tag == 0x00020002U) structure.class_uid = text_at(source, element);
-    if (element.tag == 0x00020010U) {
-      structure.transfer_syntax = text_at(source, element);
-      meta.syntax = element.value;
-    }
+    if (element.tag == 0x00020010U) structure.transfer_syntax = text_at(source, element);
     at = element.value + element.length;
   }
-  meta.end = at;
-  return meta;
+  return at;
 }
 
 void expect_object(std::uint64_t at, const Source& source) {
@@ -195,20 +184,24 @@ void expect_object(std::uint64_t at, const Source& source) {
     throw ReadError("expected a DICOM object after the file's header, found the end: the file ends early");
 }
 
-// Inflates the raw zlib stream after a file's header. The result is a whole file that is not deflated.
-std::shared_ptr<const std::string> inflate_file(const std::string& path, const Meta& meta,
-                                                const isoextract_plugin_host& host) {
+// Returns the bytes from `start` up to `end`, which are in the file.
+std::string read_bytes(const std::string& path, std::uint64_t start, std::uint64_t end) {
   std::ifstream stream(path, std::ios::binary);
+  std::string bytes(end - start, '\0');
+  stream.seekg(static_cast<std::streamoff>(start));
+  if (!stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+    throw ReadError("the file changed during the run");
+  return bytes;
+}
+
+// Inflates the raw zlib stream from `start` to the end of a file.
+std::shared_ptr<const std::string> inflate_file(const std::string& path, std::uint64_t start,
+                                                const isoextract_plugin_host& host) {
   const std::uint64_t size = std::filesystem::file_size(path);
   isoextract_plugin::HostMemory memory(host);
-  memory.take(size);
-  std::string packed(size, '\0');
-  if (!stream.read(packed.data(), static_cast<std::streamsize>(size)))
-    throw ReadError("the file changed during the run");
-  auto whole = std::make_shared<std::string>(packed, 0, meta.end);
-  // The header of the result names the syntax without deflating; a UID is padded with zeros.
-  std::fill_n(whole->begin() + static_cast<std::ptrdiff_t>(meta.syntax + kExplicit.size()),
-              kDeflated.size() - kExplicit.size(), '\0');
+  memory.take(size - start);
+  std::string packed = read_bytes(path, start, size);
+  auto whole = std::make_shared<std::string>();
 
   z_stream zlib{};
   if (inflateInit2(&zlib, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
@@ -216,8 +209,8 @@ std::shared_ptr<const std::string> inflate_file(const std::string& path, const M
     z_stream* zlib;
     ~End() { inflateEnd(zlib); }
   } end{&zlib};
-  zlib.next_in = reinterpret_cast<Bytef*>(packed.data() + meta.end);
-  zlib.avail_in = static_cast<uInt>(std::min<std::uint64_t>(size - meta.end, std::numeric_limits<uInt>::max()));
+  zlib.next_in = reinterpret_cast<Bytef*>(packed.data());
+  zlib.avail_in = static_cast<uInt>(std::min<std::uint64_t>(packed.size(), std::numeric_limits<uInt>::max()));
   constexpr std::size_t kStep = std::size_t{1} << 20U;
   int state = Z_OK;
   while (state == Z_OK) {
@@ -235,6 +228,15 @@ std::shared_ptr<const std::string> inflate_file(const std::string& path, const M
   return whole;
 }
 
+// A file's header (PS3.10, 7.1) that names the transfer syntax only.
+std::string plain_header(std::string syntax) {
+  if (syntax.size() % 2 != 0) syntax += '\0';
+  const auto length = static_cast<char>(syntax.size());  // text_at() returns at most 128 bytes
+  const std::string named = std::string("\2\0\x10\0UI", 6) + length + '\0' + syntax;
+  return std::string(128, '\0') + "DICM" + std::string("\2\0\0\0UL\4\0", 8) + static_cast<char>(named.size()) +
+         std::string(3, '\0') + named;
+}
+
 }  // namespace
 
 Structure check_structure(const std::string& path, const isoextract_plugin_host& host) {
@@ -242,18 +244,18 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
   structure.path = path;
   auto source = std::make_unique<Source>(path);
   const bool has_preamble = source->size() >= 132 && source->at(128, 4) == "DICM";
-  const Meta meta = read_meta(*source, has_preamble ? 132 : 0, structure);
-  std::uint64_t at = meta.end;
+  std::uint64_t at = read_meta(*source, has_preamble ? 132 : 0, structure);
   if (structure.transfer_syntax.empty() && has_preamble)
     throw ReadError("expected the transfer syntax of a DICOM file, found none: the header is damaged or cut");
   expect_object(at, *source);
   if (structure.transfer_syntax == kDeflated) {
-    structure.inflated = inflate_file(path, meta, host);
+    structure.inflated = inflate_file(path, at, host);
     source = std::make_unique<Source>(structure.inflated.get());
-    // Nothing may have been deflated: GDCM ends the process on a file that ends there.
+    at = 0;
     expect_object(at, *source);
     structure.transfer_syntax = kExplicit;
   }
+  structure.start = at;
   structure.big_endian = structure.transfer_syntax == "1.2.840.10008.1.2.2";
   bool is_explicit = structure.transfer_syntax != "1.2.840.10008.1.2";
   if (structure.transfer_syntax.empty()) {
@@ -273,11 +275,13 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
       structure.offset = element.value;
       structure.encapsulated = element.length == kUndefined;
       structure.bytes = structure.encapsulated ? 0 : element.length;
-      break;
+      structure.end = at;
+      return structure;
     }
     if (element.tag == 0x00080016U) structure.class_uid = text_at(*source, element);
     at = walker.skip(element, source->size(), 0);
   }
+  structure.end = at;
   return structure;
 }
 
@@ -286,11 +290,13 @@ void check_items(const std::string& value) {
   Walker(source, false, false).skip_items(0, value.size(), false, 1);
 }
 
-std::unique_ptr<std::istream> open_stream(const Structure& structure) {
-  if (structure.inflated) return std::make_unique<std::istringstream>(*structure.inflated);
-  auto stream = std::make_unique<std::ifstream>(structure.path, std::ios::binary);
-  if (!*stream) throw ReadError("the file does not open");
-  return stream;
+std::istringstream checked_stream(const Structure& structure, const isoextract_plugin_host& host) {
+  const std::uint64_t size = structure.end - structure.start;
+  isoextract_plugin::HostMemory memory(host);
+  memory.take(2 * size);  // the stream has a copy
+  return std::istringstream(plain_header(structure.transfer_syntax) +
+                            (structure.inflated ? structure.inflated->substr(structure.start, size)
+                                                : read_bytes(structure.path, structure.start, structure.end)));
 }
 
 }  // namespace isoextract_dicom

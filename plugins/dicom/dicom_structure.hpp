@@ -1,8 +1,8 @@
 // The structure of a file: which attributes it has, and where its pixels are.
 #pragma once
 
-#include <istream>
 #include <memory>
+#include <sstream>
 #include <string>
 
 #include "dicom_parts.hpp"
@@ -17,7 +17,9 @@ struct Structure {
   std::uint64_t offset = 0;  // of their value
   std::uint64_t bytes = 0;   // of their value; 0 if it is encapsulated
   bool encapsulated = false;
-  std::shared_ptr<const std::string> inflated;  // a deflated file, made whole; offsets refer to it
+  std::uint64_t start = 0;                      // of the attributes after the file's header
+  std::uint64_t end = 0;                        // of those before the pixels
+  std::shared_ptr<const std::string> inflated;  // what was deflated; offsets refer to it
 };
 
 // Walks through all attributes up to the pixels, without their values, and into nested sequences. Throws ReadError if
@@ -25,11 +27,12 @@ struct Structure {
 // Reserves the memory of a deflated file in the host.
 Structure check_structure(const std::string& path, const isoextract_plugin_host& host);
 
-// Checks the value of a sequence without types (implicit, little endian; PS3.5, 6.2.2) in the same way. check_structure()
-// does not see it where its length is known, and GDCM makes items of it later.
+// Checks the value of a sequence without types (implicit, little endian; PS3.5, 6.2.2) in the same way.
+// check_structure() does not see it where its length is known, and GDCM makes items of it later.
 void check_items(const std::string& value);
 
-// Opens the file, or its inflated bytes.
-std::unique_ptr<std::istream> open_stream(const Structure& structure);
+// Returns the checked attributes, up to the pixels, after a plain header of a file: GDCM would guess what a damaged one
+// means, and ends the process on some.
+std::istringstream checked_stream(const Structure& structure, const isoextract_plugin_host& host);
 
 }  // namespace isoextract_dicom
