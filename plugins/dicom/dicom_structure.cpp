@@ -275,13 +275,15 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
       structure.offset = element.value;
       structure.encapsulated = element.length == kUndefined;
       structure.bytes = structure.encapsulated ? 0 : element.length;
-      structure.end = at;
-      return structure;
+      break;
     }
     if (element.tag == 0x00080016U) structure.class_uid = text_at(*source, element);
     at = walker.skip(element, source->size(), 0);
   }
   structure.end = at;
+  // GDCM ends the process on a file without attributes, too.
+  if (structure.end == structure.start)
+    throw ReadError("expected attributes before the pixels, found none: the header is damaged");
   return structure;
 }
 

@@ -19,7 +19,7 @@ struct Structure {
   bool encapsulated = false;
   std::uint64_t start = 0;                      // of the attributes after the file's header
   std::uint64_t end = 0;                        // of those before the pixels
-  std::shared_ptr<const std::string> inflated;  // what was deflated; offsets refer to it
+  std::shared_ptr<const std::string> inflated;  // the inflated bytes of a deflated file; offsets refer to them
 };
 
 // Walks through all attributes up to the pixels, without their values, and into nested sequences. Throws ReadError if

@@ -178,7 +178,9 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
           ErrorCode::input,
           fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
                       printable(iso_field, kShownField)),
-          iso_field.find(',') == std::string::npos ? "" : "use one decimal mark in all rows, a point or a comma");
+          iso_field.find(',') == std::string::npos
+              ? ""
+              : "use one decimal mark in all rows: a point, or a comma if tabs or semicolons separate the fields");
     }
     table.rows_.push_back({*frame, number, *iso});
   }

@@ -146,8 +146,8 @@ constexpr std::array kGuide{
               "The surface omits particles whose positions are not finite, or whose radii are too small for the cells.",
               "Repair the positions in the file. For small radii give a smaller --cell-size or a larger --radius."},
     NoteGuide{periodic_box,
-              "The file says that the box of the simulation is periodic: particles near a face also count at the "
-              "opposite face, and the faces of the box cut the mesh off.",
+              "The file says that the box of the simulation is periodic along some axes. Along these, particles near a "
+              "face also count at the opposite face, and the mesh ends at both faces.",
               "Give --periodic none to treat the particles as they are."},
     NoteGuide{region_at_samples,
               "The surface does not end at the faces of --roi but at samples near them, because of --roi-snap, labels, "

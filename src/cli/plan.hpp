@@ -83,7 +83,7 @@ struct BenchPlan {
   std::vector<std::string> inputs;
   bool gpu_threads = false;                           // bench gpu-threads: times the creation of GPU threads
   std::optional<std::vector<NamedBackend>> backends;  // default: cpu, and gpu unless it renders in software
-  gpu::GpuChoice gpu;                                 // for the default backends
+  gpu::GpuChoice gpu;                                 // of the default backends and of bench gpu-threads
   volume_io::ReadOptions read;
   std::optional<double> iso;    // default: the iso value of each demo field
   std::vector<int> sizes;       // for demo fields

@@ -28,8 +28,8 @@ namespace isoextract::convert {
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Returns the placement of a mesh that was read from a file with the placement `before`, and then placed by `again`.
-// If `before` has voxel coordinates, returns `before` where `again` changes nothing, else `again`: the coordinates of
-// the file then count as world coordinates.
+// If `before` has voxel coordinates, returns `before` if `again` changes nothing. Otherwise it returns `again`, and the
+// file's voxel coordinates count as world coordinates.
 [[nodiscard]] ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again);
 
 // Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no
@@ -40,12 +40,13 @@ namespace isoextract::convert {
 // Parses a record. Returns nullopt if the text is no valid record.
 [[nodiscard]] std::optional<ResolvedPlacement> parse_placement_record(std::string_view text);
 
-// Returns "voxel coordinates" if the mesh is in voxel coordinates. Otherwise returns the changes to world coordinates:
-// "turned from z up to y up, scaled by 0.001 (mm to m), moved by (1, 2, 3)"; empty if there are none.
+// Returns "voxel coordinates" if the mesh is in voxel coordinates. Otherwise lists how the output's coordinates differ
+// from the input's world, and their space or unit if stated. Empty if there is none of these. An example: "turned from
+// z up to y up, scaled by 0.001 (mm to m), moved by (1, 2, 3)".
 [[nodiscard]] std::string placement_text(const ResolvedPlacement& resolved);
 // Returns "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)", or "voxel coordinates".
 [[nodiscard]] std::string world_text(const ResolvedPlacement& resolved);
-// Returns "the file's coordinates, turned from z up to y up": the same for a mesh file as input.
+// Like world_text(), for an input that is a mesh file: "the file's coordinates, turned from z up to y up".
 [[nodiscard]] std::string file_text(const ResolvedPlacement& resolved);
 
 // Applies `map` to the vertices of a mesh, which must have no normals, and to the attributes according to their kinds

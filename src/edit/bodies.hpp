@@ -64,10 +64,10 @@ struct SelectedBodies {
 // mesh whose vertices were moved away from the isosurface. Empty: the mesh's own positions.
 using OriginalPositions = Buffer<glm::vec3>;
 
-// Keeps the components that `options` select, with their vertices and triangles in their order and with all attributes.
-// Filling a cavity also removes the components in it. Changes no triangle, so closed components stay closed; returns
-// the mesh unchanged if nothing is removed. The result does not depend on the number of threads. Fails if memory is
-// short.
+// Keeps the components that `options` select, with their vertices, attributes and triangles in order. Filling a cavity
+// also removes the components in it. If it removes a component, it also drops all triangles that repeat an index. So
+// closed components stay closed. Returns the mesh unchanged if nothing is removed. The result does not depend on the
+// number of threads. Fails if memory is short.
 [[nodiscard]] Result<SelectedBodies> select_bodies(mesh::Mesh mesh, const BodySelection& options,
                                                    const Context& context, OriginalPositions sites = {});
 

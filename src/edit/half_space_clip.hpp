@@ -39,11 +39,11 @@ struct ClipFigures {
 // changes nothing.
 //
 // Vertices within mesh::on_plane_tolerance() of a plane count as on it and stay. Vertices farther away, but within
-// ClipOptions::snap, move onto it. Vertices may lie outside `kept` by up to that distance, because a plane that cuts
-// nothing moves none, and a later plane may move them again. Old vertices keep their order, new ones follow with
-// interpolated normals; triangles keep order and winding. Two meshes of one origin, one on_plane_tolerance() and one
-// snap get bitwise the same new vertex on a shared edge; so do the two sides of one plane. The result does not
-// depend on the number of threads.
+// ClipOptions::snap, move onto it. Vertices may lie outside `kept` by up to the larger of these distances: a plane that
+// cuts nothing moves no vertex, and a later plane may move a vertex again. Old vertices keep their order, new ones
+// follow with interpolated normals; triangles keep order and winding. Two meshes with the same origin,
+// on_plane_tolerance() and snap get bitwise the same new vertex on a shared edge; so do clips to the two half-spaces of
+// a plane. The result does not depend on the number of threads.
 //
 // With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the
 // half-space and come after all other triangles. Triangles in the plane that bound only the removed side are dropped.

@@ -54,9 +54,9 @@ struct LabelMap {
 };
 
 // Returns the labels of a label map or mask, else nothing. One parallel pass over the samples, linear in their number
-// whatever the number of labels. In larger fields it first judges 2^17 samples. It stops there if one is no label, if
-// they have too many values, or if less than a quarter of the pairs are equal. Reserves no memory; takes about 150
-// bytes a label and thread.
+// whatever the number of labels. In fields of more than 2^17 samples it first judges that many. It stops there if one
+// is no label, if there are too many values, or, with three or more values, if less than a quarter of the pairs are
+// equal. Reserves no memory; takes about 150 bytes a label and thread.
 [[nodiscard]] std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* progress = nullptr);
 
 // Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks

@@ -39,7 +39,7 @@ struct PackingOptions {
   // glb and gltf: 16-bit positions and 8-bit normals (KHR_mesh_quantization). Draco quantizes by itself.
   bool quantize = false;
   // Draco only: the longest side of the box has fewer than 2^bits steps. If unset, the step is at most 1/32 of a voxel,
-  // unless the box then has more steps than kMaxPositionBits allow.
+  // unless the box then has more than 2^kMaxPositionBits steps, or lies too far from 0 for such steps in float32.
   std::optional<std::uint64_t> position_bits;
   // Reorders vertices and triangles for the caches of graphics cards and for compressors (meshoptimizer). Any format,
   // but not with Draco, which uses its own order.

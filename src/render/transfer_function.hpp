@@ -61,8 +61,8 @@ class TransferFunction {
 
   [[nodiscard]] glm::vec4 lookup(float position) const;
 
-  // Returns whether a position interpolated between positions in [low, high] can have a sigma above 0. Allows for
-  // rounding if low and high differ. Neither may be NaN.
+  // Returns whether sigma can be above 0 for samples whose positions lie in [low, high]. If low and high differ, widens
+  // the range by the rounding of the interpolation. Neither may be NaN.
   [[nodiscard]] bool is_visible_between(float low, float high) const;
 
  private:

@@ -220,7 +220,7 @@ class PlacementTest(FilesTest):
     def test_sparse_inputs_have_no_shape(self):
         self.convert("ball.npy", "-o", "ball.vdb")
         self.assert_fails(2, self.run_program("ball.vdb", "--iso", "0.5", "--attribute", "a=linear.npy", "-o", "a.ply"),
-                          "ball.vdb, a sparse grid, cannot place it", "found neither", ":spacing=")
+                          "ball.vdb, a sparse grid, cannot place it", "expected a spacing after the file name, found none", ":spacing=")
         self.assert_linear(self.ply("ball.vdb", "--attribute", "a=linear.npy:spacing=1:origin=0,0,0"), lambda p: p)
 
     def test_settings_that_are_refused(self):

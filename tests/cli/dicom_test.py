@@ -389,6 +389,15 @@ class DamageTest(DicomTestCase):
         run = self.run_program("info", "empty.dcm")
         self.assert_fails(2, run, "empty.dcm", "found the end: the file ends early")
 
+    def test_pixels_without_attributes(self):
+        dicom.save(dicom.image(VOLUME[0], PLACES[0]), self.folder / "whole.dcm")
+        whole = (self.folder / "whole.dcm").read_bytes()
+        start = 144 + struct.unpack_from("<I", whole, 140)[0]  # the length of the file's header
+        pixels = whole.index(bytes.fromhex("e07f 1000"))
+        (self.folder / "odd.dcm").write_bytes(whole[:start] + whole[pixels:])
+        run = self.run_program("info", "odd.dcm")
+        self.assert_fails(2, run, "odd.dcm", "expected attributes before the pixels, found none")
+
     def test_items_of_untyped_sequences(self):
         image = dicom.enhanced(VOLUME, PLACES, syntax=pydicom.uid.ImplicitVRLittleEndian)
         dicom.save(image, self.folder / "whole.dcm")

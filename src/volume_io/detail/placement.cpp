@@ -21,7 +21,7 @@ Result<field::Affine> placement_by_reference(field::ScalarField& field, const Re
     if (other.dims == glm::ivec3(0)) {
       return fail(ErrorCode::input,
                   fmt::format("{} states no spacing and no origin, and {}, a sparse grid, cannot place it: expected "
-                              "both in its name, found neither",
+                              "a spacing after the file name, found none",
                               field.source, other.source),
                   "add its placement to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
     }
