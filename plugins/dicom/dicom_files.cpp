@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <optional>
 
-#include <gdcmReader.h>
-
 #include "dicom_dataset.hpp"
 #include "dicom_structure.hpp"
 
@@ -83,13 +81,10 @@ std::optional<fs::path> find_referenced(const fs::path& folder, const std::strin
 std::optional<std::vector<std::string>> directory_of(const std::string& path, const isoextract_plugin_host& host) {
   const Structure structure = check_structure(path, host);
   if (structure.class_uid != "1.2.840.10008.1.3.10") return std::nullopt;
-  std::istringstream stream = checked_stream(structure, host);
-  gdcm::Reader reader;
-  reader.SetStream(stream);
-  const gdcm::Tag records(0x0004, 0x1220);
-  if (!reader.ReadUpToTag(records)) throw ReadError("expected a DICOM directory, found one that GDCM cannot read");
+  gdcm::DataSet data;
+  read_attributes(structure, host, data);
   std::vector<std::string> ids;
-  const Items items(reader.GetFile().GetDataSet(), records);
+  const Items items(data, gdcm::Tag(0x0004, 0x1220));  // the records
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (std::string id = text_of(items[i], gdcm::Tag(0x0004, 0x1500)); !id.empty()) ids.push_back(std::move(id));
   }

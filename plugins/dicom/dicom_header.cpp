@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include <gdcmMediaStorage.h>
-#include <gdcmReader.h>
 
 #include "dicom_dataset.hpp"
 #include "dicom_structure.hpp"
@@ -95,11 +94,8 @@ std::shared_ptr<const Object> read_object(const std::string& path, const isoextr
   pixels.is_float = structure.pixels == 0x7FE00008U || structure.pixels == 0x7FE00009U;
   pixels.inflated = structure.inflated;
 
-  std::istringstream stream = checked_stream(structure, host);
-  gdcm::Reader reader;
-  reader.SetStream(stream);
-  if (!reader.Read()) throw ReadError("expected a DICOM header, found one that GDCM cannot read");
-  const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+  gdcm::DataSet data;
+  read_attributes(structure, host, data);
   read_layout(data, pixels);
   if (structure.pixels == 0) {
     if (may_have_pixels(structure.class_uid, pixels))

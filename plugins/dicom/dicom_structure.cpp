@@ -6,6 +6,11 @@
 #include <sstream>
 #include <string_view>
 
+#include <gdcmDataSet.h>
+#include <gdcmException.h>
+#include <gdcmExplicitDataElement.h>
+#include <gdcmImplicitDataElement.h>
+#include <gdcmSwapper.h>
 #include <zlib.h>
 
 #include "dicom_structure.hpp"
@@ -228,15 +233,6 @@ std::shared_ptr<const std::string> inflate_file(const std::string& path, std::ui
   return whole;
 }
 
-// A file's header (PS3.10, 7.1) that names the transfer syntax only.
-std::string plain_header(std::string syntax) {
-  if (syntax.size() % 2 != 0) syntax += '\0';
-  const auto length = static_cast<char>(syntax.size());  // text_at() returns at most 128 bytes
-  const std::string named = std::string("\2\0\x10\0UI", 6) + length + '\0' + syntax;
-  return std::string(128, '\0') + "DICM" + std::string("\2\0\0\0UL\4\0", 8) + static_cast<char>(named.size()) +
-         std::string(3, '\0') + named;
-}
-
 }  // namespace
 
 Structure check_structure(const std::string& path, const isoextract_plugin_host& host) {
@@ -257,16 +253,16 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
   }
   structure.start = at;
   structure.big_endian = structure.transfer_syntax == "1.2.840.10008.1.2.2";
-  bool is_explicit = structure.transfer_syntax != "1.2.840.10008.1.2";
+  structure.is_explicit = structure.transfer_syntax != "1.2.840.10008.1.2";
   if (structure.transfer_syntax.empty()) {
     // An old file without a header: its first attribute has a known type, or none.
     if (source->size() < 8)
       throw ReadError("expected a DICOM file, found " + std::to_string(source->size()) + " bytes");
     const std::string_view kind = source->at(4, 2);
-    is_explicit = kind[0] >= 'A' && kind[0] <= 'Z' && kind[1] >= 'A' && kind[1] <= 'Z';
-    structure.transfer_syntax = is_explicit ? kExplicit : "1.2.840.10008.1.2";
+    structure.is_explicit = kind[0] >= 'A' && kind[0] <= 'Z' && kind[1] >= 'A' && kind[1] <= 'Z';
+    structure.transfer_syntax = structure.is_explicit ? kExplicit : "1.2.840.10008.1.2";
   }
-  Walker walker(*source, is_explicit, structure.big_endian);
+  Walker walker(*source, structure.is_explicit, structure.big_endian);
   while (at < source->size()) {
     const Element element = walker.element(at, source->size());
     const bool is_pixels = element.tag == 0x7FE00008U || element.tag == 0x7FE00009U || element.tag == 0x7FE00010U;
@@ -281,7 +277,6 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
     at = walker.skip(element, source->size(), 0);
   }
   structure.end = at;
-  // GDCM ends the process on a file without attributes, too.
   if (structure.end == structure.start)
     throw ReadError("expected attributes before the pixels, found none: the header is damaged");
   return structure;
@@ -292,13 +287,23 @@ void check_items(const std::string& value) {
   Walker(source, false, false).skip_items(0, value.size(), false, 1);
 }
 
-std::istringstream checked_stream(const Structure& structure, const isoextract_plugin_host& host) {
+void read_attributes(const Structure& structure, const isoextract_plugin_host& host, gdcm::DataSet& data) {
   const std::uint64_t size = structure.end - structure.start;
   isoextract_plugin::HostMemory memory(host);
   memory.take(2 * size);  // the stream has a copy
-  return std::istringstream(plain_header(structure.transfer_syntax) +
-                            (structure.inflated ? structure.inflated->substr(structure.start, size)
-                                                : read_bytes(structure.path, structure.start, structure.end)));
+  std::istringstream stream(structure.inflated ? structure.inflated->substr(structure.start, size)
+                                               : read_bytes(structure.path, structure.start, structure.end));
+  try {
+    if (!structure.is_explicit) {
+      data.Read<gdcm::ImplicitDataElement, gdcm::SwapperNoOp>(stream);
+    } else if (structure.big_endian) {
+      data.Read<gdcm::ExplicitDataElement, gdcm::SwapperDoOp>(stream);
+    } else {
+      data.Read<gdcm::ExplicitDataElement, gdcm::SwapperNoOp>(stream);
+    }
+  } catch (const gdcm::Exception&) {
+    throw ReadError("expected DICOM attributes, found some that GDCM cannot read");
+  }
 }
 
 }  // namespace isoextract_dicom

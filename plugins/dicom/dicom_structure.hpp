@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <sstream>
 #include <string>
 
 #include "dicom_parts.hpp"
@@ -13,6 +12,7 @@ struct Structure {
   std::string path;
   std::string transfer_syntax, class_uid;
   bool big_endian = false;
+  bool is_explicit = true;   // each attribute has its type (VR)
   std::uint32_t pixels = 0;  // the tag: Pixel Data, Float Pixel Data or Double Float Pixel Data; 0 if there are none
   std::uint64_t offset = 0;  // of their value
   std::uint64_t bytes = 0;   // of their value; 0 if it is encapsulated
@@ -31,8 +31,7 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
 // check_structure() does not see it where its length is known, and GDCM makes items of it later.
 void check_items(const std::string& value);
 
-// Returns the checked attributes, up to the pixels, after a plain header of a file: GDCM would guess what a damaged one
-// means, and ends the process on some.
-std::istringstream checked_stream(const Structure& structure, const isoextract_plugin_host& host);
+// Reads the checked attributes. A reader of GDCM would guess what damaged files mean, and ends the process on some.
+void read_attributes(const Structure& structure, const isoextract_plugin_host& host, gdcm::DataSet& data);
 
 }  // namespace isoextract_dicom

@@ -1,10 +1,10 @@
 #include "extract/detail/net_faces.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <utility>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
 #include "base/reserved_buffer.hpp"
 #include "extract/detail/corner_fans.hpp"
@@ -80,42 +80,6 @@ constexpr std::array<int, kFacesAround> make_ways_down() {
 }
 constexpr std::array<int, kFacesAround> kWaysDown = make_ways_down();
 
-// Sets of nodes, joined from several threads (Anderson, Woll: Wait-free parallel algorithms for the union-find problem.
-// 1991). The root of a set is its lowest node, so the result does not depend on the order.
-class JoinedSets {
- public:
-  explicit JoinedSets(Buffer<NetFaces::Shells>& parents) : parents_(parents) {}
-
-  std::uint32_t root(std::uint32_t node) const {
-    for (;;) {
-      const std::uint32_t above = at(node).load(std::memory_order_relaxed);
-      if (above == node) return node;
-      const std::uint32_t next = at(above).load(std::memory_order_relaxed);
-      std::uint32_t expected = above;
-      if (next != above) at(node).compare_exchange_weak(expected, next, std::memory_order_relaxed);
-      node = above;
-    }
-  }
-
-  void join(std::uint32_t a, std::uint32_t b) const {
-    for (;;) {
-      a = root(a);
-      b = root(b);
-      if (a == b) return;
-      if (a < b) std::swap(a, b);
-      std::uint32_t expected = a;
-      if (at(a).compare_exchange_strong(expected, b, std::memory_order_relaxed)) return;
-    }
-  }
-
- private:
-  [[nodiscard]] std::atomic_ref<std::uint32_t> at(std::uint32_t node) const {
-    return std::atomic_ref<std::uint32_t>(parents_[node / 2][node & 1]);
-  }
-
-  Buffer<NetFaces::Shells>& parents_;  // of node 2 * face + side
-};
-
 }  // namespace
 
 Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
@@ -176,11 +140,11 @@ Result<void> NetFaces::number_faces(const NetGrid& grid, const Context& context,
   }
   auto held = TRY(context.reserve(all * sizeof(Shells), what));
   memory_.push_back(std::move(held));
-  of_shells_ = Buffer<Shells>(all);
+  of_shells_ = Buffer<std::uint32_t>(2 * all);
   return context.check();
 }
 
-// Makes each side of a face that has a label a set of its own.
+// Makes each side of a face that has a label a set of its own: node 2 * face + side.
 void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
   for_each_index(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
@@ -189,15 +153,16 @@ void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
       near.for_each_in_row(y, z, [&](const NearLabels::Entry& /*entry*/, const CornerWords& words) {
         for (std::size_t n = 0; n < words.size(); ++n) labeled[n] |= words[n];
       });
-      std::uint32_t number = first_of_row(c, chunk_row(y, z));
+      std::uint32_t node = 2 * first_of_row(c, chunk_row(y, z));
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) {
         for_each_bit(sides_[k++] & kOwnFaces, [&](int own_face) {
           const auto f = static_cast<unsigned>(own_face);
           const bool below = (labeled[voxel_below(f)] >> bit & 1) != 0;
           const bool above = (labeled[voxel_above(f)] >> bit & 1) != 0;
-          of_shells_[number] = {below ? 2 * number : kNoShell, above ? 2 * number + 1 : kNoShell};
-          ++number;
+          of_shells_[node] = below ? node : kNoShell;
+          of_shells_[node + 1] = above ? node + 1 : kNoShell;
+          node += 2;
         });
       });
     });
@@ -206,7 +171,7 @@ void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
 
 // Joins the faces in each fan of each label around each point.
 void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
-  const JoinedSets sets(of_shells_);
+  const DisjointSets sets(of_shells_.span());
   for_each_index(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
     const NearFaces faces(grid, *this, c);
@@ -234,26 +199,22 @@ void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
 
 // Numbers the shells by their first face.
 void NetFaces::number_shells() {
-  constexpr std::size_t kGrain = 1 << 12;
-  const JoinedSets sets(of_shells_);
+  constexpr std::size_t kGrain = 1 << 13;
+  const DisjointSets sets(of_shells_.span());
   for_each_index(
       of_shells_.size(),
-      [&](std::size_t f) {
-        for (std::uint32_t& node : of_shells_[f]) {
-          if (node != kNoShell) std::atomic_ref(node).store(sets.root(node), std::memory_order_relaxed);
-        }
+      [&](std::size_t i) {
+        const auto node = static_cast<std::uint32_t>(i);
+        if (const std::uint32_t parent = sets.load(node); parent != kNoShell) sets.store(node, sets.root(parent));
       },
       kGrain);
   // The root of a set is its lowest node, so it has its number before the others need it.
-  std::uint32_t node = 0;
-  for (Shells& both : of_shells_) {
-    for (std::uint32_t& root : both) {
-      if (root == node) {
-        root = shells_++;
-      } else if (root != kNoShell) {
-        root = of_shells_[root / 2][root & 1];
-      }
-      ++node;
+  for (std::uint32_t node = 0; node < of_shells_.size(); ++node) {
+    std::uint32_t& root = of_shells_[node];
+    if (root == node) {
+      root = shells_++;
+    } else if (root != kNoShell) {
+      root = of_shells_[root];
     }
   }
 }

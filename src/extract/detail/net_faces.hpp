@@ -40,9 +40,9 @@ class NetFaces {
   [[nodiscard]] static Result<NetFaces> make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
                                              const std::string& what);
 
-  [[nodiscard]] std::size_t size() const { return of_shells_.size(); }
+  [[nodiscard]] std::size_t size() const { return of_shells_.size() / 2; }
   [[nodiscard]] std::uint32_t shells() const { return shells_; }
-  [[nodiscard]] const Shells& shells_of(std::size_t face) const { return of_shells_[face]; }
+  [[nodiscard]] Shells shells_of(std::size_t face) const { return {of_shells_[2 * face], of_shells_[2 * face + 1]}; }
 
   // Returns the faces around a point, as bits numbered as in corner_fans.hpp.
   [[nodiscard]] unsigned sides(std::uint32_t point) const { return sides_[point]; }
@@ -81,7 +81,7 @@ class NetFaces {
 
   Buffer<std::uint16_t> sides_;          // of each point
   Buffer<std::uint32_t> first_of_rows_;  // 64 of each chunk, then the number of faces
-  Buffer<Shells> of_shells_;
+  Buffer<std::uint32_t> of_shells_;      // two of each face
   std::uint32_t shells_ = 0;
   std::vector<Reservation> memory_;
 };
