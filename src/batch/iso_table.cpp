@@ -170,17 +170,21 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     const std::string& iso_field = (*fields)[columns->iso];
     // A row with another decimal mark, or with both, may use one as a thousands separator, so it is rejected.
     const char mark = decimal_mark_of(iso_field, columns->separator);
-    const bool fits = mark == '\0' || decimal_mark == '\0' || mark == decimal_mark;
+    if (mark != '\0' && decimal_mark != '\0' && mark != decimal_mark) {
+      return fail(ErrorCode::input,
+                  fmt::format("{}: expected an iso value with the decimal mark '{}' of the rows before, found '{}'",
+                              place, decimal_mark, printable(iso_field, kShownField)),
+                  "use one decimal mark in all rows");
+    }
     if (mark != '\0') decimal_mark = mark;
-    const auto iso = fits ? iso_of(iso_field, mark) : std::nullopt;
+    const auto iso = iso_of(iso_field, mark);
     if (!iso) {
-      return fail(
-          ErrorCode::input,
-          fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
-                      printable(iso_field, kShownField)),
-          iso_field.find(',') == std::string::npos
-              ? ""
-              : "use one decimal mark in all rows: a point, or a comma if tabs or semicolons separate the fields");
+      return fail(ErrorCode::input,
+                  fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
+                              printable(iso_field, kShownField)),
+                  iso_field.find(',') == std::string::npos
+                      ? ""
+                      : "use a point as decimal mark, or a comma if tabs or semicolons separate the fields");
     }
     table.rows_.push_back({*frame, number, *iso});
   }

@@ -21,7 +21,8 @@ struct EdgeDefects {
 };
 
 // The rim of a hole: open edges connected through fans of triangles. A vertex with several fans counts as one vertex
-// for each fan. Rims that meet at an end of a non-manifold edge share a fan there, and count as one loop.
+// for each fan. A non-manifold edge joins its triangles to one fan at each end, so the rims through that fan are one
+// loop.
 struct BoundaryLoop {
   std::uint64_t edges = 0;
   double length = 0;

@@ -175,7 +175,7 @@ Result<void> check_mesh_frames(const ConvertFlags& flags, const batch::Frames& f
       std::ranges::find_if(found.frames, [&](const batch::Frame& frame) { return is_gltf_named(frame) != first; });
   if (other == found.frames.end()) return {};
   return refuse_usage(
-      fmt::format("{} and {}: expected glTF files only, or none; glTF has y up, other formats z by default",
+      fmt::format("{} and {}: expected all inputs in glTF, or all in other formats; glTF has y up, other formats z",
                   printable(found.frames.front().input), printable(other->input)),
       "convert the files of each format in a run of its own");
 }

@@ -55,7 +55,7 @@ constexpr std::array kGuide{
     NoteGuide{
         placement_replaced,
         "--spacing replaces axes of the file that are rotated, sheared or mirrored, or a placement that is not valid.",
-        "To keep the axes of the file, leave --spacing out."},
+        "To keep valid axes of the file, leave --spacing out."},
     NoteGuide{placement_unknown, "The mesh file has a record of its placement that the program cannot read.",
               "Repeat the placement options of the conversion."},
     NoteGuide{placement_differs, "Two files or frames, or a file and the options, have different placements.",
@@ -66,7 +66,7 @@ constexpr std::array kGuide{
               "Check the result with 'isoextract info'."},
     NoteGuide{staggered_grid,
               "The grid stores the components of vectors on the faces of voxels; the note says where the reader places "
-              "them.",
+              "them, or that lengths combine components of different positions.",
               "If you need exact lengths of the vectors, interpolate the components to the centers of voxels before "
               "you export the grid."},
     NoteGuide{unclear_positions, "The reader cannot tell which columns hold the positions.",

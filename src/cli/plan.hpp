@@ -1,4 +1,5 @@
-// Turns parsed options into the validated settings of each command. Opens tables of labels, and the first input:
+// Turns parsed options into the validated settings of convert, info, verify, compare and bench; other commands have a
+// header of their own (batch_plan.hpp, check_plan.hpp, ...). Opens tables of labels, and the first input:
 // whether it holds a mesh, particles, named labels or integers decides the defaults. Opens all inputs for {step} in a
 // name.
 #pragma once

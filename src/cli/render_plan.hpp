@@ -1,5 +1,5 @@
-// Makes a plan from the options of `isoextract render`. Lists folders to find frames. Opens only what decides the plan:
-// standard input (is it a mesh?), a volume that may name its labels, and tables of labels.
+// Makes a plan from the options of `isoextract render`. Opens only what decides the plan: standard input (is it a
+// mesh?), a volume that may name its labels, tables of labels, and the files that batch::find_frames() opens.
 #pragma once
 
 #include <array>

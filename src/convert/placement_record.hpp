@@ -23,13 +23,13 @@ namespace isoextract::convert {
 // Returns the up axis in the output.
 [[nodiscard]] UpAxis output_up(const Placement& placement);
 
-// Returns `other`, turned so that the axis `up` points up in the output. For example, this places a mesh that another
-// program made of the same input.
+// Returns `other`, turned so that the axis `up` points up in the output. compare uses it for a mesh of another program,
+// if `other` is the placement of a mesh that isoextract made of the same input.
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Returns the placement of a mesh that was read from a file with the placement `before`, and then placed by `again`.
-// If `before` has voxel coordinates, returns `before` if `again` changes nothing. Otherwise it returns `again`, and the
-// file's voxel coordinates count as world coordinates.
+// Combines both. But a `before` with voxel coordinates is returned if `again` changes nothing; if it changes something,
+// `again` is, and the file's voxel coordinates count as world coordinates.
 [[nodiscard]] ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again);
 
 // Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no

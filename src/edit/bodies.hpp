@@ -1,8 +1,10 @@
 // Selects and splits the bodies of a surface: drops small ones, keeps the largest, makes a mesh of each.
 //
-// A shell is a closed component. It is a cavity if its triangles face the space that it encloses, else an outer shell.
-// A body is an outer shell or an open component, with the cavities directly inside it. An outer shell or open component
-// in a cavity is a body of its own. So is a cavity that lies directly inside another cavity, or in no other component.
+// A shell is a component that is closed, oriented and manifold, and has no triangles that repeat an index. All other
+// components count as open and have no volume here. A shell is a cavity if its triangles face the space that it
+// encloses, else an outer shell. A body is an outer shell or an open component, with the cavities directly inside it.
+// An outer shell or open component in a cavity is a body of its own. So is a cavity that lies directly inside another
+// cavity, or in no other component.
 #pragma once
 
 #include <array>
@@ -35,7 +37,7 @@ struct BodySelection {
   // With ComponentMeasure::volume, open components stay, as they have no volume.
   std::optional<double> least;
   ComponentMeasure measure = ComponentMeasure::triangles;
-  bool fill_cavities = false;  // fills all cavities
+  bool fill_cavities = false;  // fills the cavities of bodies; a cavity that is a body of its own stays
   // Keeps this many bodies, those of the largest outer area (cavities not counted); the first of equal ones.
   std::optional<std::uint64_t> largest;
   // Maps the mesh's coordinates to the space in which areas and volumes are measured.
@@ -65,9 +67,9 @@ struct SelectedBodies {
 using OriginalPositions = Buffer<glm::vec3>;
 
 // Keeps the components that `options` select, with their vertices, attributes and triangles in order. Filling a cavity
-// also removes the components in it. If it removes a component, it also drops all triangles that repeat an index. So
-// closed components stay closed. Returns the mesh unchanged if nothing is removed. The result does not depend on the
-// number of threads. Fails if memory is short.
+// also removes the components in it. If select_bodies() removes any component, it also drops triangles that repeat an
+// index. They belong to no component, so closed components stay closed. Returns the mesh unchanged if nothing is
+// removed. The result does not depend on the number of threads. Fails if memory is short.
 [[nodiscard]] Result<SelectedBodies> select_bodies(mesh::Mesh mesh, const BodySelection& options,
                                                    const Context& context, OriginalPositions sites = {});
 

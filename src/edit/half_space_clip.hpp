@@ -39,9 +39,9 @@ struct ClipFigures {
 // changes nothing.
 //
 // Vertices within mesh::on_plane_tolerance() of a plane count as on it and stay. Vertices farther away, but within
-// ClipOptions::snap, move onto it. Vertices may lie outside `kept` by up to the larger of these distances: a plane that
-// cuts nothing moves no vertex, and a later plane may move a vertex again. Old vertices keep their order, new ones
-// follow with interpolated normals; triangles keep order and winding. Two meshes with the same origin,
+// ClipOptions::snap, move onto it. Vertices may lie outside `kept` by the larger of these distances, once for each
+// plane: one that cuts nothing moves no vertex, and each later cut may move a vertex again. Old vertices keep their
+// order, new ones follow with interpolated normals; triangles keep order and winding. Two meshes with the same origin,
 // on_plane_tolerance() and snap get bitwise the same new vertex on a shared edge; so do clips to the two half-spaces of
 // a plane. The result does not depend on the number of threads.
 //

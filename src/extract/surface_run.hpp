@@ -56,8 +56,8 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
 };
 
 // Offers the mesh to the sink of `options`. If the sink takes it, sets Extraction::taken and delivers the mesh and its
-// cap. Does nothing without triangles, with edge keys, or if the mesh must be edited as a whole after emit() (holes, or
-// smooth normals beside NaN samples).
+// cap. Does nothing without triangles, with edge keys, or if the mesh must be edited as a whole after emit(): it has
+// holes, or options.smooth_normals is set and the field has NaN samples.
 template <SurfacePasses Surface>
 [[nodiscard]] Result<void> offer_to_sink(const ExtractOptions& options, Surface& surface, const MeshSizes& sizes,
                                          const BoundaryCap& cap, const std::optional<field::IndexBox>& box,

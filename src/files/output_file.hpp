@@ -7,8 +7,8 @@
 //
 // On file systems without unnamed files (O_TMPFILE) the bytes go to `.isoextract-HOST-PID-N` in the target's folder. On
 // file systems with unnamed files, commit() gives the file such a name briefly, before the rename to the target. The
-// name is removed when this process ends, except by SIGKILL or a crash; then the next process of the same user and
-// machine that writes into the folder removes it.
+// name is removed when this process ends, except by SIGKILL or a crash. Then, if the file system has locks, the next
+// process of the same user and machine that writes into the folder removes it.
 #pragma once
 
 #include <cstddef>

@@ -27,7 +27,7 @@ class SpreadsheetsTest(ProgramTest):
             for name in ("1_50.5.ply", "2_60.25.ply"):
                 (self.folder / name).unlink()
         # What may be a thousands separator is no decimal mark.
-        for text, found in (("frame;iso\n1;50,5\n2;60.25\n", "iso.csv:3: expected a finite iso value"), ("frame;iso\n1;1.050,5\n", "found '1.050,5'"),
+        for text, found in (("frame;iso\n1;50,5\n2;60.25\n", "iso.csv:3: expected an iso value with the decimal mark ','"), ("frame;iso\n1;1.050,5\n", "found '1.050,5'"),
                             ("frame;iso\n1;1,050.5\n", "found '1,050.5'"), ("frame,iso\n1,50,5\n", "expected 2 fields")):
             self.write("iso.csv", text)
             self.assert_fails(2, self.run_program(*frames), found)

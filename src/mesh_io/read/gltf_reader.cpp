@@ -138,11 +138,10 @@ class ModelReader {
           extension.is_string() ? std::string_view(extension.get_ref<const std::string&>()) : "";
       has_quantized_ = has_quantized_ || name == kQuantizationExtension;
       if (!name.empty() && !changes_triangles(name)) continue;
-      throw DamagedMesh(
-          fmt::format("expected glTF whose triangles need no extension of another kind than Draco, meshopt or "
-                      "quantization, found the required extension {}",
-                      shown(extension)),
-          "export the file without this extension");
+      throw DamagedMesh(fmt::format("expected Draco, meshopt or quantization as the only extensions for triangles, "
+                                    "found the required extension {}",
+                                    shown(extension)),
+                        "export the file without this extension");
     }
   }
 

@@ -14,7 +14,8 @@
 
 namespace isoextract::mesh_io {
 
-// Writes one file, mesh after mesh. `notes` receives sentences about data that the format cannot store.
+// Writes one file, mesh after mesh. `notes` receives sentences about data that the writer changes or omits.
+// MeshWriter itself notes the attributes of formats that store none.
 class FormatWriter {
  public:
   virtual ~FormatWriter() = default;

@@ -172,7 +172,8 @@ NpyParticleFile open_npy_particles(const files::InputFile& file) {
   }
   if (npy.layout.bytes == 0 || npy.layout.bytes > ContentReader::kMaxPeekedBytes) {
     throw InvalidParticleFile(
-        fmt::format("expected records of 1 to {} bytes, found {}", ContentReader::kMaxPeekedBytes, npy.layout.bytes));
+        fmt::format("expected 1 to {} bytes per particle (a row or record of the array), found {}",
+                    ContentReader::kMaxPeekedBytes, npy.layout.bytes));
   }
   npy.frame_bytes = checked_product(npy.particles, npy.layout.bytes).value_or(~std::uint64_t{0});
   npy.whole = npy.frames;

@@ -102,7 +102,7 @@ TEST(IsoTable, RefusesInvalidValuesWithLine) {
 TEST(IsoTable, TellsDecimalCommasFromSeparators) {
   EXPECT_EQ(table_refusal("frame,iso\n1,0,15\n"), "iso.csv:2: expected 2 fields as in the header, found 3");
   EXPECT_EQ(table_refusal("frame;iso\n1;0,15\n2;0.15\n"),
-            "iso.csv:3: expected a finite iso value, auto or a percentile such as p99, found '0.15'");
+            "iso.csv:3: expected an iso value with the decimal mark ',' of the rows before, found '0.15'");
   EXPECT_EQ(table_refusal("frame,iso,x\n1,2\n"), "iso.csv:2: expected 3 fields as in the header, found 2");
 }
 
