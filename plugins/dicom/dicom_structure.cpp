@@ -104,6 +104,13 @@ class Walker {
 
   // Returns the end of an element's value, after checking the items of a sequence.
   std::uint64_t skip(const Element& element, std::uint64_t end, int depth) {
+    // GDCM guesses what these mean, and then reads other attributes at wrong places.
+    const bool is_delimiter = element.tag >> 16U == 0xFFFEU;
+    const bool is_long_number = element.tag >> 16U == 9U && element.kind == "UL" && element.length == 6;
+    if (is_delimiter || is_long_number)
+      throw ReadError(std::string("expected an attribute before byte ") + std::to_string(element.value) + ", found " +
+                      (is_delimiter ? "the start or end of an item" : "a number of 6 bytes") +
+                      ": the header is damaged");
     const bool is_sequence = element.length == kUndefined || element.kind == "SQ";
     if (!is_sequence) return element.value + element.length;
     if (element.length == kUndefined && !element.kind.empty() && element.kind != "SQ" && element.kind != "UN")

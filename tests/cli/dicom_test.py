@@ -398,6 +398,14 @@ class DamageTest(DicomTestCase):
         run = self.run_program("info", "odd.dcm")
         self.assert_fails(2, run, "odd.dcm", "expected attributes before the pixels, found none")
 
+    def test_items_outside_of_sequences(self):
+        dicom.save(dicom.enhanced(VOLUME, PLACES), self.folder / "whole.dcm")
+        whole = (self.folder / "whole.dcm").read_bytes()
+        length = whole.index(bytes.fromhex("2000 1391 5351 0000")) + 8
+        (self.folder / "odd.dcm").write_bytes(whole[:length] + bytes(4) + whole[length + 4:])
+        run = self.run_program("info", "odd.dcm")
+        self.assert_fails(2, run, "odd.dcm", "found the start or end of an item: the header is damaged")
+
     def test_items_of_untyped_sequences(self):
         image = dicom.enhanced(VOLUME, PLACES, syntax=pydicom.uid.ImplicitVRLittleEndian)
         dicom.save(image, self.folder / "whole.dcm")
