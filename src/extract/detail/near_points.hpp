@@ -23,12 +23,7 @@ struct NearPlaces {
 // The points of a chunk and one step around it, in planes across z.
 class NearPointPlanes {
  public:
-  NearPointPlanes(const NetGrid& grid, std::size_t chunk) : grid_(grid) {
-    for (int n = 0; n < 27; ++n) {
-      const glm::ivec3 steps = glm::ivec3(n % 3, n / 3 % 3, n / 9) - 1;
-      chunks_[static_cast<std::size_t>(n)] = grid.find(grid.origins()[chunk] + kVoxelChunk * steps);
-    }
-  }
+  NearPointPlanes(const NetGrid& grid, std::size_t chunk) : grid_(grid), chunks_(grid.near(chunk)) {}
 
   // Calls f(place, number) for the points of a plane, from -1 to 8. Places are those of the plane -1.
   template <class F>
@@ -54,7 +49,7 @@ class NearPointPlanes {
   }
 
   const NetGrid& grid_;
-  std::array<std::int32_t, 27> chunks_;  // by steps along x, then y, then z
+  const NetGrid::NearChunkNumbers& chunks_;
 };
 
 class NearPoints {

@@ -34,8 +34,9 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
   });
   TRY(context.check());
   const auto chunks = static_cast<std::size_t>(std::count(flags->values.begin(), flags->values.end(), std::uint8_t{1}));
-  auto held = context.reserve(
-      VoxelChunks::bytes(chunks) + chunks * (sizeof(glm::ivec3) + sizeof(ChunkBits) + sizeof(RowBases)), what);
+  auto held = context.reserve(VoxelChunks::bytes(chunks) + chunks * (sizeof(glm::ivec3) + sizeof(NearChunkNumbers) +
+                                                                     sizeof(ChunkBits) + sizeof(RowBases)),
+                              what);
   if (!held) return tl::unexpected(held.error());
   grid.memory_ = std::move(*held);
   grid.origins_.reserve(chunks);
@@ -45,6 +46,13 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
     grid.index_.insert(candidates[c], static_cast<std::int32_t>(grid.origins_.size()));
     grid.origins_.push_back(candidates[c]);
   }
+  grid.near_ = Buffer<NearChunkNumbers>(chunks);
+  for_each_index(chunks, [&](std::size_t c) {
+    for (int n = 0; n < 27; ++n) {
+      const glm::ivec3 steps = glm::ivec3(n % 3, n / 3 % 3, n / 9) - 1;
+      grid.near_[c][static_cast<std::size_t>(n)] = grid.find(grid.origins_[c] + kVoxelChunk * steps);
+    }
+  });
   grid.used_ = Buffer<ChunkBits>(chunks);
   grid.first_ = Buffer<RowBases>(chunks);
   for_each_index(chunks, [&](std::size_t c) {

@@ -38,6 +38,10 @@ class NetGrid {
   // Returns the number of the chunk at `origin`; negative if it has no points.
   [[nodiscard]] std::int32_t find(const glm::ivec3& origin) const { return index_.find(origin); }
 
+  // The numbers of a chunk and those around it, by steps along x, then y, then z, each from -1; negative as in find().
+  using NearChunkNumbers = std::array<std::int32_t, 27>;
+  [[nodiscard]] const NearChunkNumbers& near(std::size_t chunk) const { return near_[chunk]; }
+
   // Returns a row of a chunk; an empty row if `chunk` is negative.
   [[nodiscard]] Row row(std::int32_t chunk, int y, int z) const {
     if (chunk < 0) return {};
@@ -66,6 +70,7 @@ class NetGrid {
 
   std::vector<glm::ivec3> origins_;
   field::OriginIndex index_;
+  Buffer<NearChunkNumbers> near_;
   Buffer<ChunkBits> used_;
   Buffer<RowBases> first_;  // number of the first point of each row
   std::uint64_t points_ = 0;

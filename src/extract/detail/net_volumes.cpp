@@ -233,19 +233,14 @@ class VolumeKeeper {
         areas_(areas),
         offsets_(offsets),
         shells_(faces.shells()),
-        upper_(grid.origins().size()),
         has_steps_(grid.origins().size()),
         is_marked_(grid.origins().size()),
-        moving_(grid.origins().size()) {
-    for_each_index(grid.origins().size(), [&](std::size_t c) {
-      for (int n = 0; n < 8; ++n) upper_[c][static_cast<std::size_t>(n)] = grid.find(grid.origins()[c] + chunk_step(n));
-    });
-  }
+        moving_(grid.origins().size()) {}
 
   // Returns the bytes that a keeper takes beyond its arguments.
   static std::uint64_t bytes(std::uint64_t shells, std::uint64_t chunks) {
     return shells * (sizeof(Shell) + ShellLinks::kBytesPerShell) +
-           chunks * (ShellLinks::kBytesPerChunk + sizeof(Upper) + 2 + sizeof(ChunkBits));
+           chunks * (ShellLinks::kBytesPerChunk + 2 + sizeof(ChunkBits));
   }
 
   Result<void> run(const Context& context, const std::string& what) {
@@ -277,6 +272,11 @@ class VolumeKeeper {
   }
 
  private:
+  // Returns the number of the chunk at chunk_step(n) from another.
+  [[nodiscard]] std::int32_t upper(std::size_t chunk, unsigned n) const {
+    return grid_.near(chunk)[13 + (n & 1) + 3 * (n >> 1 & 1) + 9 * (n >> 2)];
+  }
+
   void measure_voxels() {
     for_each_index(grid_.origins().size(), [&](std::size_t c) {
       ShellSums sums(shells_);
@@ -342,7 +342,8 @@ class VolumeKeeper {
     // Clears the bits of all chunks that may get some, before any thread sets them.
     for (std::size_t c = 0; c < has_steps_.size(); ++c) {
       if (has_steps_[c] == 0) continue;
-      for (const std::int32_t up : upper_[c]) {
+      for (unsigned n = 0; n < 8; ++n) {
+        const std::int32_t up = upper(c, n);
         if (up < 0 || std::exchange(is_marked_[static_cast<std::size_t>(up)], std::uint8_t{1}) != 0) continue;
         moving_[static_cast<std::size_t>(up)].fill(0);
       }
@@ -355,8 +356,8 @@ class VolumeKeeper {
           glm::ivec3 at = corner;
           at[(axis + 1) % 3] += n & 1;
           at[(axis + 2) % 3] += n >> 1;
-          const auto up = static_cast<std::size_t>(at.x >> 6 | at.y >> 3 << 1 | at.z >> 3 << 2);
-          std::uint64_t& word = moving_[static_cast<std::size_t>(upper_[c][up])][chunk_row(at.y, at.z)];
+          const auto up = static_cast<unsigned>(at.x >> 6 | at.y >> 3 << 1 | at.z >> 3 << 2);
+          std::uint64_t& word = moving_[static_cast<std::size_t>(upper(c, up))][chunk_row(at.y, at.z)];
           std::atomic_ref(word).fetch_or(std::uint64_t{1} << (at.x & 63), std::memory_order_relaxed);
         }
       });
@@ -368,9 +369,10 @@ class VolumeKeeper {
     for_each_index(grid_.origins().size(), [&](std::size_t c) {
       std::array<const ChunkBits*, 8> near{};
       bool any = false;
-      for (std::size_t n = 0; n < near.size(); ++n) {
-        const auto up = static_cast<std::size_t>(upper_[c][n]);
-        const bool is_marked = upper_[c][n] >= 0 && is_marked_[up] != 0;
+      for (unsigned n = 0; n < near.size(); ++n) {
+        const std::int32_t number = upper(c, n);
+        const auto up = static_cast<std::size_t>(number);
+        const bool is_marked = number >= 0 && is_marked_[up] != 0;
         near[n] = is_marked ? &moving_[up] : &empty_chunk();
         any |= is_marked;
       }
@@ -465,9 +467,6 @@ class VolumeKeeper {
   Buffer<glm::vec3>& areas_;  // of the faces, as normals
   Buffer<glm::vec3>& offsets_;
   std::vector<Shell> shells_;
-  using Upper = std::array<std::int32_t, 8>;
-
-  std::vector<Upper> upper_;             // of each chunk: itself and those one step up along the axes (chunk_step)
   std::vector<std::uint8_t> has_steps_;  // of each chunk: any of its shells makes a step
   std::vector<std::uint8_t> is_marked_;  // of each chunk: moving_ is valid, and may have points
   Buffer<ChunkBits> moving_;             // the points that the pass moves
