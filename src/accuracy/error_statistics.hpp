@@ -17,7 +17,7 @@ struct Length {
 struct ErrorStatistics {
   std::uint64_t points = 0;  // points with a distance
   Length rms;
-  Length percentile99;  // weighted; rounded up by at most 1/64 of its value, values below 2^-60 voxels to that
+  Length percentile99;  // weighted; at most 1/64 too large, or 2^-60 voxels if it is less; never above max
   Length max;
   glm::dvec3 worst{0.0};  // the point with max.world, in the mesh's coordinates
 

@@ -21,8 +21,8 @@ struct EdgeDefects {
 };
 
 // The rim of a hole: open edges connected through fans of triangles. A vertex with several fans counts as one vertex
-// for each fan. A non-manifold edge joins its triangles to one fan at each end, so the rims through that fan are one
-// loop.
+// for each fan. At each end of a non-manifold edge, all its triangles belong to one fan. Rims through the same fan
+// count as one loop.
 struct BoundaryLoop {
   std::uint64_t edges = 0;
   double length = 0;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -129,6 +131,23 @@ void add_labels(NamedLines& lines, const InputReport& report) {
   }
 }
 
+// Returns the least and greatest id of labels that double does not hold; nothing for other samples.
+std::optional<std::pair<std::int64_t, std::int64_t>> range_of_ids(const FieldReport& report) {
+  if (!report.field.label_ids || !report.labels) return std::nullopt;
+  std::int64_t least = report.labels->map.labels.front().label;
+  std::int64_t most = report.labels->map.labels.back().label;
+  if (report.labels->map.background) {
+    least = std::min<std::int64_t>(least, 0);
+    most = std::max<std::int64_t>(most, 0);
+  }
+  return std::pair(least, most);
+}
+
+// Returns the type of the samples as they were read: integers of 64 bits are f64, or i64 if they are ids of labels.
+std::string_view type_name(const field::ScalarField& field) {
+  return field.label_ids ? "i64" : field::sample_type_name(field.type());
+}
+
 void add_shape(NamedLines& lines, const FieldReport& report) {
   const field::ScalarField& field = report.field;
   lines.add("format", field.format);
@@ -148,7 +167,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
                                      : fmt::format("{} from ({}, {}, {}) to ({}, {}, {})", dims_text(box), box.min.x,
                                                    box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
   } else {
-    lines.add("samples", fmt::format("{}, dense", field::sample_type_name(field.type())));
+    lines.add("samples", fmt::format("{}, dense", type_name(field)));
     lines.add("extents", dims_text(box));
   }
   if (!field.scale.is_identity()) {
@@ -219,6 +238,10 @@ void add_percentiles(NamedLines& lines, const field::FieldStatistics& statistics
 
 void add_values(NamedLines& lines, const FieldReport& report) {
   const field::FieldStatistics& statistics = report.statistics;
+  if (const auto ids = range_of_ids(report)) {
+    lines.add("values", fmt::format("{} .. {}", ids->first, ids->second));
+    return;
+  }
   if (statistics.samples > 0) {
     lines.add("values", fmt::format("{:.6g} .. {:.6g}, mean {:.6g}", statistics.min, statistics.max, statistics.mean));
     if (!report.labels) add_percentiles(lines, statistics);
@@ -303,6 +326,11 @@ convert::Json json_of_values(const FieldReport& report) {
   const field::FieldStatistics& statistics = report.statistics;
   convert::Json json{{"finite", statistics.samples}, {"nan", statistics.nan}, {"infinite", statistics.infinite}};
   if (statistics.samples == 0) return json;
+  if (const auto ids = range_of_ids(report)) {
+    json["min"] = ids->first;
+    json["max"] = ids->second;
+    return json;
+  }
   json["min"] = statistics.min;
   json["max"] = statistics.max;
   json["mean"] = statistics.mean;
@@ -322,7 +350,7 @@ convert::Json json_of(const FieldReport& report) {
                      {"name", field.name},
                      {"kind", convert::kind_name(field.kind)},
                      {"inside", word_of(field.kind)},
-                     {"type", field::sample_type_name(field.type())}};
+                     {"type", type_name(field)}};
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   json["sparse"] = sparse != nullptr;
   if (sparse != nullptr) {

@@ -65,7 +65,9 @@ void add_rows(NamedLines& lines, const LabelReport& report, const field::ScalarF
       std::span(report.map.labels).first(std::min(report.map.labels.size(), kMostShown));
   std::vector<Row> rows;
   Row widest;
+  std::size_t label_width = 8;
   for (const field::LabelFigures& label : labels) {
+    label_width = std::max(label_width, fmt::formatted_size("{}", label.label));
     const glm::ivec3& low = label.box.min;
     const glm::ivec3& high = label.box.max;
     Row& row = rows.emplace_back(Row{
@@ -80,9 +82,9 @@ void add_rows(NamedLines& lines, const LabelReport& report, const field::ScalarF
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const field::LabelName* name = report.find(labels[n].label);
     std::string line =
-        fmt::format("    {:>8}: {:>9}  {:>{}}  {:<{}}  {:<{}}  {}", labels[n].label, labels[n].voxels, rows[n].volume,
-                    widest.volume.size(), rows[n].box, widest.box.size(), rows[n].world_box, widest.world_box.size(),
-                    name != nullptr ? printable(name->name, kMaxLabelName) : "");
+        fmt::format("    {:>{}}: {:>9}  {:>{}}  {:<{}}  {:<{}}  {}", labels[n].label, label_width, labels[n].voxels,
+                    rows[n].volume, widest.volume.size(), rows[n].box, widest.box.size(), rows[n].world_box,
+                    widest.world_box.size(), name != nullptr ? printable(name->name, kMaxLabelName) : "");
     line.erase(line.find_last_not_of(' ') + 1);
     lines.plain(line);
   }

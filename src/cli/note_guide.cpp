@@ -65,8 +65,8 @@ constexpr std::array kGuide{
               "changed or left out.",
               "Check the result with 'isoextract info'."},
     NoteGuide{staggered_grid,
-              "The grid stores the components of vectors on the faces of voxels; the note says where the reader places "
-              "them, or that lengths combine components of different positions.",
+              "The grid stores the components of vectors on the faces of voxels. The note says where the reader places "
+              "them, or that the length of a vector combines components from different positions.",
               "If you need exact lengths of the vectors, interpolate the components to the centers of voxels before "
               "you export the grid."},
     NoteGuide{unclear_positions, "The reader cannot tell which columns hold the positions.",

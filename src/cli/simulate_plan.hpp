@@ -15,7 +15,8 @@
 
 namespace isoextract::cli {
 
-// A state to write: its step, and its files in the order of SequenceKind::grids. A step of a jet is a frame of the jet.
+// A state to write: its step, and its files in the order of SequenceKind::grids. For a jet, `step` counts its frames, 1
+// / fps apart, not the steps of its solver.
 struct SequenceFrame {
   std::uint64_t step = 0;
   std::vector<std::filesystem::path> files;

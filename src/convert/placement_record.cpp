@@ -195,10 +195,9 @@ std::string placement_text(const ResolvedPlacement& resolved) {
   }
   if (placement.unit != placement.to_unit) {
     parts.push_back(fmt::format("scaled by {} ({} to {})", placement.scale, placement.unit, placement.to_unit));
-  } else if (!placement.unit.empty()) {
-    parts.push_back(fmt::format("in {}", placement.unit));
-  } else if (placement.scale != 1) {
-    parts.push_back(fmt::format("scaled by {}", placement.scale));
+  } else {
+    if (placement.scale != 1) parts.push_back(fmt::format("scaled by {}", placement.scale));
+    if (!placement.unit.empty()) parts.push_back(fmt::format("in {}", placement.unit));
   }
   if (placement.center) {
     const glm::dvec3& by = resolved.moved_by;

@@ -1,10 +1,10 @@
 // Selects and splits the bodies of a surface: drops small ones, keeps the largest, makes a mesh of each.
 //
-// A shell is a component that is closed, oriented and manifold, and has no triangles that repeat an index. All other
-// components count as open and have no volume here. A shell is a cavity if its triangles face the space that it
-// encloses, else an outer shell. A body is an outer shell or an open component, with the cavities directly inside it.
-// An outer shell or open component in a cavity is a body of its own. So is a cavity that lies directly inside another
-// cavity, or in no other component.
+// A shell is a component that is closed, oriented and manifold. All other components count as open and have no volume
+// here. Triangles that repeat an index belong to no component. A shell is a cavity if its triangles face the space that
+// it encloses, else an outer shell. A body is an outer shell or an open component, with the cavities directly inside
+// it. An outer shell or open component in a cavity is a body of its own. So is a cavity that lies directly inside
+// another cavity, or in no other component.
 #pragma once
 
 #include <array>

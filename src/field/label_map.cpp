@@ -346,9 +346,10 @@ std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* pr
   std::uint64_t voxels = 0;
   std::uint64_t pairs = 0;
   for (const auto& [value, tally] : all.values) {
-    const LabelFigures figures{value, tally.voxels, {tally.min, tally.max}};
+    const std::int64_t label = field.label_ids ? (*field.label_ids)[static_cast<std::size_t>(value)] : value;
+    const LabelFigures figures{label, tally.voxels, {tally.min, tally.max}};
     if (value == background) continue;
-    if (value == 0) {
+    if (label == 0) {
       if (!background) map.background = figures;
       continue;
     }

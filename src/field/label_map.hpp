@@ -2,12 +2,12 @@
 //
 // A field can be one or the other if it is a density with an identity scale, no demo field, and has at least 512
 // samples, all of them labels (label_value.hpp) or NaN. NaN samples count nowhere. Sparse floating-point grids are
-// densities: fog often has a single value.
+// neither, because fog often has a single value.
 //
 // A binary mask has exactly two values; the background of a sparse grid is one of them. A label map has more, and:
 // - few values: at most 2^20, and at most one for each eight samples
 // - flat patches: of the pairs of neighbors along i, j and k, at least half have equal values, and along each axis at
-//   least a quarter. Pairs within the background do not count; it is the most frequent value of a dense field.
+//   least a quarter. Pairs within the background do not count: in this rule, the most frequent value of a dense field.
 // - unordered values, if it has more than eight: of the pairs with different values, at most three quarters differ by
 //   exactly 1. A smooth field with rounded values has flat patches, too, but steps of 1 between them.
 //
@@ -56,7 +56,8 @@ struct LabelMap {
 // Returns the labels of a label map or mask, else nothing. One parallel pass over the samples, linear in their number
 // whatever the number of labels. In fields of more than 2^17 samples it first judges that many. It stops there if one
 // is no label, if there are too many values, or, with three or more values, if less than a quarter of the pairs are
-// equal. Reserves no memory; takes about 150 bytes a label and thread.
+// equal. For 64-bit ids (ScalarField::label_ids) it judges by their indices, and returns the ids. Reserves no memory;
+// takes about 150 bytes a label and thread.
 [[nodiscard]] std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* progress = nullptr);
 
 // Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks

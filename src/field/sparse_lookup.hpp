@@ -101,11 +101,11 @@ class SparseLookup {
   [[nodiscard]] static std::int32_t place_of_tile(std::size_t tile) { return -2 - static_cast<std::int32_t>(tile); }
 
   // Inverts place_of_tile().
-  [[nodiscard]] static std::size_t tile_of(std::int32_t place) { return static_cast<std::size_t>(-2 - place); }
+  [[nodiscard]] static std::size_t tile_of(std::int32_t content) { return static_cast<std::size_t>(-2 - content); }
 
-  // Returns the constant value of a place without a block, by its place().
-  [[nodiscard]] double constant_of(std::int32_t place) const {
-    return place == kBackground ? samples_.background : samples_.tiles[tile_of(place)].value;
+  // Returns the value of the tile or background that place() returned.
+  [[nodiscard]] double constant_of(std::int32_t content) const {
+    return content == kBackground ? samples_.background : samples_.tiles[tile_of(content)].value;
   }
 
   // Returns the index of the stored block, or -1.

@@ -32,8 +32,8 @@ class FramePattern {
  public:
   // Parses a name. Returns nullopt if the name has no placeholder; callers then use it unchanged: {{ stays {{. Fails
   // with ErrorCode::usage for several placeholders, for widths above kMaxFrameDigits, and for widths that are no number
-  // ({:x}). Other text in braces stays text. If it contains `{`, `%` or `#`, its braces are plain characters, and a
-  // placeholder between them counts: `{a%db}`.
+  // ({:x}). Braces around other text are plain characters. If this text contains `{`, `%` or `#`, a placeholder in it
+  // counts: {a%db} has the placeholder %d.
   [[nodiscard]] static Result<std::optional<FramePattern>> parse(std::string_view name);
 
   // `width` is 4 for {:04} and 0 for {}. prefix and suffix are plain text, without escapes.

@@ -142,7 +142,8 @@ Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
               fmt::format("{}: frame {} is at {} seconds; at {} frames per second, float32 cannot separate it from a "
                           "neighbor frame",
                           path.string(), frame, time, frames_per_second),
-              "number the frames consecutively, and use a rate such as 24 frames per second");
+              starts.empty() ? "number the frames consecutively, and use a rate such as 24 frames per second"
+                             : "the times of the input place the frames: space them more evenly in the input");
 }
 
 Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const mesh::Mesh> surfaces,

@@ -256,7 +256,7 @@ Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
 // Writes the meshes of a GLB that it held until now, and holds no others.
 Result<void> MeshWriter::State::write_held() {
   TRY(open_file());
-  format = make_moving_glb_writer(options, context, *file);
+  format = make_streamed_glb_writer(options, context, *file);
   holds = false;
   for (mesh::Mesh& mesh : held) TRY(write(std::exchange(mesh, {})));
   held.clear();

@@ -142,7 +142,10 @@ glm::dvec3 default_label_color(std::int64_t label) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr double kSaturation = 0.6;
   constexpr double kValue = 0.9;
-  const double turns = std::fmod(static_cast<double>(label) * kGolden, 1.0);
+  // A double holds a label beyond 2^53 only roughly, and the product's fraction even sooner: such a label takes the
+  // color of a smaller one.
+  constexpr std::int64_t kExact = std::int64_t{1} << 40;
+  const double turns = std::fmod(static_cast<double>(label % kExact) * kGolden, 1.0);
   const double hue = 6 * (turns < 0 ? turns + 1 : turns);
   glm::dvec3 color(0.0);
   constexpr std::array<double, 3> kShift{5, 3, 1};

@@ -47,7 +47,7 @@ class LabelTable {
 // folder.
 [[nodiscard]] std::optional<std::filesystem::path> find_label_table(const std::filesystem::path& label_map);
 
-// Returns the sRGB color, each channel from 0 to 1, of a label without a table entry; consecutive labels get very
+// Returns the sRGB color, each channel from 0 to 1, of a label without a table entry. Consecutive labels get very
 // different hues.
 [[nodiscard]] glm::dvec3 default_label_color(std::int64_t label);
 

@@ -158,6 +158,19 @@ class InfoLabelsTest(ProgramTest):
         self.assert_labels(volume, "label map")
         self.assertIn("without the label 0", self.convert("info", *self.write(volume)).text)
 
+    def test_ids_that_a_double_does_not_hold(self):
+        first = 720575940600000017
+        for offset, dtype in ((first, "uint64"), (-first - 9, "int64")):
+            volume = cells(48, 10, 5)
+            volume = np.where(ball(48, 22), volume + offset, 0).astype(dtype)
+            field = self.field(*self.assert_labels(volume, "label map")[0])
+            self.assertEqual((field["type"], field["values"]["min"], field["values"]["max"]), ("i64", int(volume.min()), int(volume.max())))
+            text = self.convert("info", *self.write(volume)).text
+            self.assertIn(f"values        {volume.min()} .. {volume.max()}\n", text)
+        noise = np.random.default_rng(1).integers(first, first + 1000, (16, 16, 16))
+        run = self.run_program("info", *self.write(noise))
+        self.assert_fails(2, run, "v.npy: expected labels, or integers that a double represents exactly, found 64-bit integers that are neither")
+
     def test_what_is_no_label_map(self):
         random = np.random.default_rng(3)
         z, y, x = np.mgrid[:64, :64, :64]

@@ -56,7 +56,7 @@ ENUMS = {
         "/$defs/input/properties/particles/properties/method": words("points::Method"),
         "/$defs/input/properties/field/properties/kind": KINDS,
         "/$defs/input/properties/field/properties/inside": words("field::FieldKind"),
-        "/$defs/input/properties/field/properties/type": words("field::SampleType"),
+        "/$defs/input/properties/field/properties/type": words("field::SampleType") | {"i64"},
         "/$defs/input/properties/field/properties/label_map/properties/kind": words("field::LabelMapKind"),
     },
     "manifest": {},

@@ -86,8 +86,8 @@ struct RenderFlags : OptionSet {
       "--unit-length",
       "L",
       parse_positive,
-      "Path length that reaches the opacity of --tf. In units of the world. Default: a hundredth of the volume's "
-      "longest side.",
+      "Path length to which the opacities of --tf belong. In world units: a ray that goes this far through one value "
+      "has the opacity that --tf gives for it. Default: a hundredth of the volume's longest side.",
       About::drawn_volume};
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "

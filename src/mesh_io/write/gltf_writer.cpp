@@ -243,8 +243,8 @@ std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, c
   return std::make_unique<GlbWriter>(options, context, file);
 }
 
-std::unique_ptr<FormatWriter> make_moving_glb_writer(const MeshWriteOptions& options, const Context& context,
-                                                     files::OutputFile& file) {
+std::unique_ptr<FormatWriter> make_streamed_glb_writer(const MeshWriteOptions& options, const Context& context,
+                                                       files::OutputFile& file) {
   return std::make_unique<MovingGlbWriter>(options, context, file);
 }
 

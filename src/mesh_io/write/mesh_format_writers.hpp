@@ -35,8 +35,8 @@ class FormatWriter {
 // Writes a GLB of two or more unpacked meshes to a regular file, whose hash() is empty until commit(). Each
 // mesh must live only during add(); the bytes are those of make_glb_writer(), but finish() writes the data a second
 // time.
-[[nodiscard]] std::unique_ptr<FormatWriter> make_moving_glb_writer(const MeshWriteOptions& options,
-                                                                   const Context& context, files::OutputFile& file);
+[[nodiscard]] std::unique_ptr<FormatWriter> make_streamed_glb_writer(const MeshWriteOptions& options,
+                                                                     const Context& context, files::OutputFile& file);
 
 // `binary_name` is the name by which the model refers to `binary`.
 [[nodiscard]] std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, const Context& context,

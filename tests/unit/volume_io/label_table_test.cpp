@@ -78,6 +78,8 @@ TEST(LabelTable, ChoosesDistinctDefaultColors) {
     }
   }
   EXPECT_EQ(default_label_color(0).x, 0.9);
+  constexpr std::int64_t kId = 720575940600000017;  // a double holds neither it nor the next one
+  EXPECT_GT(glm::distance(default_label_color(kId), default_label_color(kId + 1)), 0.2);
 }
 
 }  // namespace
