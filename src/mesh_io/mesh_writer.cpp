@@ -315,8 +315,8 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
     if (state.options.packing.optimize_order) {
       TRY(optimize_order(mesh, state.context));
     }
-    const bool may_move = state.options.format == MeshFormat::glb && !state.options.packing.packs() &&
-                          !state.options.hash_files && !files::is_stream(state.path);
+    const bool may_move =
+        state.options.format == MeshFormat::glb && !state.options.packing.packs() && !files::is_stream(state.path);
     state.held_bytes += array_bytes(mesh);
     if (state.holds && may_move && !state.held.empty() && state.held_bytes > kMostHeldBytes) TRY(state.write_held());
     if (!state.holds) return state.write(mesh);
@@ -339,6 +339,7 @@ Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mes
 Result<bool> MeshWriter::State::join_ranks(const mesh::MeshShape& shape) {
   if (ranks->is_first()) {
     file = TRY(files::OutputFile::create_shared(path));
+    if (options.hash_files) file->keep_hash();
     parts = TRY(begin_parts(shape));
   }
   const auto told = TRY(ranks->gather(parts != nullptr ? file->shared_name() : std::string()));
@@ -366,8 +367,8 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
   State& state = *state_;
   const MeshWriteOptions& options = state.options;
   const bool needs_whole_mesh = (options.format != MeshFormat::ply && options.format != MeshFormat::glb) ||
-                                options.ascii || options.flat_normals || (options.hash_files && ranks != nullptr) ||
-                                options.packing.packs() || options.packing.optimize_order || !head.attributes.empty() ||
+                                options.ascii || options.flat_normals || options.packing.packs() ||
+                                options.packing.optimize_order || !head.attributes.empty() ||
                                 shape.origin != glm::dvec3(0) || files::is_stream(state.path);
   if (needs_whole_mesh || state.count > 0) return false;
   return state.attempt([&]() -> Result<bool> {

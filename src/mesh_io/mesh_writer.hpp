@@ -92,7 +92,7 @@ struct MeshWriteResult {
 //
 // Formats with MeshFormatInfo::writes_each_mesh_at_once write each mesh in add() and free it. The others hold all
 // meshes until finish(): a GLB begins with the offsets of all its data. Beyond 64 MiB, a GLB of several unpacked
-// meshes, without a hash, gets the data of each mesh in add(), and finish() moves all of it behind the JSON.
+// meshes gets the data of each mesh in add(), and finish() moves all of it behind the JSON.
 // Standard output, pipes and devices must receive no bytes if a later surface fails, so the writer also holds the
 // meshes for them. It holds them, too, if it quantizes positions and packing.box is unset: it needs the box of all.
 class MeshWriter {
@@ -112,8 +112,8 @@ class MeshWriter {
   // Begins the only mesh of the file, whose parts take_part() writes to their places at once. `head` is the mesh
   // without its arrays. Works for binary PLY and unpacked GLB with 32-bit indices in regular files, without attributes,
   // flat normals or an origin. Otherwise returns false and does nothing: add the whole mesh. Fails like add().
-  // If `ranks` is not null, these ranks write the file together, unless it needs a hash: all of them call it with the
-  // same mesh, each writes its parts, and all call finish().
+  // If `ranks` is not null, these ranks write the file together: all of them call it with the same mesh, each writes
+  // its parts, and all call finish(). Only rank 0 knows the hash.
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
   // Writes a part after begin_parts() returned true; see mesh::MeshSink::take(). Fails with ErrorCode::output.
   [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;

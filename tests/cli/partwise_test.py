@@ -106,6 +106,19 @@ class PartwiseTest(ProgramTest):
                 self.assertIn("1 of 2 frames done, 1 kept", again.err)
                 self.assertTrue(changed.read_bytes() == single)
 
+    def test_a_sequence_of_three_surfaces_holds_two_of_them_at_a_time(self):
+        """Each surface takes 139 MiB; a manifest records the hash of the GLB that has all."""
+        raw, *layers = self.write_layers(160)
+        for frame in (1, 2):
+            (self.folder / f"in_{frame}.raw").hardlink_to(self.folder / raw)
+        surfaces = (*layers, "--iso", 150, "--iso", 200, "--normals", "none")
+        self.convert("in_#.raw", *surfaces, "--jobs", 1, "--memory-limit", "300M", "-o", "out/{}.glb", "--mkdir")
+        self.convert("in_2.raw", *surfaces, "-o", "2.glb")
+        self.assertGreater((self.folder / "2.glb").stat().st_size, 400 * MIB)
+        self.assertTrue((self.folder / "out/2.glb").read_bytes() == (self.folder / "2.glb").read_bytes())
+        again = self.convert("in_#.raw", *surfaces, "-o", "out/{}.glb", "--resume")
+        self.assertIn("2 kept", again.err)
+
     def test_no_file_is_left_if_writing_fails(self):
         for name in ("a.ply", "a.glb"):
             def limit():

@@ -5,6 +5,7 @@
 #include "mesh_io/mesh_writer.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
+#include "support/thread_ranks.hpp"
 #include "unit/mesh_io/written_mesh.hpp"
 
 namespace isoextract::mesh_io {
@@ -88,6 +89,23 @@ TEST_P(PartwiseFile, HasHashOfItsBytes) {
   EXPECT_EQ(read_bytes(path("parts")), read_bytes(path("whole")));
   ASSERT_TRUE(whole.files.at(0).hash.has_value());
   EXPECT_EQ(done->files.at(0).hash, whole.files.at(0).hash);
+}
+
+// Rank 0 hashes the bytes of all ranks.
+TEST_P(PartwiseFile, HasHashOfTheBytesOfAllRanks) {
+  const std::vector<mesh::Mesh> meshes = one(sphere(kRings, true, "a name"));
+  const MeshWriteOptions options{.format = GetParam(), .hash_files = true};
+  const MeshWriteResult whole = must_write(meshes, path("whole"), options);
+  const auto parts = parts_of(meshes[0], kRanks);
+  run_ranks([&](Ranks& ranks) {
+    MeshWriter writer(path("parts"), options, Context());
+    ASSERT_EQ(writer.begin_parts(head_of(meshes[0]), mesh::shape_of(meshes[0]), &ranks), true);
+    ASSERT_TRUE(writer.take_part(parts[static_cast<std::size_t>(ranks.rank())]));
+    const auto done = writer.finish();
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(done->files.at(0).hash, ranks.is_first() ? whole.files.at(0).hash : std::nullopt);
+  });
+  EXPECT_EQ(read_bytes(path("parts")), read_bytes(path("whole")));
 }
 
 TEST_P(PartwiseFile, LeavesNothingIfNotFinished) {
