@@ -194,13 +194,12 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   if (plan.missing_is_error) options.absent = batch::text_of(plan.gaps);
   if (alone.empty()) options.ranks = ranks_of_run();
   options.keeps_figures = shows_rows(plan);
-  options.scheduler = {
-      .jobs = plan.jobs,
-      .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
-      .fail_fast = plan.flags.fail_fast,
-      .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || !plan.reports.empty() || plan.common.pages.html,
-                 .volume_hint = std::string(kHowToKeepVolumes),
-                 .read = read ? &*read : nullptr}};
+  options.scheduler = {.jobs = plan.jobs,
+                       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
+                       .fail_fast = plan.flags.fail_fast,
+                       .extras = {.mesh_facts = plan.measures_meshes(),
+                                  .volume_hint = std::string(kHowToKeepVolumes),
+                                  .read = read ? &*read : nullptr}};
   auto run = TRY(batch::BatchRun::open(plan.batch, std::move(options), context));
   const auto tell = [&](const Note& note) {
     if (plan.progress != ProgressStyle::json) messages.note(note);

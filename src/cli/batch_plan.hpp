@@ -43,6 +43,11 @@ struct BatchPlan {
   ProgressStyle progress = ProgressStyle::bar;
   std::vector<std::string> reports;  // the path of each frame's report; empty: none
   batch::OtherFiles others;          // files read and written besides the frames' inputs and outputs
+
+  // Returns whether the run measures each mesh, for its table, plot, reports or page.
+  [[nodiscard]] bool measures_meshes() const {
+    return flags.table || flags.plot || !reports.empty() || common.pages.html;
+  }
 };
 
 // Returns whether the inputs and options ask for a batch of frames instead of one conversion.

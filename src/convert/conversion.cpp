@@ -59,7 +59,7 @@ class Conversion {
         collector_(collector) {}
 
   Result<void> run() {
-    if (Ranks* ranks = this->ranks(); ranks != nullptr && !writes_parts(job_)) {
+    if (Ranks* ranks = this->ranks(); ranks != nullptr && !writes_shared_parts(job_)) {
       ranks->work_alone("an option or the output needs the whole mesh in one process");
       if (!ranks->is_first()) return leave_to_first_rank();
     }

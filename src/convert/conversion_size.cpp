@@ -8,6 +8,7 @@
 #include "base/parallel.hpp"
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/particle_file.hpp"
+#include "convert/detail/partwise_output.hpp"
 #include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
 #include "convert/stages/mesh_hollow.hpp"
@@ -73,7 +74,7 @@ std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::Volum
 
 // Returns the estimated memory of the surfaces of one grid.
 Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid,
-                                     const MemoryBudget& memory) {
+                                     bool whole_meshes, const MemoryBudget& memory) {
   const Context context(memory.part());
   if (job.writes<ParticleFileOptions>() != nullptr) {
     return kProgramBytes + TRY(particle_file_memory(job, context));
@@ -102,7 +103,10 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     // For labels, 0.5 estimates the surface around all of them together.
     if (iso.asked.is_label() && std::exchange(has_labels, true)) continue;
     const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.id.iso());
-    std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(source, size.vertices);
+    const bool by_parts = !whole_meshes && !iso.asked.is_label() && goes_by_parts(job, source, iso.id.iso());
+    std::uint64_t bytes =
+        by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals == Normals::smooth) : estimated_bytes(size);
+    bytes += attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);
     // About a vertex for each cell that the surface crosses.
     const double cell_area = std::pow(std::abs(source.output_from_index.determinant()), 2.0 / 3);
@@ -121,9 +125,15 @@ std::uint64_t bytes_without_mesh(const ConversionSize& size) {
          size.places * kPlaceBytes;
 }
 
-std::uint64_t mesh_bytes(const ConversionSize& size) {
-  constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
-  return size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
+std::uint64_t mesh_bytes(const ConversionSize& size, bool has_normals) {
+  return size.vertices * (has_normals ? 2 : 1) * sizeof(glm::vec3) + estimated_triangles(size) * sizeof(glm::uvec3);
+}
+
+// Returns how many parts of a mesh are in memory at a time.
+std::uint64_t parts_in_memory(const MeshFileOptions& file) {
+  if (file.format == mesh_io::MeshFormat::stl) return 2;  // one waits for the next
+  const bool in_order = file.format == mesh_io::MeshFormat::obj || file.ascii;
+  return in_order ? 1 : static_cast<std::uint64_t>(usable_threads());
 }
 
 }  // namespace
@@ -161,19 +171,18 @@ ConversionSize size_of(const field::ScalarField& field, double iso) {
 
 std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.vertices; }
 
-std::uint64_t estimated_bytes(const ConversionSize& size) { return bytes_without_mesh(size) + mesh_bytes(size); }
+std::uint64_t estimated_bytes(const ConversionSize& size) { return bytes_without_mesh(size) + mesh_bytes(size, true); }
 
-std::uint64_t estimated_bytes_by_parts(const ConversionSize& size) {
-  const std::uint64_t whole = mesh_bytes(size);
-  if (size.slabs == 0) return bytes_without_mesh(size) + whole;
-  const std::uint64_t in_work = std::min<std::uint64_t>(static_cast<std::uint64_t>(usable_threads()), size.slabs);
-  return bytes_without_mesh(size) + whole / size.slabs * in_work * 3 / 2;
+std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file, bool has_normals) {
+  if (size.slabs == 0) return estimated_bytes(size);
+  const std::uint64_t parts = std::min(parts_in_memory(file), size.slabs);
+  return bytes_without_mesh(size) + mesh_bytes(size, has_normals) / size.slabs * parts * 3 / 2;
 }
 
-Result<std::uint64_t> estimated_memory(const ConversionJob& job, const MemoryBudget& memory) {
+Result<std::uint64_t> estimated_memory(const ConversionJob& job, bool whole_meshes, const MemoryBudget& memory) {
   std::uint64_t most = 0;
   for (const std::optional<std::string>& grid : grids_of(job.source)) {
-    const auto bytes = memory_of_grid(job, grid, memory);
+    const auto bytes = memory_of_grid(job, grid, whole_meshes, memory);
     if (!bytes) return bytes;
     most = std::max(most, *bytes);
   }

@@ -10,11 +10,11 @@ namespace {
 double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
 constexpr double kLargestMargin = 0x1p-6;
+constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1, as float32
 
 // Returns eight times the float32 rounding error, as a fraction of the shortest grid step along which it can move a
 // vertex. At 512 samples a side this is 0.0002 of an edge.
 double wanted_margin(const field::Affine& local_from_index, const field::Box& local) {
-  constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1
   constexpr double kFactor = 8;
   const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
   double margin = 0;
@@ -27,6 +27,16 @@ double wanted_margin(const field::Affine& local_from_index, const field::Box& lo
     }
   }
   return margin;
+}
+
+// Returns how far rounding to float32 can move a vertex along any axis of the index space.
+double rounding_in_index_space(const glm::dmat3& covector_map, const field::Box& local) {
+  const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
+  double most = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    most = std::max(most, kRounding * glm::dot(glm::abs(covector_map[axis]), farthest));
+  }
+  return most;
 }
 
 }  // namespace
@@ -44,6 +54,9 @@ OutputPlacement::OutputPlacement(const field::Affine& output_from_index, const f
   const double margin = wanted_margin(local_from_index_, local);
   margin_ = std::min(margin, kLargestMargin);
 
+  // Two vertices on different edges differ along some axis of the index space by the margin at least.
+  constexpr double kRoundings = 3;  // one of each vertex, and one for safety
+  keeps_apart_ = margin_ > kRoundings * rounding_in_index_space(covector_map_, local);
   const double farthest = max_component(glm::max(glm::abs(local.min), glm::abs(local.max)));
   double shortest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) shortest = std::min(shortest, glm::length(local_from_index_.linear[axis]));

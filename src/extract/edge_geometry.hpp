@@ -72,6 +72,8 @@ class OutputPlacement {
   // Returns true if samples lie so far from the origin (more than about 2^19 steps) that rounding is larger than the
   // margin.
   [[nodiscard]] bool exceeds_float32_precision() const { return reaches_too_far_; }
+  // Returns true if vertices on different edges have different positions, also after rounding to float32.
+  [[nodiscard]] bool keeps_vertices_apart() const { return keeps_apart_; }
   // Returns true if the transform mirrors, so that the winding of triangles must be reversed.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
 
@@ -110,6 +112,7 @@ class OutputPlacement {
   double margin_;
   bool mirrored_;
   bool in_range_;
+  bool keeps_apart_;
   bool reaches_too_far_;
 };
 

@@ -176,16 +176,52 @@ void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& c
   }
 }
 
-Result<void> deliver_cap(mesh::MeshSink& sink, const MeshSizes& surface, const BoundaryCap& cap,
-                         const field::IndexBox& box, const OutputPlacement& placement, const ExtractOptions& options,
-                         const Context& context) {
+ExtractOptions options_in(const mesh::PartPass& pass, ExtractOptions options) {
+  options.smooth_normals = options.smooth_normals && pass.normals;
+  return options;
+}
+
+MeshSizes sizes_in(const mesh::PartPass& pass, const MeshSizes& sizes) {
+  return {pass.positions || pass.normals ? sizes.vertices : 0, pass.triangles ? sizes.triangles : 0};
+}
+
+Result<void> deliver_part(mesh::MeshSink& sink, const mesh::PartPass& pass, const mesh::Mesh& part,
+                          const MeshSizes& first, const MeshSizes& sizes) {
+  return sink.take({first.vertices, part.positions.span().first(pass.positions ? sizes.vertices : 0),
+                    part.normals.span().first(part.normals.empty() ? 0 : sizes.vertices), first.triangles,
+                    part.triangles.span().first(sizes.triangles)});
+}
+
+Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface, const BoundaryCap& cap,
+                        const Context& context) {
+  const auto for_each_reference = [&](const auto& visit) {
+    for (const glm::uvec3& triangle : cap.triangles) {
+      for (int corner = 0; corner < 3; ++corner) {
+        if (triangle[corner] < surface.vertices) visit(triangle[corner]);
+      }
+    }
+  };
+  std::uint64_t count = 0;
+  for_each_reference([&](std::uint32_t /*vertex*/) { ++count; });
+  const auto memory = TRY(context.reserve(count * sizeof(std::uint32_t), "the vertices around a cap"));
+  std::vector<std::uint32_t>& rim = shape.far_vertices;
+  rim.reserve(count);
+  for_each_reference([&](std::uint32_t vertex) { rim.push_back(vertex); });
+  std::ranges::sort(rim);
+  rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
+  return sink.begin(shape);
+}
+
+Result<void> deliver_cap(mesh::MeshSink& sink, const mesh::PartPass& pass, const MeshSizes& surface,
+                         const BoundaryCap& cap, const field::IndexBox& box, const OutputPlacement& placement,
+                         const ExtractOptions& options, const Context& context) {
+  const ExtractOptions wanted = options_in(pass, options);
   const MeshSizes sizes{cap.samples.size(), cap.triangles.size()};
-  const auto memory = TRY(context.reserve(array_bytes(sizes, options), "the triangles of a cap"));
+  const auto memory = TRY(context.reserve(array_bytes(sizes, wanted), "the triangles of a cap"));
   mesh::Mesh part;
-  allocate_mesh(part, {}, cap, options);
+  allocate_mesh(part, {}, cap, wanted);
   append_cap(part, {}, cap, box, placement);
-  return sink.take(
-      {surface.vertices, part.positions.span(), part.normals.span(), surface.triangles, part.triangles.span()});
+  return deliver_part(sink, pass, part, surface, sizes_in(pass, sizes));
 }
 
 }  // namespace isoextract::extract

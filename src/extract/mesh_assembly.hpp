@@ -61,10 +61,25 @@ void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const field::IndexBox& box,
                 const OutputPlacement& placement);
 
-// Hands the cap of `box` to a sink, as the part behind the surface. Fails with ErrorCode::out_of_memory, and as the
-// sink does.
-[[nodiscard]] Result<void> deliver_cap(mesh::MeshSink& sink, const MeshSizes& surface, const BoundaryCap& cap,
-                                       const field::IndexBox& box, const OutputPlacement& placement,
-                                       const ExtractOptions& options, const Context& context);
+// Returns the options and the sizes of a mesh that has only the arrays of a pass.
+[[nodiscard]] ExtractOptions options_in(const mesh::PartPass& pass, ExtractOptions options);
+[[nodiscard]] MeshSizes sizes_in(const mesh::PartPass& pass, const MeshSizes& sizes);
+
+// Hands a part to a sink: the first `sizes` of the arrays of `part`, and of them those of the pass. `first` are the
+// numbers of its first vertex and triangle. Fails as the sink does.
+[[nodiscard]] Result<void> deliver_part(mesh::MeshSink& sink, const mesh::PartPass& pass, const mesh::Mesh& part,
+                                        const MeshSizes& first, const MeshSizes& sizes);
+
+// Offers a mesh to a sink: calls its begin(), with the vertices of the surface to which the cap refers. Fails with
+// ErrorCode::out_of_memory, and as the sink does.
+[[nodiscard]] Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface,
+                                      const BoundaryCap& cap, const Context& context);
+
+// Hands the cap of `box` to a sink in a pass, as the part behind the surface. Fails with ErrorCode::out_of_memory, and
+// as the sink does.
+[[nodiscard]] Result<void> deliver_cap(mesh::MeshSink& sink, const mesh::PartPass& pass, const MeshSizes& surface,
+                                       const BoundaryCap& cap, const field::IndexBox& box,
+                                       const OutputPlacement& placement, const ExtractOptions& options,
+                                       const Context& context);
 
 }  // namespace isoextract::extract

@@ -47,10 +47,10 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
 
 // A surface that can be made part by part.
 template <class S>
-concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink& sink) {
-  // Makes the parts of the mesh that emit() would write, and hands each to the sink. Fails as the sink does, and as
-  // emit().
-  { surface.deliver(sink) } -> std::same_as<Result<void>>;
+concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink& sink, const mesh::PartPass& pass) {
+  // Makes the parts of the mesh that emit() would write, with the arrays of a pass, and hands each to the sink. Fails
+  // as the sink does, and as emit(). Called once for each pass of the sink.
+  { surface.deliver(sink, pass) } -> std::same_as<Result<void>>;
   // Returns whether this is only the part of one rank: others make the other parts at the same time. count() and the
   // facts about the boundary are those of the whole surface even so.
   { surface.is_shared() } -> std::same_as<bool>;
@@ -72,12 +72,15 @@ template <SurfacePasses Surface>
                                 .vertices = all.vertices,
                                 .triangles = all.triangles,
                                 .has_normals = options.smooth_normals,
-                                .may_be_open = result.stats.meets_boundary && !options.cap};
-    const bool takes = TRY(options.sink->begin(shape));
+                                .may_be_open = result.stats.meets_boundary && !options.cap,
+                                .distinct_positions = surface.placement().keeps_vertices_apart()};
+    const bool takes = TRY(offer_mesh(*options.sink, shape, sizes, cap, context));
     if (!takes) return {};
-    TRY(surface.deliver(*options.sink));
-    if (!cap.triangles.empty()) {
-      TRY(deliver_cap(*options.sink, sizes, cap, *box, surface.placement(), options, context));
+    for (const mesh::PartPass& pass : options.sink->passes()) {
+      TRY(surface.deliver(*options.sink, pass));
+      if (!cap.triangles.empty()) {
+        TRY(deliver_cap(*options.sink, pass, sizes, cap, *box, surface.placement(), options, context));
+      }
     }
     result.taken = shape;
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <glm/glm.hpp>
 
@@ -18,10 +19,14 @@ struct MeshShape {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
   bool has_normals = false;
-  bool may_be_open = false;  // the mesh may have boundary edges
+  bool may_be_open = false;         // the mesh may have boundary edges
+  bool distinct_positions = false;  // no two vertices have equal positions
+  // If the parts come in order, triangles refer to vertices of their own part, of the next one, and to these,
+  // ascending.
+  std::vector<std::uint32_t> far_vertices = {};
 };
 
-// Does not set `may_be_open`: finding boundary edges takes a pass over the triangles.
+// Sets neither `may_be_open` and `distinct_positions`, which take a pass over the mesh, nor `far_vertices`.
 [[nodiscard]] inline MeshShape shape_of(const Mesh& mesh) {
   return {.origin = mesh.origin,
           .vertices = mesh.positions.size(),
@@ -38,6 +43,16 @@ struct MeshPart {
   std::span<const glm::uvec3> triangles;  // vertex indices in the whole mesh; the vertices may be in other parts
 };
 
+// One pass over the parts of a mesh, which is made once for it.
+struct PartPass {
+  // True: one part after another, in the order of the mesh. False: in any order, several threads call take() at once.
+  bool in_order = false;
+  // The arrays that the sink gets; the others are empty. Parts without any are left out.
+  bool positions = true;
+  bool normals = true;
+  bool triangles = true;
+};
+
 class MeshSink {
  public:
   MeshSink() = default;
@@ -51,8 +66,11 @@ class MeshSink {
   // Prepares for a mesh of this shape. Call once, before the first part. Returns false if the sink declines the mesh:
   // the caller then makes the whole mesh in memory.
   [[nodiscard]] virtual Result<bool> begin(const MeshShape& shape) = 0;
-  // Takes one part. Several threads call it at once, in any order. Together the parts cover the mesh, without overlap.
-  // The arrays of the part are valid only during the call.
+  // Returns the passes in which the sink takes the parts; the mesh is made once for each. Call after begin(). Only a
+  // sink without ranks may have more than one pass, or one in order.
+  [[nodiscard]] virtual std::vector<PartPass> passes() const { return {PartPass()}; }
+  // Takes one part, as passes() says. In each pass, the parts cover the mesh, without overlap. The arrays of the part
+  // are valid only during the call.
   [[nodiscard]] virtual Result<void> take(const MeshPart& part) = 0;
 };
 

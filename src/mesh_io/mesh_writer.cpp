@@ -21,14 +21,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kFormats = {
-    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true, false, false},
+    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true, false, false,
+                   true},
     MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true,
-                   false, false},
+                   false, false, false},
     MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true, false,
-                   false},
-    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false, false, false},
-    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false, true, true},
-    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true, true, false},
+                   false, true},
+    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false, false, false, true},
+    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false, true, true, true},
+    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true, true, false, false},
 };
 
 std::string names_of_formats(bool MeshFormatInfo::*property) {
@@ -72,6 +73,25 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
 
 // Meshes of a GLB that are larger together are written as they come, although that doubles the bytes written.
 constexpr std::uint64_t kMostHeldBytes = std::uint64_t{64} << 20;
+
+// Returns whether the parts of a mesh can come in any order: their places in the file do not depend on the others.
+bool has_fixed_places(const MeshWriteOptions& options) {
+  return options.format == MeshFormat::glb || (options.format == MeshFormat::ply && !options.ascii);
+}
+
+// `options` have a format that takes parts.
+std::unique_ptr<PartwiseWriter> make_partwise_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                     const Context& context, files::OutputFile& file) {
+  switch (options.format) {
+    case MeshFormat::glb: return make_partwise_glb_writer(head, options, file);
+    case MeshFormat::ply: return make_partwise_ply_writer(head, options, file);
+    case MeshFormat::obj: return make_partwise_obj_writer(head, options, file);
+    case MeshFormat::stl: return make_partwise_stl_writer(head, options, context, file);
+    case MeshFormat::gltf:
+    case MeshFormat::drc: break;
+  }
+  return nullptr;
+}
 
 // Returns the size of a mesh without its attributes.
 std::uint64_t array_bytes(const mesh::Mesh& mesh) {
@@ -315,8 +335,8 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
     if (state.options.packing.optimize_order) {
       TRY(optimize_order(mesh, state.context));
     }
-    const bool may_move = state.options.format == MeshFormat::glb && !state.options.packing.packs() &&
-                          !state.options.hash_files && !files::is_stream(state.path);
+    const bool may_move =
+        state.options.format == MeshFormat::glb && !state.options.packing.packs() && !files::is_stream(state.path);
     state.held_bytes += array_bytes(mesh);
     if (state.holds && may_move && !state.held.empty() && state.held_bytes > kMostHeldBytes) TRY(state.write_held());
     if (!state.holds) return state.write(mesh);
@@ -327,8 +347,7 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
 
 // Returns null if the format declines the mesh.
 Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mesh::MeshShape& shape) {
-  auto writer =
-      (options.format == MeshFormat::ply ? make_partwise_ply_writer : make_partwise_glb_writer)(head, options, *file);
+  auto writer = make_partwise_writer(head, options, context, *file);
   const bool takes = TRY(writer->begin(shape));
   if (takes) return writer;
   file.reset();
@@ -339,6 +358,7 @@ Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mes
 Result<bool> MeshWriter::State::join_ranks(const mesh::MeshShape& shape) {
   if (ranks->is_first()) {
     file = TRY(files::OutputFile::create_shared(path));
+    if (options.hash_files) file->keep_hash();
     parts = TRY(begin_parts(shape));
   }
   const auto told = TRY(ranks->gather(parts != nullptr ? file->shared_name() : std::string()));
@@ -365,10 +385,11 @@ Result<void> MeshWriter::State::finish_parts() {
 Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks) {
   State& state = *state_;
   const MeshWriteOptions& options = state.options;
-  const bool needs_whole_mesh = (options.format != MeshFormat::ply && options.format != MeshFormat::glb) ||
-                                options.ascii || options.flat_normals || (options.hash_files && ranks != nullptr) ||
+  const bool has_flat_normals = options.flat_normals && options.format != MeshFormat::stl;  // it has no others
+  const bool needs_whole_mesh = !mesh_format_info(options.format).takes_parts || has_flat_normals ||
                                 options.packing.packs() || options.packing.optimize_order || !head.attributes.empty() ||
-                                shape.origin != glm::dvec3(0) || files::is_stream(state.path);
+                                shape.origin != glm::dvec3(0) || files::is_stream(state.path) ||
+                                (ranks != nullptr && !has_fixed_places(options));
   if (needs_whole_mesh || state.count > 0) return false;
   return state.attempt([&]() -> Result<bool> {
     TRY(check(1, state.path, options));
@@ -385,6 +406,8 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
     return state.parts != nullptr;
   });
 }
+
+std::vector<mesh::PartPass> MeshWriter::part_passes() const { return state_->parts->passes(); }
 
 Result<void> MeshWriter::take_part(const mesh::MeshPart& part) const { return state_->parts->take(part); }
 

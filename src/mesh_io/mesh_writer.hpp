@@ -45,6 +45,7 @@ struct MeshFormatInfo {
   // decimal text.
   bool stores_float32_world;
   bool readers_weld;  // the file has no vertex indices, so readers weld vertices at equal positions
+  bool takes_parts;   // the one mesh of a file can be written part by part (MeshWriter::begin_parts())
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
 // Returns ".glb, .gltf, .ply, .obj, .stl or .drc".
@@ -92,7 +93,7 @@ struct MeshWriteResult {
 //
 // Formats with MeshFormatInfo::writes_each_mesh_at_once write each mesh in add() and free it. The others hold all
 // meshes until finish(): a GLB begins with the offsets of all its data. Beyond 64 MiB, a GLB of several unpacked
-// meshes, without a hash, gets the data of each mesh in add(), and finish() moves all of it behind the JSON.
+// meshes gets the data of each mesh in add(), and finish() moves all of it behind the JSON.
 // Standard output, pipes and devices must receive no bytes if a later surface fails, so the writer also holds the
 // meshes for them. It holds them, too, if it quantizes positions and packing.box is unset: it needs the box of all.
 class MeshWriter {
@@ -109,13 +110,16 @@ class MeshWriter {
   // origin (write/coordinate_rounding.hpp). After a failure every later call returns the first error.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
-  // Begins the only mesh of the file, whose parts take_part() writes to their places at once. `head` is the mesh
-  // without its arrays. Works for binary PLY and unpacked GLB with 32-bit indices in regular files, without attributes,
-  // flat normals or an origin. Otherwise returns false and does nothing: add the whole mesh. Fails like add().
-  // If `ranks` is not null, these ranks write the file together, unless it needs a hash: all of them call it with the
-  // same mesh, each writes its parts, and all call finish().
+  // Begins the only mesh of the file, whose parts take_part() writes. `head` is the mesh without its arrays. Works for
+  // PLY, OBJ, STL and unpacked GLB in regular files, without attributes or an origin, and with flat normals only in
+  // STL. A GLB must have 32-bit indices, and an OBJ no vertex copies for normals. Otherwise returns false and does
+  // nothing: add the whole mesh. Fails like add(). If `ranks` is not null, these ranks write a binary PLY or a GLB
+  // together: all of them call it with the same mesh, each writes its parts, and all call finish(). Only rank 0 knows
+  // the hash.
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
-  // Writes a part after begin_parts() returned true; see mesh::MeshSink::take(). Fails with ErrorCode::output.
+  // After begin_parts() returned true, part_passes() are the passes of mesh::MeshSink, and take_part() writes a part.
+  // Fails with ErrorCode::output, for STL with ErrorCode::out_of_memory, too.
+  [[nodiscard]] std::vector<mesh::PartPass> part_passes() const;
   [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;
 
   // Completes the file and gives it its name. Call once, last.

@@ -140,9 +140,10 @@ class BatchTest(ProgramTest):
 
     def test_a_dry_runs_memory_is_that_of_the_grid_that_is_extracted_from(self):
         self.write_frames((1, 2))
-        run = self.batch("-o", "out/{:03}.ply", "--resolution", "240", "--threads", "1", "--dry-run")
+        batch = ("-o", "out/{:03}.ply", "--resolution", "240", "--threads", "1", "--report", "r_{}.json")
+        run = self.batch(*batch, "--dry-run")
         estimate = int(re.search(r"memory: about (\d+) MiB", run.text)[1])
-        self.batch("-o", "out/{:03}.ply", "--resolution", "240", "--threads", "1", "--report", "r_{}.json")
+        self.batch(*batch)
         report = json.loads((self.folder / "r_1.json").read_text())
         self.assertGreaterEqual(estimate * 2**20, report["reserved_memory_bytes"])
 

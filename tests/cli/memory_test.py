@@ -125,9 +125,26 @@ class MemoryTest(ProgramTest):
         peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
         self.assertAlmostEqual(memory["conversion"] / peak, 1, delta=0.3)
         self.assertLess(memory["conversion"], memory["samples"])
-        run = self.convert(*raw, *iso, "-o", "a.ply", "-v", "--normals", "smooth", "--ascii")
+        run = self.convert(*raw, *iso, "-o", "a.gltf", "-v")
         peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
         self.assertAlmostEqual(memory["whole_mesh"] / peak, 1, delta=0.3)
+
+    def test_a_dry_run_tells_what_parts_of_a_mesh_take(self):
+        """The samples stay in the file, and one part after another is written."""
+        size = 288
+        row = [struct.pack(f"<{size}f", *(((x * 5 + shift) % 61 - 30) / 30 for x in range(size))) for shift in range(61)]
+        (self.folder / "waves_1.raw").write_bytes(
+            b"".join(row[(3 * y + 7 * z) % 61] for z in range(size) for y in range(size)))
+        raw = ("--dims", f"{size},{size},{size}", "--dtype", "f32", "--threads", 2, "--iso", 0.1)
+        for name in ("a.ply", "a.obj", "a.stl"):
+            for more in ((), ("--report", "r_1.json")):
+                with self.subTest(name=name, more=more):
+                    dry = self.convert("waves_#.raw", *raw, "-o", f"{{}}_{name}",
+                                       *(word.replace("1", "{}") for word in more), "--dry-run").text
+                    told = int(re.search(r"memory: about (\d+) MiB", dry).group(1))
+                    run = self.convert("waves_1.raw", *raw, "-o", name, *more, "-v")
+                    peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1))
+                    self.assertAlmostEqual(told / peak, 1, delta=0.25)
 
     def test_leaves_beside_nothing(self):
         """What lies beside them is listed before it is known how much that is."""

@@ -8,12 +8,15 @@ import struct
 from support import ProgramTest, main
 
 MIB = 1 << 20
+# Files whose parts are written to their places, and files that are written in order.
+PLACED = (("a.ply",), ("a.glb",))
+ORDERED = (("a.obj",), ("a.stl",), ("a.ply", "--ascii"), ("a.stl", "--ascii"))
 GYROID = ("demo:gyroid?size=160", "--iso", 0)
 
 
 class PartwiseTest(ProgramTest):
     def assert_same_bytes(self, name, *arguments):
-        """A report examines the whole mesh, so the mesh is in memory then."""
+        """A report examines the whole mesh, so the mesh is in memory then. Returns the bytes."""
         self.convert(*arguments, "-o", f"parts_{name}")
         self.convert(*arguments, "-o", f"whole_{name}", "--report", "r.json", "--quiet")
         parts, whole = ((self.folder / f"{how}_{name}").read_bytes() for how in ("parts", "whole"))
@@ -22,23 +25,57 @@ class PartwiseTest(ProgramTest):
         return parts
 
     def test_bytes_are_those_of_whole_meshes(self):
-        for arguments in (GYROID, (*GYROID, "--cap"), (*GYROID, "--cap", "--normals", "none"),
-                          (*GYROID, "--normals", "smooth"), (*GYROID, "--normals", "flat"),
-                          (*GYROID, "--method", "mt"), (*GYROID, "--roi", "-.5,-.4,-.3,.9,.9,.8"),
-                          (*GYROID, "--roi", "-.5,-.4,-.3,.9,.9,.8", "--roi-snap"), (*GYROID, "--clip", "1,0,0,.1"),
-                          (*GYROID, "--smooth", 3), (*GYROID, "--cap", "--require", "closed"), (*GYROID, "--threads", 1), (*GYROID, "--scale", 1e-3),
-                          ("demo:sphere?size=20", "--iso", 0)):
-            for name in ("a.ply", "a.glb"):
+        for arguments in self.conversions(GYROID):
+            for name, in PLACED:
                 with self.subTest(arguments=arguments, name=name):
                     self.assert_same_bytes(name, *arguments)
+
+    def test_bytes_in_order_are_those_of_whole_meshes(self):
+        for arguments in self.conversions(("demo:gyroid?size=65", "--iso", 0)):
+            for name, *form in ORDERED:
+                if name != "a.stl" or "--normals" not in arguments:  # STL has no choice
+                    with self.subTest(arguments=arguments, name=name, form=form):
+                        self.assert_same_bytes(name, *arguments, *form)
+
+    @staticmethod
+    def conversions(gyroid):
+        region = ("--roi", "-.5,-.4,-.3,.9,.9,.8")
+        more = ((), ("--cap",), ("--cap", "--normals", "none"), ("--normals", "smooth"), ("--normals", "flat"),
+                ("--method", "mt"), ("--method", "mt", "--cap"), region, (*region, "--roi-snap"), ("--clip", "1,0,0,.1"),
+                ("--smooth", 3), ("--cap", "--require", "closed"), ("--threads", 1), ("--scale", 1e-3))
+        return [(*gyroid, *options) for options in more] + [("demo:sphere?size=20", "--iso", 0)]
 
     def test_coordinates_far_from_the_origin(self):
         """Vertices then have an origin of their own, or are doubles."""
         self.write_raw("a.raw", (40, 40, 40), lambda x, y, z: (x * 7 + y * 5 + z * 3) % 11)
         raw = ("a.raw", "--dims", "40,40,40", "--dtype", "f32", "--iso", 5)
-        for name in ("a.ply", "a.glb"):
+        for name in ("a.ply", "a.glb", "a.obj"):
             self.assert_same_bytes(name, *raw, "--origin", "1e7,0,0")
             self.assert_same_bytes(name, *raw)
+
+    def assert_by_parts(self, by_parts, *arguments):
+        self.assertEqual("extracted and written" in self.convert(*arguments, "-v").err, by_parts, arguments)
+
+    def test_which_files_are_written_by_parts(self):
+        for name, *form in (*PLACED, *ORDERED):
+            output = (*form, "-o", name)
+            self.assert_by_parts(True, *GYROID, *output)
+            normals = () if name == "a.stl" else ("--normals", "none")
+            self.assert_by_parts(True, *GYROID, *normals, "--cap", *output)
+            self.assert_by_parts(False, *GYROID, "--method", "voxels", *output)
+        self.assert_by_parts(True, *GYROID, "--touching", "apart", "-o", "a.ply")
+        self.assert_by_parts(False, *GYROID, "-o", "a.gltf")
+
+    def test_stl_of_a_skewed_grid(self):
+        """Where two axes are almost parallel, vertices on different edges share a position, and move apart."""
+        samples = bytes((x * 7 + y * 5 + z * 3) % 4 for z in range(20) for y in range(20) for x in range(20))
+        for skewed, axis in ((False, "(1,-1,0)"), (True, "(1,1.000001,0)")):
+            (self.folder / "a.nrrd").write_bytes(
+                f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 20 20 20\nencoding: raw\nspace dimension: 3\n"
+                f"space directions: (1,1,0) {axis} (0,0,1)\n\n".encode() + samples)
+            for form in ((), ("--touching", "keep")):
+                self.assert_by_parts(not skewed, "a.nrrd", "--iso", 2, "-o", "a.stl", *form)
+                self.assert_same_bytes("a.stl", "a.nrrd", "--iso", 2, *form)
 
     def test_holes_around_nan(self):
         samples = [((x * 7 + y * 5 + z * 3) % 11) / 11 for z in range(9) for y in range(9) for x in range(9)]
@@ -48,6 +85,8 @@ class PartwiseTest(ProgramTest):
         for policy in ("hole", "outside"):
             self.assert_same_bytes("a.ply", *raw, "--nan", policy)
             self.assert_same_bytes("b.ply", *raw, "--nan", policy, "--normals", "smooth")
+            self.assert_same_bytes("c.stl", *raw, "--nan", policy)
+            self.assert_same_bytes("c.obj", *raw, "--nan", policy, "--normals", "smooth")
 
     def test_json_of_a_glb_has_room_for_any_bounds(self):
         content = self.assert_same_bytes("a.glb", *GYROID)
@@ -72,7 +111,7 @@ class PartwiseTest(ProgramTest):
             self.assertGreater((self.folder / name).stat().st_size, 130 * MIB)
             (self.folder / name).unlink()
             whole = self.run_program(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M", "--report", "r.json")
-            self.assert_fails(2, whole, "triangles", "--memory-limit", "PLY and GLB files take a mesh in parts")
+            self.assert_fails(2, whole, "triangles", "--memory-limit", "PLY, GLB, OBJ and STL files take a mesh in parts")
             # Not even the marks of all samples fit: each sample is compared twice.
             self.convert(*layers, "--normals", "none", "-o", f"slabs_{name}", "--memory-limit", "13M", "--threads", 1)
             self.convert(*layers, "--normals", "none", "-o", name)
@@ -81,6 +120,20 @@ class PartwiseTest(ProgramTest):
             (self.folder / name).unlink()
             (self.folder / f"slabs_{name}").unlink()
         self.assertEqual(self.files(), ["layers.raw", "r.json"])
+
+    def test_memory_does_not_grow_with_a_mesh_that_is_written_in_order(self):
+        layers = self.write_layers(112)
+        for name, *form in ORDERED:
+            with self.subTest(name=name, form=form):
+                output = (*layers, *form, "-o", name)
+                # 2.7 million triangles: 32 MiB of triangles and 16 MiB of vertices.
+                whole = self.run_program(*output, "--memory-limit", "40M", "--report", "r.json")
+                self.assert_fails(2, whole, "triangles", "--memory-limit")
+                # A part has 3.4 MiB; of STL, two are in memory.
+                self.convert(*output, "--memory-limit", "8M" if name == "a.stl" else "5M")
+                limited = (self.folder / name).read_bytes()
+                self.convert(*output, "--report", "r.json")
+                self.assertTrue((self.folder / name).read_bytes() == limited)
 
     def test_sequences_take_no_whole_mesh_and_record_the_hash_of_each_file(self):
         raw, *layers = self.write_layers(160)
@@ -106,11 +159,24 @@ class PartwiseTest(ProgramTest):
                 self.assertIn("1 of 2 frames done, 1 kept", again.err)
                 self.assertTrue(changed.read_bytes() == single)
 
+    def test_a_sequence_of_three_surfaces_holds_two_of_them_at_a_time(self):
+        """Each surface takes 139 MiB; a manifest records the hash of the GLB that has all."""
+        raw, *layers = self.write_layers(160)
+        for frame in (1, 2):
+            (self.folder / f"in_{frame}.raw").hardlink_to(self.folder / raw)
+        surfaces = (*layers, "--iso", 150, "--iso", 200, "--normals", "none")
+        self.convert("in_#.raw", *surfaces, "--jobs", 1, "--memory-limit", "300M", "-o", "out/{}.glb", "--mkdir")
+        self.convert("in_2.raw", *surfaces, "-o", "2.glb")
+        self.assertGreater((self.folder / "2.glb").stat().st_size, 400 * MIB)
+        self.assertTrue((self.folder / "out/2.glb").read_bytes() == (self.folder / "2.glb").read_bytes())
+        again = self.convert("in_#.raw", *surfaces, "-o", "out/{}.glb", "--resume")
+        self.assertIn("2 kept", again.err)
+
     def test_no_file_is_left_if_writing_fails(self):
-        for name in ("a.ply", "a.glb"):
+        for name, *form in (*PLACED, *ORDERED):
             def limit():
                 resource.setrlimit(resource.RLIMIT_FSIZE, (MIB, MIB))
-            run = self.run_program(*GYROID, "-o", name, preexec_fn=limit)
+            run = self.run_program(*GYROID, *form, "-o", name, preexec_fn=limit)
             self.assert_fails(4, run, name, "ulimit -f")
             self.assertEqual(self.files(), [])
 

@@ -56,7 +56,7 @@ Result<StageReport> separate_touching(Surface& surface, const StageContext& stag
   const bool has_volume = done.touching > 0 && !stage.facts.may_be_open;
   StageReport report = stage.report_on(StageName::touching, surface);
   report.add_timed(
-      {{Key::vertices, surface.mesh.positions.size()},
+      {{Key::vertices, surface.vertices()},
        {Key::touching, done.touching},
        {Key::moved, done.moved},
        {Key::greatest_move, done.greatest_move},

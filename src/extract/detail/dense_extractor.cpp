@@ -97,20 +97,20 @@ class DenseExtraction final : private VariantChooser {
   }
 
   // A part of the mesh is a slab: the rows of bricks of one index along z, whose vertices have consecutive numbers.
-  Result<void> deliver(mesh::MeshSink& sink) {
-    MeshSizes largest;
+  Result<void> deliver(mesh::MeshSink& sink, const mesh::PartPass& pass) {
+    PartRoom room{{}, options_in(pass, options_), pass.in_order ? 1 : usable_threads()};
     for (int bk = own_.begin; bk < own_.end; ++bk) {
-      const MeshSizes sizes = slab_sizes(bk);
-      largest = {std::max(largest.vertices, sizes.vertices), std::max(largest.triangles, sizes.triangles)};
+      const MeshSizes sizes = sizes_in(pass, slab_sizes(bk));
+      room.sizes = {std::max(room.sizes.vertices, sizes.vertices), std::max(room.sizes.triangles, sizes.triangles)};
     }
-    TRY(for_each_slab("extracting", own_, largest, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
+    TRY(for_each_slab("extracting", own_, room, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
       const MeshSizes first = below_slab(slab.bk);
-      const MeshSizes sizes = slab_sizes(slab.bk);
+      const MeshSizes sizes = sizes_in(pass, slab_sizes(slab.bk));
       if ((sizes.vertices == 0 && sizes.triangles == 0) || !is_as_counted(slab)) return {};
-      for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(part, first, slab.masks, bj, slab.bk);
-      return sink.take({first.vertices, std::as_const(part.positions).span().first(sizes.vertices),
-                        std::as_const(part.normals).span().first(part.normals.empty() ? 0 : sizes.vertices),
-                        first.triangles, std::as_const(part.triangles).span().first(sizes.triangles)});
+      const auto emit = [&](int bj) { emit_brick_row(part, first, slab.masks, bj, slab.bk); };
+      if (pass.in_order) for_each_index(bricks_.rows_y(), emit);
+      for (int bj = 0; bj < bricks_.rows_y() && !pass.in_order; ++bj) emit(bj);
+      return deliver_part(sink, pass, part, first, sizes);
     }));
     return check_samples();
   }
@@ -152,10 +152,17 @@ class DenseExtraction final : private VariantChooser {
     SliceSides sides;  // of its samples alone; unknown if the extraction has masks of all samples
   };
 
+  // The meshes in which threads make parts: the sizes of the largest part, and how many threads at most.
+  struct PartRoom {
+    MeshSizes sizes;
+    ExtractOptions options;
+    int threads = usable_threads();
+  };
+
   // Runs work(slab, part) for every slab of a range, in parallel. `part` is memory of the thread: a mesh with room for
   // `room`. Releases the pages of each slab. Fails as `work` does, and as run_slabs().
   template <class Work>
-  Result<void> for_each_slab(const char* stage, const SlabRange& slabs, const MeshSizes& room, const Work& work) {
+  Result<void> for_each_slab(const char* stage, const SlabRange& slabs, const PartRoom& room, const Work& work) {
     struct Worker {
       std::optional<DenseMasks> masks;
       Reservation memory;
@@ -164,17 +171,18 @@ class DenseExtraction final : private VariantChooser {
     const auto make = [&]() -> Result<Worker> {
       Worker worker;
       if (!masks_) worker.masks = TRY(make_masks(field_, view_.dims, std::min(kSlabSlices, view_.dims.z), context_));
-      worker.memory = TRY(reserve_mesh(field_, room, options_, context_));
-      allocate_mesh(worker.part, room, {}, options_);
+      worker.memory = TRY(reserve_mesh(field_, room.sizes, room.options, context_));
+      allocate_mesh(worker.part, room.sizes, {}, room.options);
       return worker;
     };
-    return run_slabs(slabs.count(), stage, context_, make, [&](int number, Worker& worker) -> Result<void> {
-      const int bk = slabs.begin + number;
-      const SliceSides sides = worker.masks ? mark_slab(bk, *worker.masks) : SliceSides();
-      TRY(work(Slab{bk, worker.masks ? *worker.masks : *masks_, sides}, worker.part));
-      leave(bk);
-      return {};
-    });
+    return run_slabs(slabs.count(), room.threads, stage, context_, make,
+                     [&](int number, Worker& worker) -> Result<void> {
+                       const int bk = slabs.begin + number;
+                       const SliceSides sides = worker.masks ? mark_slab(bk, *worker.masks) : SliceSides();
+                       TRY(work(Slab{bk, worker.masks ? *worker.masks : *masks_, sides}, worker.part));
+                       leave(bk);
+                       return {};
+                     });
   }
 
   // Compares the samples of a slab and of the slice behind it with iso.
@@ -351,10 +359,12 @@ class DenseExtraction final : private VariantChooser {
     return {end.vertices - first.vertices, end.triangles - first.triangles};
   }
 
-  // Writes the vertices and triangles of a row of bricks to a mesh that begins with vertex and triangle `first`.
+  // Writes the vertices and triangles of a row of bricks to a mesh that begins with vertex and triangle `first`, if the
+  // mesh has memory for them.
   void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const DenseMasks& masks, int bj, int bk) {
     if (!bricks_.is_row_crossed(bj, bk)) return;
-    emit_vertices(mesh, first.vertices, masks, bj, bk);
+    if (!mesh.positions.empty()) emit_vertices(mesh, first.vertices, masks, bj, bk);
+    if (mesh.triangles.empty()) return;
     for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, masks, j, k); });
   }
 

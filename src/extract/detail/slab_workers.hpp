@@ -17,16 +17,17 @@
 namespace isoextract::extract {
 
 // Calls work(slab, worker) for the slabs 0 to slabs - 1, in parallel. make() returns the buffers of one thread, in a
-// Result; the thread processes one slab after another in them. If a make() after the first fails, fewer threads work.
-// Fails as the first make() does, as `work` does, or with ErrorCode::cancelled.
+// Result; the thread processes one slab after another in them. If a make() after the first fails, fewer threads work;
+// at most `most_threads` do. One thread processes the slabs in their order. Fails as the first make() does, as `work`
+// does, or with ErrorCode::cancelled.
 template <class Make, class Work>
-[[nodiscard]] Result<void> run_slabs(int slabs, const char* stage, const Context& context, const Make& make,
-                                     const Work& work) {
+[[nodiscard]] Result<void> run_slabs(int slabs, int most_threads, const char* stage, const Context& context,
+                                     const Make& make, const Work& work) {
   auto first = make();
   if (!first) return tl::unexpected(std::move(first.error()));
   std::vector<std::remove_reference_t<decltype(*first)>> workers;
   workers.push_back(std::move(*first));
-  for (const int most = std::min(usable_threads(), slabs); static_cast<int>(workers.size()) < most;) {
+  for (const int most = std::min(most_threads, slabs); static_cast<int>(workers.size()) < most;) {
     auto another = make();
     if (!another) break;
     workers.push_back(std::move(*another));

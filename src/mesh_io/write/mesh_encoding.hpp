@@ -52,13 +52,13 @@ decltype(auto) with_world_positions(const mesh::Mesh& mesh, F&& f) {
 
 // Returns the unit normal of a triangle, outward by its winding; (0, 0, 1) for a triangle without area, since glTF
 // allows only unit vectors. Computes in double, where nothing overflows or underflows.
-inline glm::vec3 face_normal(const mesh::Mesh& mesh, const glm::uvec3& triangle) {
-  const glm::dvec3 a = mesh.positions[triangle.x];
-  const glm::dvec3 b = mesh.positions[triangle.y];
-  const glm::dvec3 c = mesh.positions[triangle.z];
+inline glm::vec3 face_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double length = glm::length(normal);
   return length > 0 ? glm::vec3(normal / length) : glm::vec3(0, 0, 1);
+}
+inline glm::vec3 face_normal(const mesh::Mesh& mesh, const glm::uvec3& triangle) {
+  return face_normal(mesh.positions[triangle.x], mesh.positions[triangle.y], mesh.positions[triangle.z]);
 }
 
 inline double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {

@@ -16,6 +16,7 @@
 #include "mesh_io/detail/placement_entry.hpp"
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
+#include "mesh_io/write/partwise_writer.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -81,17 +82,16 @@ class Places {
   std::vector<std::uint32_t> vertex_;  // the first vertex of each position
 };
 
-Result<void> write_vertices(const mesh::Mesh& mesh, const Places& places, files::OutputFile& file) {
-  return with_world_positions(mesh, [&](auto position) {
-    constexpr std::size_t kLine = 2 + kMaxVectorText<typename decltype(position(0))::value_type>;
-    return files::write_records(file, places.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
-      for (std::size_t v = first; v < last; ++v) {
-        *out++ = 'v';
-        out = put_vector(out, position(places.vertex_at(v)));
-        *out++ = '\n';
-      }
-      return out;
-    });
+template <class Position>
+Result<void> write_positions(std::size_t count, Position position, files::OutputFile& file) {
+  constexpr std::size_t kLine = 2 + kMaxVectorText<typename decltype(position(0))::value_type>;
+  return files::write_records(file, count, kLine, [&](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t v = first; v < last; ++v) {
+      *out++ = 'v';
+      out = put_vector(out, position(v));
+      *out++ = '\n';
+    }
+    return out;
   });
 }
 
@@ -110,17 +110,19 @@ Result<void> write_normals(std::size_t count, Normal normal, files::OutputFile& 
 
 enum class Normals { none, of_vertices, of_faces };
 
-Result<void> write_faces(const mesh::Mesh& mesh, const Places& places, Normals normals, const Next& next,
+// place_of(vertex) is the index of the vertex's position in its mesh.
+template <class PlaceOf>
+Result<void> write_faces(std::span<const glm::uvec3> triangles, PlaceOf place_of, Normals normals, const Next& next,
                          files::OutputFile& file) {
   constexpr std::size_t kCorner = 1 + kMaxNumberText<std::uint64_t> + 2 + kMaxNumberText<std::uint64_t>;
   constexpr std::size_t kLine = 1 + 3 * kCorner + 1;
-  return files::write_records(file, mesh.triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
+  return files::write_records(file, triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
     for (std::size_t t = first; t < last; ++t) {
       *out++ = 'f';
       for (int corner = 0; corner < 3; ++corner) {
-        const std::uint64_t vertex = mesh.triangles[t][corner];
+        const std::uint64_t vertex = triangles[t][corner];
         *out++ = ' ';
-        out = put_number(out, next.vertex + places.of(vertex));
+        out = put_number(out, next.vertex + place_of(vertex));
         if (normals == Normals::none) continue;
         out = put_text(out, "//");
         out = put_number(out, next.normal + (normals == Normals::of_faces ? t : vertex));
@@ -131,6 +133,17 @@ Result<void> write_faces(const mesh::Mesh& mesh, const Places& places, Normals n
   });
 }
 
+std::string header(const MeshWriteOptions& options) {
+  std::string text = fmt::format("# {}\n", generator());
+  if (!options.placement.empty()) text += fmt::format("# {} {}\n", kPlacementEntry, options.placement);
+  return text;
+}
+
+// Returns the line with the name of a mesh; empty without a name.
+std::string name_line(const mesh::Mesh& mesh) {
+  return mesh.name.empty() ? std::string() : fmt::format("o {}\n", one_line(mesh.name));
+}
+
 class ObjWriter final : public FormatWriter {
  public:
   ObjWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& file)
@@ -138,9 +151,7 @@ class ObjWriter final : public FormatWriter {
         has_copies_(options.has_vertex_copies_for_normals),
         context_(context),
         file_(file),
-        header_(fmt::format("# {}\n", generator())) {
-    if (!options.placement.empty()) header_ += fmt::format("# {} {}\n", kPlacementEntry, options.placement);
-  }
+        header_(header(options)) {}
 
   Result<void> add(const mesh::Mesh& mesh, Notes& /*notes*/) override {
     const auto memory = TRY(context_.reserve(has_copies_ ? Places::bytes(mesh) : 0, "the places of its vertices"));
@@ -157,10 +168,16 @@ class ObjWriter final : public FormatWriter {
           mesh.normals.size(), [&](std::size_t v) { return mesh.normals[v]; }, file_);
     };
     auto written = write_header();
-    if (written && !mesh.name.empty()) written = file_.write(fmt::format("o {}\n", one_line(mesh.name)));
-    if (written) written = write_vertices(mesh, places, file_);
+    if (written) written = file_.write(name_line(mesh));
+    if (written) {
+      written = with_world_positions(mesh, [&](auto position) {
+        return write_positions(
+            places.size(), [&](std::size_t v) { return position(places.vertex_at(v)); }, file_);
+      });
+    }
     if (written) written = write_all_normals();
-    if (written) written = write_faces(mesh, places, normals, next_, file_);
+    const auto place_of = [&](std::uint64_t vertex) { return places.of(vertex); };
+    if (written) written = write_faces(mesh.triangles.span(), place_of, normals, next_, file_);
     next_.vertex += places.size();
     next_.normal += normals == Normals::of_faces ? mesh.triangles.size() : mesh.normals.size();
     return written;
@@ -180,7 +197,50 @@ class ObjWriter final : public FormatWriter {
   Next next_;
 };
 
+class PartwiseObjWriter final : public PartwiseWriter {
+ public:
+  PartwiseObjWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
+      : head_(head), options_(options), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    has_normals_ = shape.has_normals;
+    if (has_normals_ && options_.has_vertex_copies_for_normals) return false;
+    TRY(file_.write(header(options_) + name_line(head_)));
+    return true;
+  }
+
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
+    std::vector<mesh::PartPass> all{{.in_order = true, .normals = false, .triangles = false}};
+    if (has_normals_) all.push_back({.in_order = true, .positions = false, .triangles = false});
+    all.push_back({.in_order = true, .positions = false, .normals = false});
+    return all;
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    TRY(write_positions(
+        part.positions.size(), [&](std::size_t v) { return part.positions[v]; }, file_));
+    TRY(write_normals(
+        part.normals.size(), [&](std::size_t v) { return part.normals[v]; }, file_));
+    return write_faces(
+        part.triangles, [](std::uint64_t vertex) { return vertex; },
+        has_normals_ ? Normals::of_vertices : Normals::none, Next(), file_);
+  }
+
+  Result<void> finish(Notes& /*notes*/) override { return {}; }
+
+ private:
+  const mesh::Mesh& head_;
+  MeshWriteOptions options_;
+  files::OutputFile& file_;
+  bool has_normals_ = false;
+};
+
 }  // namespace
+
+std::unique_ptr<PartwiseWriter> make_partwise_obj_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                         files::OutputFile& file) {
+  return std::make_unique<PartwiseObjWriter>(head, options, file);
+}
 
 std::unique_ptr<FormatWriter> make_obj_writer(const MeshWriteOptions& options, const Context& context,
                                               files::OutputFile& file) {

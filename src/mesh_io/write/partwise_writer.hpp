@@ -1,11 +1,13 @@
-// Writers of a file with one mesh, whose parts come in any order from several threads (mesh/mesh_sink.hpp). take()
-// writes each part to its final offset in the file. The file has the same bytes as one written from the whole mesh.
+// Writers of a file with one mesh, whose parts come one by one (mesh/mesh_sink.hpp). The file has the same bytes as one
+// written from the whole mesh. In binary PLY and GLB, whose records have one size, take() writes each part to its
+// place, in any order. Text is written in order, and so is STL: its triangles need the vertices of the next part.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <string_view>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/note.hpp"
 #include "files/output_file.hpp"
@@ -25,7 +27,8 @@ class PartwiseWriter : public mesh::MeshSink {
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;
 };
 
-// `head` is the mesh without vertices, triangles and attributes. `head` and the file must outlive the writer.
+// `head` is the mesh without vertices, triangles and attributes. `head` and the file must outlive the writer. The
+// options must be without packing, and without flat normals but for STL.
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_ply_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
                                                                        files::OutputFile& file);
@@ -33,5 +36,13 @@ class PartwiseWriter : public mesh::MeshSink {
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_glb_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
                                                                        files::OutputFile& file);
+
+// begin() returns false if several vertices share a position because of their normals.
+[[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_obj_writer(const mesh::Mesh& head,
+                                                                       const MeshWriteOptions& options,
+                                                                       files::OutputFile& file);
+[[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_stl_writer(const mesh::Mesh& head,
+                                                                       const MeshWriteOptions& options,
+                                                                       const Context& context, files::OutputFile& file);
 
 }  // namespace isoextract::mesh_io

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -185,36 +187,55 @@ Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face
   });
 }
 
-Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_normals, files::OutputFile& file) {
-  const auto write_vertices = [&](auto position) -> Result<void> {
-    using Number = typename decltype(position(0))::value_type;
-    const std::size_t line_bytes = kMaxVectorText<Number> + kMaxVectorText<float> + attribute_text(mesh) + 1;
-    return files::write_records(file, mesh.positions.size(), line_bytes,
-                                [&](std::size_t first, std::size_t last, char* out) {
-                                  for (std::size_t v = first; v < last; ++v) {
-                                    // Overwrites the vector's leading blank, which some readers do not accept.
-                                    char* line = out;
-                                    out = put_vector(out, position(v));
-                                    out = std::copy(line + 1, out, line);
-                                    if (vertex_normals) out = put_vector(out, mesh.normals[v]);
-                                    out = put_attribute_text(out, mesh, v);
-                                    *out++ = '\n';
-                                  }
-                                  return out;
-                                });
-  };
-  TRY(with_world_positions(mesh, write_vertices));
-
-  constexpr std::size_t kLine = 1 + kMaxVectorText<std::uint32_t> + kMaxVectorText<float> + 1;
-  return files::write_records(file, mesh.triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
-    for (std::size_t t = first; t < last; ++t) {
-      *out++ = '0' + kCorners;
-      out = put_vector(out, mesh.triangles[t]);
-      if (face_normals) out = put_vector(out, face_normal(mesh, mesh.triangles[t]));
+// put_rest(out, v) writes what follows the position, in at most `most_rest` bytes.
+template <class Position, class PutRest>
+Result<void> write_vertex_lines(std::size_t count, Position position, std::size_t most_rest, PutRest put_rest,
+                                files::OutputFile& file) {
+  using Number = typename decltype(position(0))::value_type;
+  const std::size_t line_bytes = kMaxVectorText<Number> + most_rest + 1;
+  return files::write_records(file, count, line_bytes, [&](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t v = first; v < last; ++v) {
+      // Overwrites the vector's leading blank, which some readers do not accept.
+      char* line = out;
+      out = put_vector(out, position(v));
+      out = std::copy(line + 1, out, line);
+      out = put_rest(out, v);
       *out++ = '\n';
     }
     return out;
   });
+}
+
+// put_rest(out, triangle) writes what follows the indices: nothing or a vector.
+template <class PutRest>
+Result<void> write_face_lines(std::span<const glm::uvec3> triangles, PutRest put_rest, files::OutputFile& file) {
+  constexpr std::size_t kLine = 1 + kMaxVectorText<std::uint32_t> + kMaxVectorText<float> + 1;
+  return files::write_records(file, triangles.size(), kLine, [&](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t t = first; t < last; ++t) {
+      *out++ = '0' + kCorners;
+      out = put_vector(out, triangles[t]);
+      out = put_rest(out, triangles[t]);
+      *out++ = '\n';
+    }
+    return out;
+  });
+}
+
+Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_normals, files::OutputFile& file) {
+  const auto put_rest = [&](char* out, std::size_t v) {
+    if (vertex_normals) out = put_vector(out, mesh.normals[v]);
+    return put_attribute_text(out, mesh, v);
+  };
+  TRY(with_world_positions(mesh, [&](auto position) {
+    return write_vertex_lines(mesh.positions.size(), position, kMaxVectorText<float> + attribute_text(mesh), put_rest,
+                              file);
+  }));
+  return write_face_lines(
+      mesh.triangles.span(),
+      [&](char* out, const glm::uvec3& triangle) {
+        return face_normals ? put_vector(out, face_normal(mesh, triangle)) : out;
+      },
+      file);
 }
 
 class PartwisePlyWriter final : public PartwiseWriter {
@@ -262,10 +283,45 @@ class PartwisePlyWriter final : public PartwiseWriter {
   std::uint64_t triangles_at_ = 0;  // place of the first triangle
 };
 
+class PartwiseTextPlyWriter final : public PartwiseWriter {
+ public:
+  PartwiseTextPlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
+      : head_(head), options_(options), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    Notes none;  // header() has notes about attributes only
+    TRY(file_.write(header(head_, shape, options_, none)));
+    return true;
+  }
+
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
+    return {{.in_order = true, .triangles = false}, {.in_order = true, .positions = false, .normals = false}};
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    const auto put_normal = [&](char* out, std::size_t v) {
+      return part.normals.empty() ? out : put_vector(out, part.normals[v]);
+    };
+    TRY(write_vertex_lines(
+        part.positions.size(), [&](std::size_t v) { return part.positions[v]; }, kMaxVectorText<float>, put_normal,
+        file_));
+    return write_face_lines(
+        part.triangles, [](char* out, const glm::uvec3& /*triangle*/) { return out; }, file_);
+  }
+
+  Result<void> finish(Notes& /*notes*/) override { return {}; }
+
+ private:
+  const mesh::Mesh& head_;
+  MeshWriteOptions options_;
+  files::OutputFile& file_;
+};
+
 }  // namespace
 
 std::unique_ptr<PartwiseWriter> make_partwise_ply_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
                                                          files::OutputFile& file) {
+  if (options.ascii) return std::make_unique<PartwiseTextPlyWriter>(head, options, file);
   return std::make_unique<PartwisePlyWriter>(head, options, file);
 }
 

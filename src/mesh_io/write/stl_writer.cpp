@@ -4,7 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,6 +18,7 @@
 #include "mesh_io/detail/stl_layout.hpp"
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
+#include "mesh_io/write/partwise_writer.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -47,74 +51,171 @@ std::array<char, kStlHeaderBytes> binary_header(const std::string& placement) {
   return header;
 }
 
-template <class Position>
-Result<void> write_binary(const mesh::Mesh& mesh, Position position, const std::string& placement,
-                          files::OutputFile& file) {
-  const std::array<char, kStlHeaderBytes> header = binary_header(placement);
-  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
-  auto written = file.write(std::as_bytes(std::span(header)));
-  if (written) written = file.write(std::as_bytes(std::span(&count, 1)));
-  if (!written) return written;
+// A triangle as the file has it.
+struct Facet {
+  glm::vec3 normal;
+  std::array<glm::vec3, 3> corners;
+};
 
+char* put_binary(char* out, const Facet& facet) {
   constexpr std::uint16_t kNoAttributes = 0;
-  constexpr std::size_t kRecord = 4 * sizeof(glm::vec3) + sizeof(kNoAttributes);
-  return files::write_records(file, mesh.triangles.size(), kRecord,
+  return put_bytes(put_bytes(out, facet), kNoAttributes);
+}
+constexpr std::size_t kBinaryFacet = sizeof(Facet) + sizeof(std::uint16_t);
+static_assert(kBinaryFacet == 50);
+
+constexpr std::string_view kFacetText = "facet normal";
+constexpr std::string_view kLoopText = "\n outer loop\n";
+constexpr std::string_view kVertexText = "  vertex";
+constexpr std::string_view kEndText = " endloop\nendfacet\n";
+constexpr std::size_t kAsciiFacet = kFacetText.size() + kMaxVectorText<float> + kLoopText.size() +
+                                    3 * (kVertexText.size() + kMaxVectorText<float> + 1) + kEndText.size();
+
+char* put_ascii(char* out, const Facet& facet) {
+  out = put_vector(put_text(out, kFacetText), facet.normal);
+  out = put_text(out, kLoopText);
+  for (const glm::vec3& corner : facet.corners) {
+    out = put_vector(put_text(out, kVertexText), corner);
+    *out++ = '\n';
+  }
+  return put_text(out, kEndText);
+}
+
+// Writes facet(t) for `count` triangles.
+template <class FacetOf>
+Result<void> write_facets(std::size_t count, bool ascii, FacetOf facet, files::OutputFile& file) {
+  return files::write_records(file, count, ascii ? kAsciiFacet : kBinaryFacet,
                               [&](std::size_t first, std::size_t last, char* out) {
                                 for (std::size_t t = first; t < last; ++t) {
-                                  const glm::uvec3 triangle = mesh.triangles[t];
-                                  out = put_bytes(out, face_normal(mesh, triangle));
-                                  for (int corner = 0; corner < 3; ++corner)
-                                    out = put_bytes(out, glm::vec3(position(triangle[corner])));
-                                  out = put_bytes(out, kNoAttributes);
+                                  out = ascii ? put_ascii(out, facet(t)) : put_binary(out, facet(t));
                                 }
                                 return out;
                               });
 }
 
-template <class Position>
-Result<void> write_ascii(const mesh::Mesh& mesh, Position position, files::OutputFile& file) {
-  const std::string name = mesh.name.empty() ? std::string("isoextract") : one_line(mesh.name);
-  auto written = file.write(fmt::format("solid {}\n", name));
-  if (!written) return written;
-
-  constexpr std::string_view kFacet = "facet normal";
-  constexpr std::string_view kLoop = "\n outer loop\n";
-  constexpr std::string_view kVertex = "  vertex";
-  constexpr std::string_view kEnd = " endloop\nendfacet\n";
-  constexpr std::size_t kText = kFacet.size() + kMaxVectorText<float> + kLoop.size() +
-                                3 * (kVertex.size() + kMaxVectorText<float> + 1) + kEnd.size();
-  written =
-      files::write_records(file, mesh.triangles.size(), kText, [&](std::size_t first, std::size_t last, char* out) {
-        for (std::size_t t = first; t < last; ++t) {
-          const glm::uvec3 triangle = mesh.triangles[t];
-          out = put_vector(put_text(out, kFacet), face_normal(mesh, triangle));
-          out = put_text(out, kLoop);
-          for (int corner = 0; corner < 3; ++corner) {
-            out = put_vector(put_text(out, kVertex), glm::vec3(position(triangle[corner])));
-            *out++ = '\n';
-          }
-          out = put_text(out, kEnd);
-        }
-        return out;
-      });
-  if (!written) return written;
-  return file.write(fmt::format("endsolid {}\n", name));
+std::string solid_name(const mesh::Mesh& mesh) {
+  return mesh.name.empty() ? std::string("isoextract") : one_line(mesh.name);
 }
+
+// Writes what comes before the triangles. Fails if binary STL cannot hold as many.
+Result<void> write_start(const mesh::Mesh& head, std::uint64_t triangles, const MeshWriteOptions& options,
+                         files::OutputFile& file) {
+  if (options.ascii) return file.write(fmt::format("solid {}\n", solid_name(head)));
+  constexpr std::uint64_t kMaxTriangles = std::numeric_limits<std::uint32_t>::max();
+  if (triangles > kMaxTriangles) {
+    return fail(ErrorCode::output,
+                fmt::format("{}: the mesh has {} triangles, binary STL holds at most {}", file.shown_name(), triangles,
+                            kMaxTriangles),
+                {Remedy::set, Setting::mesh_format, "ply"});
+  }
+  const std::array<char, kStlHeaderBytes> header = binary_header(options.placement);
+  const auto count = static_cast<std::uint32_t>(triangles);
+  TRY(file.write(std::as_bytes(std::span(header))));
+  return file.write(std::as_bytes(std::span(&count, 1)));
+}
+
+// Writes what comes after the triangles.
+Result<void> write_end(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file) {
+  return options.ascii ? file.write(fmt::format("endsolid {}\n", solid_name(head))) : Result<void>();
+}
+
+// Triangles refer to vertices of the next part, so each part waits for the next one. Positions of far vertices are
+// kept.
+class PartwiseStlWriter final : public PartwiseWriter {
+ public:
+  PartwiseStlWriter(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,
+                    files::OutputFile& file)
+      : head_(head), options_(options), context_(context), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    far_memory_ = TRY(reserve(shape.far_vertices.size() * (sizeof(std::uint32_t) + sizeof(glm::vec3))));
+    far_ = shape.far_vertices;
+    far_positions_.resize(far_.size());
+    TRY(write_start(head_, shape.triangles, options_, file_));
+    return true;
+  }
+
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override { return {{.in_order = true, .normals = false}}; }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    TRY(write_waiting(part.positions));
+    const std::uint64_t bytes = part.positions.size_bytes() + part.triangles.size_bytes();
+    if (bytes > memory_.bytes()) memory_.take(TRY(reserve(bytes - memory_.bytes())));
+    first_vertex_ = part.first_vertex;
+    positions_.assign(part.positions.begin(), part.positions.end());
+    triangles_.assign(part.triangles.begin(), part.triangles.end());
+    for (std::size_t f = far_place(first_vertex_); f < far_place(first_vertex_ + positions_.size()); ++f) {
+      far_positions_[f] = positions_[far_[f] - first_vertex_];
+    }
+    return {};
+  }
+
+  Result<void> finish(Notes& /*notes*/) override {
+    TRY(write_waiting({}));
+    return write_end(head_, options_, file_);
+  }
+
+ private:
+  [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes) const {
+    return context_.reserve(bytes, file_.shown_name() + ": a part of the mesh");
+  }
+
+  // Returns the number of far vertices before a vertex.
+  [[nodiscard]] std::size_t far_place(std::uint64_t vertex) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(far_, vertex) - far_.begin());
+  }
+
+  // Writes the triangles of the part that waits for the vertices in `next`.
+  [[nodiscard]] Result<void> write_waiting(std::span<const glm::vec3> next) {
+    const auto position = [&](std::uint32_t vertex) {
+      if (vertex < first_vertex_) return far_positions_[far_place(vertex)];
+      const std::uint64_t place = vertex - first_vertex_;
+      return place < positions_.size() ? positions_[place] : next[place - positions_.size()];
+    };
+    return write_facets(
+        triangles_.size(), options_.ascii,
+        [&](std::size_t t) {
+          const std::array corners{position(triangles_[t].x), position(triangles_[t].y), position(triangles_[t].z)};
+          return Facet{face_normal(corners[0], corners[1], corners[2]), corners};
+        },
+        file_);
+  }
+
+  const mesh::Mesh& head_;
+  MeshWriteOptions options_;
+  Context context_;
+  files::OutputFile& file_;
+  Reservation far_memory_;
+  std::vector<std::uint32_t> far_;  // vertices, ascending
+  std::vector<glm::vec3> far_positions_;
+  Reservation memory_;  // for the part that waits
+  std::uint64_t first_vertex_ = 0;
+  std::vector<glm::vec3> positions_;
+  std::vector<glm::uvec3> triangles_;
+};
 
 }  // namespace
 
+std::unique_ptr<PartwiseWriter> make_partwise_stl_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                         const Context& context, files::OutputFile& file) {
+  return std::make_unique<PartwiseStlWriter>(head, options, context, file);
+}
+
 Result<void> write_stl(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file, Notes& notes) {
-  constexpr std::uint64_t kMaxTriangles = std::numeric_limits<std::uint32_t>::max();
-  if (!options.ascii && mesh.triangles.size() > kMaxTriangles) {
-    return fail(ErrorCode::output,
-                fmt::format("{}: the mesh has {} triangles, binary STL holds at most {}", file.shown_name(),
-                            mesh.triangles.size(), kMaxTriangles),
-                {Remedy::set, Setting::mesh_format, "ply"});
-  }
+  TRY(write_start(mesh, mesh.triangles.size(), options, file));
   if (auto note = precision_note(mesh)) notes.push_back(std::move(*note));
-  return with_world_positions(mesh, [&](auto position) {
-    return options.ascii ? write_ascii(mesh, position, file) : write_binary(mesh, position, options.placement, file);
-  });
+  TRY(with_world_positions(mesh, [&](auto position) {
+    return write_facets(
+        mesh.triangles.size(), options.ascii,
+        [&](std::size_t t) {
+          const glm::uvec3& triangle = mesh.triangles[t];
+          return Facet{
+              face_normal(mesh, triangle),
+              {glm::vec3(position(triangle.x)), glm::vec3(position(triangle.y)), glm::vec3(position(triangle.z))}};
+        },
+        file);
+  }));
+  return write_end(mesh, options, file);
 }
 
 }  // namespace isoextract::mesh_io

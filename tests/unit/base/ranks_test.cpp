@@ -1,57 +1,14 @@
 #include "base/ranks.hpp"
 
-#include <barrier>
-#include <functional>
-#include <thread>
-
 #include <gtest/gtest.h>
 
 #include "base/packed_values.hpp"
+#include "support/thread_ranks.hpp"
 
 namespace isoextract {
 namespace {
 
-constexpr int kRanks = 3;
-
-// Threads in place of processes.
-struct Meeting {
-  std::barrier<> all{kRanks};
-  std::vector<std::string> bytes = std::vector<std::string>(kRanks);
-};
-
-class ThreadLink final : public RankLink {
- public:
-  ThreadLink(Meeting& meeting, int rank) : meeting_(meeting), rank_(rank) {}
-
-  [[nodiscard]] int rank() const override { return rank_; }
-  [[nodiscard]] int size() const override { return kRanks; }
-  [[nodiscard]] int node() const override { return 0; }
-  Result<std::vector<std::string>> gather(std::string_view bytes) override {
-    meeting_.bytes[static_cast<std::size_t>(rank_)] = bytes;
-    meeting_.all.arrive_and_wait();
-    auto all = meeting_.bytes;
-    meeting_.all.arrive_and_wait();
-    return all;
-  }
-  Result<void> send(int /*to*/, std::string_view /*bytes*/) override { return {}; }
-  Result<std::optional<RankMessage>> receive(std::chrono::milliseconds /*most*/) override { return std::nullopt; }
-  void leave() override { meeting_.all.arrive_and_wait(); }
-
- private:
-  Meeting& meeting_;
-  int rank_;
-};
-
-void run_ranks(const std::function<void(Ranks&)>& work) {
-  Meeting meeting;
-  std::vector<std::jthread> threads;
-  for (int r = 0; r < kRanks; ++r) {
-    threads.emplace_back([&, r] {
-      Ranks ranks(std::make_unique<ThreadLink>(meeting, r));
-      work(ranks);
-    });
-  }
-}
+using test::run_ranks;
 
 TEST(Ranks, GatherByRank) {
   run_ranks([](Ranks& ranks) {

@@ -1,17 +1,25 @@
 // A sink gets the same mesh, part by part, that an extraction without a sink returns.
+#include <algorithm>
 #include <cstring>
+#include <functional>
 #include <mutex>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "extract/dense_masks.hpp"
+#include "mesh/coincident_vertices.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
 namespace isoextract::extract {
 namespace {
 
-// Assembles the parts into a mesh, and checks that they cover it once.
+const mesh::PartPass kPositions{.in_order = true, .normals = false, .triangles = false};
+const mesh::PartPass kNormals{.in_order = true, .positions = false, .triangles = false};
+const mesh::PartPass kTriangles{.in_order = true, .positions = false, .normals = false};
+
+// Assembles the parts into a mesh, and checks that they cover it once, in order if the passes are.
 class Assembler final : public mesh::MeshSink {
  public:
   Result<bool> begin(const mesh::MeshShape& shape) override {
@@ -27,11 +35,26 @@ class Assembler final : public mesh::MeshSink {
     return true;
   }
 
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override { return wanted; }
+
   Result<void> take(const mesh::MeshPart& part) override {
     const std::lock_guard lock(mutex_);
     if (++parts == fails_at) return fail(ErrorCode::output, "the disk is full");
+    if (wanted.front().in_order) {
+      EXPECT_TRUE(part.positions.empty() || part.first_vertex == positions_);
+      EXPECT_TRUE(part.normals.empty() || part.first_vertex == normals_);
+      EXPECT_TRUE(part.triangles.empty() || part.first_triangle == triangles_);
+      EXPECT_FALSE(part.positions.empty() && part.normals.empty() && part.triangles.empty());
+      EXPECT_LE(arrays_of(part), wanted.size() == 1 ? 3 : 1);
+    } else {
+      EXPECT_EQ(part.normals.size(), mesh.normals.empty() ? 0 : part.positions.size());
+    }
+    positions_ += part.positions.size();
+    normals_ += part.normals.size();
+    triangles_ += part.triangles.size();
+    ends.push_back(positions_);
+    triangle_ends.push_back(triangles_);
     copy(part.positions, mesh.positions, part.first_vertex);
-    EXPECT_EQ(part.normals.size(), mesh.normals.empty() ? 0 : part.positions.size());
     copy(part.normals, mesh.normals, part.first_vertex);
     copy(part.triangles, mesh.triangles, part.first_triangle);
     for (std::size_t v = 0; v < part.positions.size(); ++v) ++vertex_seen_[part.first_vertex + v];
@@ -45,12 +68,19 @@ class Assembler final : public mesh::MeshSink {
   }
   [[nodiscard]] const std::optional<mesh::MeshShape>& shape() const { return shape_; }
 
+  std::vector<mesh::PartPass> wanted{mesh::PartPass()};
+  std::vector<std::uint64_t> ends;           // of the vertices of each part
+  std::vector<std::uint64_t> triangle_ends;  // of the triangles of each part
   bool takes = true;
   int fails_at = -1;  // number of the part that cannot be taken
   int parts = 0;
   mesh::Mesh mesh;
 
  private:
+  static std::size_t arrays_of(const mesh::MeshPart& part) {
+    return (part.positions.empty() ? 0U : 1U) + (part.normals.empty() ? 0U : 1U) + (part.triangles.empty() ? 0U : 1U);
+  }
+
   template <class T>
   static void copy(std::span<const T> from, Buffer<T>& to, std::uint64_t first) {
     if (!from.empty()) std::memcpy(to.data() + first, from.data(), from.size_bytes());
@@ -60,6 +90,9 @@ class Assembler final : public mesh::MeshSink {
   std::optional<mesh::MeshShape> shape_;
   std::vector<int> vertex_seen_;
   std::vector<int> triangle_seen_;
+  std::uint64_t positions_ = 0;  // taken until now
+  std::uint64_t normals_ = 0;
+  std::uint64_t triangles_ = 0;
 };
 
 class Partwise : public testing::TestWithParam<Method> {};
@@ -92,6 +125,72 @@ TEST_P(Partwise, GivesSameMesh) {
         EXPECT_TRUE(test::same_bytes(sink.mesh.triangles, whole.mesh.triangles));
       }
     }
+  }
+}
+
+TEST_P(Partwise, GivesSameMeshInOrder) {
+  const field::ScalarField field = test::random_field<float>({70, 21, 19}, 3, 1000);
+  for (const bool cap : {false, true}) {
+    for (const bool one_pass : {false, true}) {
+      ExtractOptions options = test::options_of(GetParam(), 500, cap);
+      options.smooth_normals = true;
+      const Extraction whole = test::extract(field, options);
+      Assembler sink;
+      sink.wanted =
+          one_pass ? std::vector{mesh::PartPass{.in_order = true}} : std::vector{kPositions, kNormals, kTriangles};
+      options.sink = &sink;
+      ASSERT_TRUE(test::extract(field, options).taken);
+      EXPECT_TRUE(sink.is_complete());
+      EXPECT_TRUE(test::same_bytes(sink.mesh.positions, whole.mesh.positions));
+      EXPECT_TRUE(test::same_bytes(sink.mesh.normals, whole.mesh.normals));
+      EXPECT_TRUE(test::same_bytes(sink.mesh.triangles, whole.mesh.triangles));
+    }
+  }
+}
+
+// A writer can write each part once it has the next one, if it keeps far vertices.
+TEST_P(Partwise, TrianglesReferToTheirPartTheNextOneAndFarVertices) {
+  const field::ScalarField field = test::random_field<float>({20, 21, 39}, 7, 1000);
+  for (const bool cap : {false, true}) {
+    ExtractOptions options = test::options_of(GetParam(), 500, cap);
+    Assembler sink;
+    sink.wanted = {mesh::PartPass{.in_order = true}};
+    options.sink = &sink;
+    ASSERT_TRUE(test::extract(field, options).taken);
+    const auto part_of = [&](std::uint32_t vertex) {
+      return std::ranges::upper_bound(sink.ends, vertex) - sink.ends.begin();
+    };
+    const std::vector<std::uint32_t>& far = sink.shape()->far_vertices;
+    EXPECT_EQ(far.empty(), !cap);
+    EXPECT_TRUE(std::ranges::is_sorted(far, std::less_equal<>()));
+    EXPECT_LT(far.size(), sink.mesh.positions.size());
+    for (std::size_t t = 0; t < sink.mesh.triangles.size(); ++t) {
+      const auto part = std::ranges::upper_bound(sink.triangle_ends, t) - sink.triangle_ends.begin();
+      for (int corner = 0; corner < 3; ++corner) {
+        const std::uint32_t vertex = sink.mesh.triangles[t][corner];
+        const auto of_vertex = part_of(vertex) - part;
+        ASSERT_TRUE(of_vertex == 0 || of_vertex == 1 || std::ranges::binary_search(far, vertex)) << t;
+      }
+    }
+  }
+}
+
+TEST_P(Partwise, TellsWhetherPositionsAreDistinct) {
+  // Many values equal the iso value, so that vertices lie next to samples.
+  const field::ScalarField field = test::random_field<std::uint8_t>({30, 30, 30}, 8, 4);
+  const glm::dmat3 rotation(0.8, 0.6, 0, -0.36, 0.48, 0.8, 0.48, -0.64, 0.6);
+  const glm::dmat3 flat(1e-3, 0, 0, 0, 1, 0, 0, 0, 1e3);
+  const glm::dmat3 bricks(0.1, 0, 0, 0, 1, 0, 0, 0, 10);
+  const glm::dmat3 shear(1, 1, 0, 1, 1.000001, 0, 0, 0, 1);  // x and y almost parallel
+  for (const glm::dmat3& linear : {glm::dmat3(1), rotation, flat, rotation * bricks, shear}) {
+    ExtractOptions options = test::options_of(GetParam(), 2, true);
+    options.output_from_index.linear = linear;
+    Assembler sink;
+    options.sink = &sink;
+    ASSERT_TRUE(test::extract(field, options).taken);
+    EXPECT_EQ(sink.shape()->distinct_positions, linear != shear);
+    const bool are_distinct = mesh::CoincidentVertices(sink.mesh.positions.span()).repeated() == 0;
+    EXPECT_EQ(are_distinct, linear != shear);
   }
 }
 
@@ -172,13 +271,16 @@ TEST_P(Slabs, GiveSameMesh) {
     EXPECT_TRUE(test::same_bytes(made.mesh.positions, whole.mesh.positions));
     EXPECT_TRUE(test::same_bytes(made.mesh.normals, whole.mesh.normals));
     EXPECT_TRUE(test::same_bytes(made.mesh.triangles, whole.mesh.triangles));
-    Assembler sink;
-    options.sink = &sink;
-    ASSERT_TRUE(extract().taken);
-    EXPECT_TRUE(sink.is_complete());
-    EXPECT_TRUE(test::same_bytes(sink.mesh.positions, whole.mesh.positions));
-    EXPECT_TRUE(test::same_bytes(sink.mesh.normals, whole.mesh.normals));
-    EXPECT_TRUE(test::same_bytes(sink.mesh.triangles, whole.mesh.triangles));
+    for (const bool in_order : {false, true}) {
+      Assembler sink;
+      if (in_order) sink.wanted = {kPositions, kNormals, kTriangles};
+      options.sink = &sink;
+      ASSERT_TRUE(extract().taken);
+      EXPECT_TRUE(sink.is_complete());
+      EXPECT_TRUE(test::same_bytes(sink.mesh.positions, whole.mesh.positions));
+      EXPECT_TRUE(test::same_bytes(sink.mesh.normals, whole.mesh.normals));
+      EXPECT_TRUE(test::same_bytes(sink.mesh.triangles, whole.mesh.triangles));
+    }
   }
 }
 

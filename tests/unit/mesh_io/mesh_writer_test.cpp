@@ -163,7 +163,7 @@ mesh::Mesh large_mesh(std::uint64_t bytes, const std::string& name) {
 
 TEST(MeshWriter, MovesLargeMeshesOfGlb) {
   const TempFolder folder;
-  const MeshWriteOptions options{MeshFormat::glb, false, false};
+  const MeshWriteOptions options{.format = MeshFormat::glb, .hash_files = true};
   fs::create_directory(folder / "a");
   fs::create_directory(folder / "b");
   std::vector<mesh::Mesh> meshes;
@@ -183,6 +183,8 @@ TEST(MeshWriter, MovesLargeMeshesOfGlb) {
   ASSERT_TRUE(one_by_one);
   const MeshWriteResult at_once = must_write(meshes, folder / "b/out.glb", options);
   EXPECT_EQ(one_by_one->files.front().bytes, at_once.files.front().bytes);
+  ASSERT_TRUE(at_once.files.front().hash);
+  EXPECT_EQ(one_by_one->files.front().hash, at_once.files.front().hash);
   EXPECT_TRUE(read_bytes(folder / "a/out.glb") == read_bytes(folder / "b/out.glb"));
 }
 

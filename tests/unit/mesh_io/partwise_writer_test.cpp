@@ -1,10 +1,13 @@
 // A mesh written part by part, from several threads, has the bytes of a mesh written at once.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "base/parallel.hpp"
 #include "mesh_io/mesh_writer.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
+#include "support/thread_ranks.hpp"
 #include "unit/mesh_io/written_mesh.hpp"
 
 namespace isoextract::mesh_io {
@@ -90,6 +93,23 @@ TEST_P(PartwiseFile, HasHashOfItsBytes) {
   EXPECT_EQ(done->files.at(0).hash, whole.files.at(0).hash);
 }
 
+// Rank 0 hashes the bytes of all ranks.
+TEST_P(PartwiseFile, HasHashOfTheBytesOfAllRanks) {
+  const std::vector<mesh::Mesh> meshes = one(sphere(kRings, true, "a name"));
+  const MeshWriteOptions options{.format = GetParam(), .hash_files = true};
+  const MeshWriteResult whole = must_write(meshes, path("whole"), options);
+  const auto parts = parts_of(meshes[0], kRanks);
+  run_ranks([&](Ranks& ranks) {
+    MeshWriter writer(path("parts"), options, Context());
+    ASSERT_EQ(writer.begin_parts(head_of(meshes[0]), mesh::shape_of(meshes[0]), &ranks), true);
+    ASSERT_TRUE(writer.take_part(parts[static_cast<std::size_t>(ranks.rank())]));
+    const auto done = writer.finish();
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(done->files.at(0).hash, ranks.is_first() ? whole.files.at(0).hash : std::nullopt);
+  });
+  EXPECT_EQ(read_bytes(path("parts")), read_bytes(path("whole")));
+}
+
 TEST_P(PartwiseFile, LeavesNothingIfNotFinished) {
   const mesh::Mesh mesh = sphere(kRings, false);
   {
@@ -106,16 +126,147 @@ TEST_P(PartwiseFile, DeclinesMeshesThatNeedAllOfThem) {
   ASSERT_EQ(begins(mesh, {.format = format}, path("out")), true);
   EXPECT_EQ(begins(mesh, {.format = format}, "-"), false);
   EXPECT_EQ(begins(mesh, {.format = format, .flat_normals = true}, path("out")), false);
-  EXPECT_EQ(begins(mesh, {.format = MeshFormat::stl}, path("out")), false);
+  EXPECT_EQ(begins(mesh, {.format = MeshFormat::gltf}, path("out")), false);
   EXPECT_EQ(begins(sphere(kRings, false, "far", {1e7, 0, 0}), {.format = format}, path("out")), false);
-  if (format == MeshFormat::ply) {
-    EXPECT_EQ(begins(mesh, {.format = format, .ascii = true}, path("out")), false);
-  } else {
+  if (format == MeshFormat::glb) {
     MeshPacking packing;
     packing.compression = Compression::meshopt;
     EXPECT_EQ(begins(mesh, {.format = format, .packing = packing}, path("out")), false);
     EXPECT_EQ(begins(sphere(20, false), {.format = format}, path("out")), false);  // 16-bit indices
   }
+}
+
+// Formats whose parts are written in order.
+const MeshWriteOptions kOrdered[] = {{.format = MeshFormat::ply, .ascii = true},
+                                     {.format = MeshFormat::obj},
+                                     {.format = MeshFormat::stl},
+                                     {.format = MeshFormat::stl, .ascii = true}};
+
+class OrderedFile : public testing::TestWithParam<MeshWriteOptions> {
+ protected:
+  static constexpr unsigned kLastVertex = 1 + kRings * 2 * kRings;
+
+  // Triangles are in the order of their first vertices, but for the last two, which refer to far vertices.
+  static mesh::Mesh ordered_sphere(bool normals) {
+    mesh::Mesh mesh = sphere(kRings, normals, "a name");
+    mesh.positions[7].x = -0.1F;
+    const auto least = [](const glm::uvec3& t) { return std::min({t.x, t.y, t.z}); };
+    std::stable_sort(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const glm::uvec3& a, const glm::uvec3& b) { return least(a) < least(b); });
+    mesh.triangles.end()[-1] = {0, 521, kLastVertex};
+    mesh.triangles.end()[-2] = {1500, kLastVertex - 1, 522};
+    return mesh;
+  }
+
+  // Splits at the rings 1, 2, 100 and 259.
+  static std::vector<mesh::MeshPart> parts_of_rings(const mesh::Mesh& mesh) {
+    std::vector<mesh::MeshPart> parts;
+    std::size_t v = 0;
+    std::size_t t = 0;
+    for (const std::size_t ring : {1U, 2U, 100U, 259U, 260U}) {
+      const std::size_t end_v = ring == kRings ? mesh.positions.size() : 1 + ring * 2 * kRings;
+      std::size_t end_t = t;
+      while (end_t < mesh.triangles.size()) {
+        const glm::uvec3& corners = mesh.triangles[end_t];
+        const bool is_last = end_t + 2 >= mesh.triangles.size();
+        if (is_last ? ring != kRings : std::min({corners.x, corners.y, corners.z}) >= end_v) break;
+        ++end_t;
+      }
+      parts.push_back({v, mesh.positions.span().subspan(v, end_v - v),
+                       mesh.normals.empty() ? std::span<const glm::vec3>() : mesh.normals.span().subspan(v, end_v - v),
+                       t, mesh.triangles.span().subspan(t, end_t - t)});
+      v = end_v;
+      t = end_t;
+    }
+    return parts;
+  }
+
+  static mesh::MeshShape shape_of_parts(const mesh::Mesh& mesh) {
+    mesh::MeshShape shape = mesh::shape_of(mesh);
+    shape.far_vertices = {0, 521, 522, 1500};
+    return shape;
+  }
+
+  // Returns the size of the largest part.
+  static std::uint64_t part_bytes(const mesh::Mesh& mesh) {
+    std::uint64_t most = 0;
+    for (const mesh::MeshPart& part : parts_of_rings(mesh)) {
+      most = std::max<std::uint64_t>(most, part.positions.size_bytes() + part.triangles.size_bytes());
+    }
+    return most;
+  }
+
+  // Hands over the parts as the passes of the writer ask.
+  static void deliver(const MeshWriter& writer, const std::vector<mesh::MeshPart>& parts) {
+    for (const mesh::PartPass& pass : writer.part_passes()) {
+      ASSERT_TRUE(pass.in_order);
+      for (mesh::MeshPart part : parts) {
+        if (!pass.positions) part.positions = {};
+        if (!pass.normals) part.normals = {};
+        if (!pass.triangles) part.triangles = {};
+        ASSERT_TRUE(writer.take_part(part));
+      }
+    }
+  }
+
+  TempFolder folder_;
+};
+INSTANTIATE_TEST_SUITE_P(Formats, OrderedFile, testing::ValuesIn(kOrdered), [](const auto& test) {
+  return std::string(word_of(test.param.format)) + (test.param.ascii ? "_text" : "");
+});
+
+TEST_P(OrderedFile, HasBytesAndHashOfAWholeMesh) {
+  for (const bool normals : {false, true}) {
+    MeshWriteOptions options = GetParam();
+    options.placement = R"({"space":"RAS"})";
+    options.hash_files = true;
+    const std::vector<mesh::Mesh> meshes = one(ordered_sphere(normals));
+    const MeshWriteResult whole = must_write(meshes, folder_ / "whole", options);
+    constexpr std::uint64_t kFarBytes = 4 * (sizeof(std::uint32_t) + sizeof(glm::vec3));
+    const Context context;
+    MeshWriter writer(folder_ / "parts", options, context);
+    ASSERT_EQ(writer.begin_parts(head_of(meshes[0]), shape_of_parts(meshes[0])), true);
+    deliver(writer, parts_of_rings(meshes[0]));
+    const auto done = writer.finish();
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_TRUE(read_bytes(folder_ / "parts") == read_bytes(folder_ / "whole"));
+    ASSERT_TRUE(whole.files.at(0).hash);
+    EXPECT_EQ(done->files.at(0).hash, whole.files.at(0).hash);
+    EXPECT_EQ(context.memory().peak(), GetParam().format == MeshFormat::stl ? kFarBytes + part_bytes(meshes[0]) : 0);
+  }
+}
+
+TEST_P(OrderedFile, DeclinesMeshesThatNeedAllOfThem) {
+  const mesh::Mesh mesh = ordered_sphere(true);
+  const auto begins = [&](const MeshWriteOptions& options, const mesh::MeshShape& shape, Ranks* ranks = nullptr) {
+    MeshWriter writer(folder_ / "out", options, Context());
+    return writer.begin_parts(head_of(mesh), shape, ranks);
+  };
+  MeshWriteOptions options = GetParam();
+  mesh::MeshShape shape = shape_of_parts(mesh);
+  EXPECT_EQ(begins(options, shape), true);
+  options.has_vertex_copies_for_normals = true;
+  EXPECT_EQ(begins(options, shape_of_parts(mesh)), options.format != MeshFormat::obj);
+  options = GetParam();
+  options.flat_normals = true;
+  EXPECT_EQ(begins(options, shape_of_parts(mesh)), options.format == MeshFormat::stl);
+  shape = shape_of_parts(mesh);
+  shape.origin.x = 1e7;
+  EXPECT_EQ(begins(GetParam(), shape), false);
+  run_ranks([&](Ranks& ranks) {
+    if (!ranks.is_first()) return;
+    EXPECT_EQ(begins(GetParam(), shape_of_parts(mesh), &ranks), false);
+  });
+  EXPECT_TRUE(folder_.names().empty());
+}
+
+TEST(OrderedFiles, BinaryStlOfTooManyTrianglesFailsAtOnce) {
+  const TempFolder folder;
+  MeshWriter writer(folder / "out", {.format = MeshFormat::stl}, Context());
+  const auto begun = writer.begin_parts({}, {.triangles = std::uint64_t{1} << 32U});
+  ASSERT_FALSE(begun);
+  EXPECT_NE(begun.error().message.find("has 4294967296 triangles, binary STL holds at most 4294967295"),
+            std::string::npos);
 }
 
 }  // namespace
