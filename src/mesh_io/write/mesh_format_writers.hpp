@@ -32,9 +32,8 @@ class FormatWriter {
 [[nodiscard]] std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, const Context& context,
                                                             files::OutputFile& file);
 
-// Writes a GLB of two or more unpacked meshes to a regular file, whose hash() is empty until commit(). Each
-// mesh must live only during add(); the bytes are those of make_glb_writer(), but finish() writes the data a second
-// time.
+// Writes a GLB of two or more unpacked meshes; `file` must be a regular one. Each mesh must live only during add(). The
+// bytes are those of make_glb_writer(), but finish() moves the data behind the JSON: only commit() knows the hash.
 [[nodiscard]] std::unique_ptr<FormatWriter> make_streamed_glb_writer(const MeshWriteOptions& options,
                                                                      const Context& context, files::OutputFile& file);
 
