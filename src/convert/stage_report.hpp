@@ -54,7 +54,7 @@ namespace isoextract::convert {
   NAME(percentile99) NAME(placement) NAME(points) NAME(positions) NAME(radius) NAME(radius_attribute) \
   NAME(radius_suggested) NAME(range) NAME(region) NAME(refused_collapses) NAME(relative_error) NAME(rms) NAME(rms_degrees) NAME(sample_type) \
   NAME(samples) NAME(scale) NAME(simulation_box) NAME(slope) NAME(smooth_normals) NAME(smoothing_length) NAME(source) NAME(spacing) \
-  NAME(sparse) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(to_unit) \
+  NAME(sparse) NAME(splits) NAME(step) NAME(storage) NAME(stored_bytes) NAME(support) NAME(time) NAME(to_unit) \
   NAME(too_small) NAME(touching) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \
   NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) NAME(unreached) NAME(upper) \
   NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) NAME(wall_seconds) \

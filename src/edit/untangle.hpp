@@ -1,11 +1,14 @@
 // Removes self-intersections of a mesh, so that it becomes printable.
 //
 // Marching cubes joins the two loops of a tunnel through a cell by flat triangles, which can intersect. In each round,
-// untangle() flips edges of intersecting triangles where a flip leaves fewer intersecting pairs. In a round without
-// such a flip, it moves vertices of these triangles toward the mean of their neighbors. No vertex moves farther than a
-// voxel in total. No move makes other triangles intersect (detail/untangled_moves.hpp).
+// untangle() flips edges of intersecting triangles where a flip leaves fewer intersecting pairs
+// (detail/edge_flips.hpp). In a round without such a flip, it moves single vertices to places with fewer pairs. In a
+// round without such a move, it splits edges by new vertices at such places (detail/place_search.hpp): a tunnel with
+// three edges around it may have too few vertices for any place to help. Each change leaves fewer pairs. No vertex
+// moves farther than a voxel in total.
 //
-// Vertices of boundary edges and of cuts stay in place; vertices of caps move only in the plane of their cap.
+// Vertices of boundary edges and of cuts stay in place; vertices of caps move only in the plane of their cap. A cap
+// keeps its outline: its triangles change only for other triangles of the cap.
 #pragma once
 
 #include <cstdint>
@@ -34,15 +37,21 @@ struct UntangleFigures {
   std::uint64_t pairs_after = 0;   // counted up to 2^20
   bool more_before = false;        // there were more pairs than pairs_before, which is the limit of the search
   std::uint64_t flips = 0;         // flipped edges
+  std::uint64_t splits = 0;        // edges split by a new vertex
   std::uint64_t moved = 0;         // moved vertices
   double greatest_move = 0;        // in the space of UntangleOptions::to_metric
+  // Upper bound of the Hausdorff distance between the surface before and after, in the space of
+  // UntangleOptions::to_metric
+  double distance = 0;
   int rounds = 0;
   StageTime time;
 };
 
-// Flips edges and moves vertices until no triangles intersect, at most 40 rounds. Leaves a mesh without intersections
-// unchanged. Otherwise keeps the order of the vertices, their attributes and their old normals, and drops edge keys.
-// Positions must be finite. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or
+// Changes the mesh until no triangles intersect or no change leaves fewer pairs. While more than 2,000 pairs are left,
+// only flips edges. Leaves a mesh without intersections unchanged. Otherwise keeps the order of the vertices, their
+// attributes and their old normals, and drops edge keys. New vertices and triangles follow the old ones; a new vertex
+// has normal and attributes of one end of its edge. A closed manifold stays one, with the same genus. Positions must be
+// finite. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or
 // ErrorCode::cancelled.
 [[nodiscard]] Result<UntangleFigures> untangle(mesh::Mesh& mesh, const UntangleOptions& options,
                                                const Context& context);

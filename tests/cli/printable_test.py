@@ -104,6 +104,30 @@ class PrintableTest(ProgramTest):
             self.assertEqual(found["self_intersections"]["pairs"], 0, plane)
             self.assertEqual(found["zero_area_triangles"] + found["duplicate_triangles"], 0, plane)
 
+    def test_the_distance_includes_untangling(self):
+        noise = ("demo:random?size=20", "--iso", "0.3", "--cap")
+        self.convert(*noise, "-o", "raw.ply")
+        self.convert(*noise, "--simplify", "0.001", "--require", "printable", "-o", "out.ply", "--report", "r.json")
+        report = json.loads((self.folder / "r.json").read_text())
+        (untangled,) = report["untanglings"]
+        self.assertGreater(untangled["distance"], 0.1)
+        measured = report["simplifications"][0]["measured"]
+        self.assertGreaterEqual(measured["voxels"]["upper"], untangled["distance"])
+        lower, upper = json.loads(self.run_program("compare", "raw.ply", "out.ply", "--json").out)["hausdorff"]
+        self.assertLessEqual(lower, measured["world"]["upper"])
+        self.assertGreater(upper, 0.5 * measured["world"]["upper"])
+
+    def test_coarse_coordinates_are_named(self):
+        far = (*NOISE, "--origin", "600000,6000000,0", "--require", "printable")
+        self.assert_fails(6, self.run_program(*far, "-o", "out.stl"), "the mesh fails manifold, ", "use --center, ")
+        self.convert(*far, "-o", "out.ply")
+
+    @needs_data("vdb/smoke.vdb")
+    def test_smoke_with_tunnels_that_flips_cannot_open(self):
+        self.convert(str(DATA / "vdb/smoke.vdb"), "--grid", "density", "--iso", "0.5", "--triangles", "50000", "--require", "printable",
+                     "-o", "smoke.stl")
+        self.assertEqual(self.run_program("check", "smoke.stl", "--require", "printable").code, 0)
+
     @needs_data("med/tooth.nhdr")
     def test_a_scan(self):
         self.convert(str(DATA / "med/tooth.nhdr"), "--iso", "500", "--cap", "--triangles", "20000", "--require", "printable",

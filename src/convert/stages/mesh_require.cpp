@@ -12,6 +12,7 @@
 #include "convert/stages/mesh_smooth.hpp"
 #include "convert/stages/mesh_touching.hpp"
 #include "edit/untangle.hpp"
+#include "mesh/metrics.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -38,15 +39,12 @@ Result<mesh::Mesh> welded_copy(const mesh::Mesh& mesh, const Context& context) {
 std::string line_of(const edit::UntangleFigures& done, const Surface& surface, const Source& source) {
   const std::string place = surface.id.place();
   if (done.pairs_before == 0) return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
-  std::string moved = "no vertices moved";
-  if (done.moved > 0) {
-    moved = fmt::format("{} vertices moved by at most {:.3g} {}", done.moved, done.greatest_move,
-                        source.of_meshes ? "typical edge lengths" : "voxels");
-  }
   return fmt::format(
-      "untangled{}: {} of {}{} pairs of intersecting triangles left; {} edges flipped, {} in {} rounds; "
-      "{:.2f} s",
-      place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, moved, done.rounds,
+      "untangled{}: {} of {}{} pairs of intersecting triangles left; {} edges flipped, {} vertices moved, {} edges "
+      "split "
+      "in {} rounds; the surface moved by at most {:.3g} {}; {:.2f} s",
+      place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, done.moved,
+      done.splits, done.rounds, done.distance, source.of_meshes ? "typical edge lengths" : "voxels",
       done.time.wall_seconds);
 }
 
@@ -54,10 +52,23 @@ bool requires_one(const ConversionJob& job, check::Requirement one) {
   return std::ranges::find(job.edits.require, one) != job.edits.require.end();
 }
 
+// Whether rounding to the coordinates of the file can merge vertices.
+bool rounds_coarsely(const Surface& surface, const ConversionJob& job) {
+  constexpr double kMostOfEdge = 0.01;
+  if (!readers_weld(job)) return false;
+  const double edge = mesh::typical_edge(surface.mesh);
+  return mesh::float32_resolution(written_positions(surface.mesh).span()) > kMostOfEdge * edge;
+}
+
 // Returns the option that helps the mesh to meet requirements, if one is known.
 Hint hint_for(std::span<const check::Requirement> unmet, const Surface& surface, const StageContext& stage) {
   using Requirement = check::Requirement;
   const auto lacks = [&](Requirement one) { return std::ranges::find(unmet, one) != unmet.end(); };
+  constexpr std::array kRounded{Requirement::manifold, Requirement::no_zero_area, Requirement::no_duplicates,
+                                Requirement::no_self_intersections};
+  if (std::ranges::any_of(kRounded, lacks) && rounds_coarsely(surface, stage.job)) {
+    return {Remedy::use, Setting::position};
+  }
   if (!stage.source.of_meshes) {
     return lacks(Requirement::closed) && surface.end.at_data_boundary ? Hint(Remedy::use, Setting::cap) : Hint();
   }
@@ -88,11 +99,14 @@ Result<StageReport> untangle_surface(Surface& surface, const StageContext& stage
   options.walls = box_of_caps(stage);
   if (stage.job.surface.cap) options.cuts = stage.source.clip;
   const edit::UntangleFigures done = TRY(edit::untangle(surface.mesh, options, stage.context));
+  surface.untangled_by = done.distance;
   StageReport report = stage.report_on(StageName::untangle, surface);
   report.add_timed({{Key::pairs, Figures{{Key::before, done.pairs_before}, {Key::after, done.pairs_after}}},
                     {Key::flips, done.flips},
                     {Key::moved, done.moved},
+                    {Key::splits, done.splits},
                     {Key::greatest_move, done.greatest_move},
+                    {Key::distance, done.distance},
                     {Key::passes, done.rounds}},
                    done.time);
   report.did = "untangled";

@@ -125,7 +125,8 @@ struct DistanceRange {
 
 Figures figures_of(const DistanceRange& range) { return {{Key::lower, range.lower}, {Key::upper, range.upper}}; }
 
-// Bounds of the Hausdorff distance between the simplified mesh and the original, and changes of the components.
+// Bounds of the Hausdorff distance between the simplified mesh and the one before untangling, and changes of the
+// components.
 struct Simplified {
   edit::SimplifyFigures facts;
   std::uint64_t asked = 0;  // requested triangles; 0: no number was requested
@@ -237,9 +238,13 @@ struct SimplifyPlan {
     }
   }
 
-  void set_distance(Simplified& result) const {
-    const DistanceRange measured{result.facts.distance_lower, result.facts.distance_upper};
-    if (options.to_metric != glm::dmat3(1.0)) {
+  // `untangled_by` is how far untangling moved the surface before, at most, in voxels.
+  void set_distance(Simplified& result, double untangled_by) const {
+    const bool is_in_voxels = options.to_metric != glm::dmat3(1.0);
+    const double before = is_in_voxels ? untangled_by : untangled_by * voxel.most;
+    const DistanceRange measured{std::max(0.0, result.facts.distance_lower - before),
+                                 result.facts.distance_upper + before};
+    if (is_in_voxels) {
       result.voxels = measured;
       result.world = {measured.lower * voxel.least, measured.upper * voxel.most};
     } else {
@@ -337,7 +342,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   result.asked = plan.options.triangles;
   result.facts = simplified.facts;
   set_components(result, before, after);
-  plan.set_distance(result);
+  plan.set_distance(result, surface.untangled_by);
   surface.simplified_by = result.voxels.upper;
   StageReport report = report_of(choice, result, surface, stage);
   add_sentences(report, choice, result, surface.id.place(), report.subject, stage.source);
@@ -371,7 +376,7 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
     sheets = net.sheets();
     whole.facts = TRY(net.simplify(meshes, plan.options, stage.context));
   }
-  plan.set_distance(whole);
+  plan.set_distance(whole, 0);
   std::vector<StageReport> reports;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     Surface& surface = *labels[i].surface;

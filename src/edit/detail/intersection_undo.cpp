@@ -47,8 +47,8 @@ bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
   if (mesh::PlaneFilter(corners_of(state, a)).is_apart(mesh::CornerLanes(corners_of(state, b)))) return false;
   const mesh::PlacedTriangle p = placed(state, a);
   const mesh::PlacedTriangle q = placed(state, b);
-  return mesh::find_overlap(p, q).meet && has_area(p) && has_area(q) &&
-         !std::ranges::is_permutation(p.corners, q.corners);
+  return has_area(p) && has_area(q) && !std::ranges::is_permutation(p.corners, q.corners) &&
+         mesh::find_overlap(p, q).meet;
 }
 
 // Finds intersections between triangles that were changed last by different patches, or by one and by none. The guard

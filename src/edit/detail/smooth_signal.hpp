@@ -54,7 +54,7 @@ class Signal {
     const Neighbors incoming = ends_of_edges(mesh, false);
     for_each_vertex(mesh.positions.size(), [&](std::size_t v) {
       const auto out = neighbors_.at(v);
-      bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kFixed : sides_of(v);
+      bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kFixed : sides_at(v);
     });
     keep_cuts(options.cuts);
   }
@@ -68,13 +68,22 @@ class Signal {
     const auto near = neighbors_.at(v);
     for (const std::uint32_t n : near) sum += glm::dvec3(mesh_.positions[n]) + glm::dvec3(moves[n]) - here;
     sum /= static_cast<double>(near.size());
-    if (bound_[v] == 0) return sum;
-    glm::dvec3 in_box = walls_->to_box * sum;
+    return allowed_part(bound_[v], sum);
+  }
+
+  // Returns the part of a move that a vertex with these bits may make.
+  [[nodiscard]] glm::dvec3 allowed_part(std::uint8_t bound, const glm::dvec3& move) const {
+    if (bound >= kFixed) return glm::dvec3(0);
+    if (bound == 0) return move;
+    glm::dvec3 in_box = walls_->to_box * move;
     for (int axis = 0; axis < 3; ++axis) {
-      if ((bound_[v] >> axis & 1) != 0) in_box[axis] = 0;
+      if ((bound >> axis & 1) != 0) in_box[axis] = 0;
     }
     return from_box_ * in_box;
   }
+
+  // Returns the bits that all corners of a triangle have: those of the cap that it belongs to.
+  [[nodiscard]] std::uint8_t sides_of(const glm::uvec3& t) const { return bound_[t.x] & bound_[t.y] & bound_[t.z]; }
 
   [[nodiscard]] std::uint8_t bound(std::size_t v) const { return bound_[v]; }
   [[nodiscard]] std::span<const std::uint32_t> neighbors(std::size_t v) const { return neighbors_.at(v); }
@@ -91,7 +100,7 @@ class Signal {
     });
   }
 
-  [[nodiscard]] std::uint8_t sides_of(std::size_t v) const {
+  [[nodiscard]] std::uint8_t sides_at(std::size_t v) const {
     if (!walls_) return 0;
     constexpr double kNear = 1e-4;
     const glm::dvec3 p = walls_->to_box * mesh_.position(v) + walls_->offset;

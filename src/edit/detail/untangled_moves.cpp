@@ -65,7 +65,7 @@ class MoveUntangler {
     if (!box_of(positions, mesh_.triangles[a]).meets(box_of(positions, mesh_.triangles[b]))) return false;
     const mesh::PlacedTriangle p = placed(mesh_.triangles[a]);
     const mesh::PlacedTriangle q = placed(mesh_.triangles[b]);
-    return mesh::find_overlap(p, q).meet && has_area(p) && has_area(q);
+    return has_area(p) && has_area(q) && mesh::find_overlap(p, q).meet;
   }
 
   [[nodiscard]] bool met_before(std::uint32_t a, std::uint32_t b) const { return meet(before_, a, b); }

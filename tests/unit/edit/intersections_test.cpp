@@ -1,5 +1,9 @@
 // Simplification and smoothing make no triangles intersect that did not before.
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -9,6 +13,7 @@
 #include <tbb/global_control.h>
 
 #include "edit/bounded_simplify.hpp"
+#include "edit/detail/surface_change.hpp"
 #include "edit/smooth.hpp"
 #include "edit/untangle.hpp"
 #include "mesh/join_meshes.hpp"
@@ -143,44 +148,152 @@ TEST(NewIntersections, NoneBySmoothing) {
   EXPECT_EQ(smooth(clean, {}, Context())->held_vertices, 0U);
 }
 
-TEST(Untangle, LeavesWhatIsFarFromPairsAsItIs) {
+// A box of noise, whose samples along z from `tangled` on belong to a ball.
+mesh::Mesh noise_and_ball(int size, int tangled) {
   std::mt19937 engine(3);
   std::uniform_real_distribution<double> noise(-1, 1);
-  constexpr int kSize = 24;
-  constexpr int kTangled = 10;  // samples along z with noise; the others belong to a ball
+  const field::ScalarField field = test::dense_field<float>(glm::ivec3(size, size, 3 * size), [&](int i, int j, int k) {
+    const bool inside = std::min({i, j, k}) > 0 && std::max(i, j) < size - 1 && k < tangled;
+    if (inside) return noise(engine);
+    return k < tangled ? -1.0 : size / 2.0 - 2 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(11.6, 11.4, 50.3));
+  });
+  return std::move(test::extract(field, {}).mesh);
+}
+
+// Noise whose caps close it at the sides of the data, which have the coordinates 0 and size - 1.
+mesh::Mesh capped_noise(int size, std::uint32_t seed) {
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> noise(-1, 1);
   const field::ScalarField field =
-      test::dense_field<float>(glm::ivec3(kSize, kSize, 3 * kSize), [&](int i, int j, int k) {
-        const bool inside = std::min({i, j, k}) > 0 && std::max(i, j) < kSize - 1 && k < kTangled;
-        if (inside) return noise(engine);
-        return k < kTangled ? -1.0 : kSize / 2.0 - 2 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(11.6, 11.4, 50.3));
-      });
-  const mesh::Mesh tangled = std::move(test::extract(field, {}).mesh);
-  const mesh::Topology before = mesh::measure_topology(tangled);
-  ASSERT_TRUE(before.is_closed_oriented_manifold());
+      test::dense_field<float>(glm::ivec3(size), [&](int /*i*/, int /*j*/, int /*k*/) { return noise(engine); });
+  extract::ExtractOptions options;
+  options.cap = true;
+  return std::move(test::extract(field, options).mesh);
+}
+
+mesh::Attribute numbers_of_vertices(const mesh::Mesh& mesh) {
+  mesh::Attribute numbers{.name = "number", .type = mesh::ComponentType::u32, .values = {}};
+  numbers.values = Buffer<std::byte>(mesh.positions.size() * sizeof(std::uint32_t));
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    std::memcpy(numbers.values.data() + v * sizeof v, &v, sizeof v);
+  }
+  return numbers;
+}
+
+std::size_t number_at(const mesh::Mesh& mesh, std::size_t vertex) {
+  return static_cast<std::size_t>(
+      mesh::component_value(mesh.attributes[0].at(vertex).data(), mesh::ComponentType::u32, false));
+}
+
+void expect_same_topology(const mesh::Mesh& before, const mesh::Mesh& after) {
+  const mesh::Topology old = mesh::measure_topology(before);
+  const mesh::Topology now = mesh::measure_topology(after);
+  ASSERT_TRUE(old.is_closed_oriented_manifold());
+  EXPECT_TRUE(now.is_closed_oriented_manifold());
+  EXPECT_EQ(now.genus(), old.genus());
+  EXPECT_EQ(now.components, old.components);
+}
+
+TEST(Untangle, LeavesWhatIsFarFromPairsAsItIs) {
+  constexpr int kTangled = 10;
+  const mesh::Mesh tangled = noise_and_ball(24, kTangled);
   mesh::Mesh clean = copy(tangled);
   const auto figures = untangle(clean, {}, Context());
   ASSERT_TRUE(figures);
   EXPECT_EQ(figures->pairs_before, count_pairs(tangled));
   EXPECT_GT(figures->pairs_before, 20U);
-  EXPECT_LT(figures->pairs_after, figures->pairs_before / 4);
-  EXPECT_EQ(figures->pairs_after, count_pairs(clean));
+  EXPECT_EQ(figures->pairs_after, 0U);
+  EXPECT_EQ(count_pairs(clean), 0U);
   EXPECT_GT(figures->flips, 0U);
-  const mesh::Topology after = mesh::measure_topology(clean);
-  EXPECT_TRUE(after.is_closed_oriented_manifold());
-  EXPECT_EQ(after.genus(), before.genus());
-  EXPECT_EQ(after.components, before.components);
+  expect_same_topology(tangled, clean);
   std::size_t moved = 0;
-  ASSERT_EQ(clean.positions.size(), tangled.positions.size());
-  for (std::size_t v = 0; v < clean.positions.size(); ++v) moved += clean.positions[v] != tangled.positions[v] ? 1 : 0;
+  ASSERT_EQ(clean.positions.size(), tangled.positions.size() + figures->splits);
+  ASSERT_EQ(clean.triangles.size(), tangled.triangles.size() + 2 * figures->splits);
+  for (std::size_t v = 0; v < tangled.positions.size(); ++v) {
+    moved += clean.positions[v] != tangled.positions[v] ? 1 : 0;
+  }
   EXPECT_EQ(moved, figures->moved);
   std::size_t in_ball = 0;
-  for (std::size_t t = 0; t < clean.triangles.size(); ++t) {
+  for (std::size_t t = 0; t < tangled.triangles.size(); ++t) {
     const auto z = static_cast<float>(tangled.origin.z) + tangled.positions[tangled.triangles[t].x].z;
     if (z < 2 * kTangled) continue;
     ++in_ball;
     EXPECT_EQ(clean.triangles[t], tangled.triangles[t]);
   }
   EXPECT_GT(in_ball, 1000U);
+}
+
+TEST(Untangle, MovesVerticesAndSplitsEdgesWhereNoFlipHelps) {
+  constexpr int kSize = 16;
+  std::uint64_t splits = 0;
+  std::uint64_t moved = 0;
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
+    const mesh::Mesh tangled = capped_noise(kSize, seed);
+    mesh::Mesh clean = copy(tangled);
+    clean.attributes.push_back(numbers_of_vertices(tangled));
+    UntangleOptions options;
+    options.walls = DataBox{.max = glm::dvec3(kSize - 1)};
+    const auto figures = untangle(clean, options, Context());
+    ASSERT_TRUE(figures);
+    EXPECT_GT(figures->pairs_before, 20U);
+    EXPECT_EQ(count_pairs(clean), 0U) << seed;
+    expect_same_topology(tangled, clean);
+    EXPECT_LE(figures->greatest_move, 1);
+    splits += figures->splits;
+    moved += figures->moved;
+    EXPECT_EQ(clean.positions.size(), tangled.positions.size() + figures->splits);
+    for (std::size_t v = 0; v < tangled.positions.size(); ++v) {
+      const glm::dvec3 old = tangled.position(v);
+      for (int axis = 0; axis < 3; ++axis) {
+        const bool is_on_side = old[axis] == 0 || old[axis] == kSize - 1;
+        EXPECT_TRUE(!is_on_side || clean.position(v)[axis] == old[axis]);
+      }
+      EXPECT_EQ(number_at(clean, v), v);
+    }
+    for (std::size_t v = tangled.positions.size(); v < clean.positions.size(); ++v) {
+      const std::size_t end = number_at(clean, v);
+      ASSERT_LT(end, tangled.positions.size());
+      EXPECT_LT(glm::length(clean.position(v) - tangled.position(end)), 3);
+    }
+  }
+  EXPECT_GT(splits, 0U);
+  EXPECT_GT(moved, 0U);
+}
+
+TEST(Untangle, DoesNotDependOnThreads) {
+  const mesh::Mesh tangled = capped_noise(16, 1);
+  const auto untangled_by = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    mesh::Mesh clean = copy(tangled);
+    EXPECT_TRUE(untangle(clean, {}, Context()));
+    return clean;
+  };
+  const mesh::Mesh one = untangled_by(1);
+  const mesh::Mesh several = untangled_by(4);
+  EXPECT_TRUE(std::ranges::equal(one.triangles, several.triangles));
+  EXPECT_TRUE(std::ranges::equal(one.positions, several.positions));
+}
+
+TEST(Untangle, DistanceIsThatOfTheSurface) {
+  const mesh::Mesh ball = test::sphere(20, false);
+  const auto old_triangles = ball.triangles.span();
+  EXPECT_EQ(*bound_surface_change(ball.positions.span(), old_triangles, ball, glm::dmat3(1.0), Context()), 0);
+  mesh::Mesh spiked = copy(ball);
+  spiked.positions[100] *= 1.25F;
+  const double spike = *bound_surface_change(ball.positions.span(), old_triangles, spiked, glm::dmat3(2.0), Context());
+  EXPECT_NEAR(spike, 2 * 0.25, 0.02);
+  mesh::Mesh dented = copy(ball);
+  dented.positions[100] *= 0.75F;
+  const double dent = *bound_surface_change(ball.positions.span(), old_triangles, dented, glm::dmat3(1.0), Context());
+  EXPECT_GT(dent, 0.15);
+  EXPECT_LT(dent, 0.26);
+  // An appended triangle counts, too.
+  mesh::Mesh more = copy(ball);
+  more.triangles = Buffer<glm::uvec3>(ball.triangles.size() + 1);
+  std::ranges::copy(ball.triangles, more.triangles.begin());
+  more.triangles[ball.triangles.size()] = ball.triangles[0];
+  more.triangles[0] = {0, 10, 100};
+  EXPECT_GT(*bound_surface_change(ball.positions.span(), old_triangles, more, glm::dmat3(1.0), Context()), 0.05);
 }
 
 }  // namespace
