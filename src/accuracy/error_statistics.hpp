@@ -17,7 +17,9 @@ struct Length {
 struct ErrorStatistics {
   std::uint64_t points = 0;  // points with a distance
   Length rms;
-  Length percentile99;  // weighted; at most 1/64 too large, or 2^-60 voxels if it is less; never above max
+  // Weighted. The upper edge of its bin: at most 1/64 too large, or about 2^-60 voxels if it is smaller. Never above
+  // max.
+  Length percentile99;
   Length max;
   glm::dvec3 worst{0.0};  // the point with max.world, in the mesh's coordinates
 
@@ -47,7 +49,8 @@ class ErrorAccumulator {
   void merge(const ErrorAccumulator& other);
   [[nodiscard]] ErrorStatistics result() const;
 
-  ErrorStatistics counts;  // the caller counts points without a distance here
+  // Here the caller counts points without a distance, and corrected ones. add() counts `points`.
+  ErrorStatistics counts;
 
  private:
   [[nodiscard]] double percentile(const std::vector<double>& bins, double largest, double fraction) const;

@@ -21,8 +21,8 @@ struct EdgeDefects {
 };
 
 // The rim of a hole: open edges connected through fans of triangles. A vertex with several fans counts as one vertex
-// for each fan. At each end of a non-manifold edge, all its triangles belong to one fan. Rims through the same fan
-// count as one loop.
+// for each fan. At either end of a non-manifold edge, all triangles of the edge belong to one fan. Rims that share a
+// fan count as one loop.
 struct BoundaryLoop {
   std::uint64_t edges = 0;
   double length = 0;

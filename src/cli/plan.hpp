@@ -42,8 +42,8 @@ struct ConvertPlan {
   std::optional<std::string> report;  // the path of the JSON report
   bool make_folders = false;          // makes missing folders of outputs
   PagesPlan pages;
-  // The effect that the note about a volume whose file has y up names: "the mesh lies on its side". Unset if --up is
-  // given or the up axis changes nothing.
+  // A part of the note about files with y up: "the mesh lies on its side". Unset if --up is given or the up axis
+  // changes nothing.
   std::optional<std::string> on_side_text;
   Notes notes;  // notes about the options, one sentence each
 };

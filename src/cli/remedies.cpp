@@ -44,7 +44,7 @@ SettingWords setting_words(Setting setting) {
               ""};
     case Setting::particle_options: return {{"the options of particles ('isoextract help particles')"}, ""};
     case Setting::particle_method:
-      return {{"--particles METHOD"}, ", such as --particles sph, to take the rows of an array for particles"};
+      return {{"--particles METHOD"}, ", such as --particles sph, to read each row of the array as a particle"};
     case Setting::radius: return {{"--radius R"}, ", in the units of the file"};
     case Setting::simulation_box: return {{"--box X0,Y0,Z0,X1,Y1,Z1"}, ""};
     case Setting::periodic_edges: return {{"--periodic x,y,z"}, ""};

@@ -49,7 +49,7 @@ struct RenderPlan {
   // Default: y if all inputs are meshes whose placement records state y up, otherwise z.
   std::optional<render::UpAxis> up;
   render::RenderOptions options;
-  std::optional<int> rays_across;  // of a pixel; default: 1 for volumes alone, else 2
+  std::optional<int> rays_across;  // rays of a pixel along each axis; default: 1 for volumes alone, else 2
   glm::dvec4 background{0.0};
   convert::Backend backend = convert::Backend::automatic;
   gpu::GpuChoice gpu;

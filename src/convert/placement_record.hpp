@@ -28,8 +28,8 @@ namespace isoextract::convert {
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Returns the placement of a mesh that was read from a file with the placement `before`, and then placed by `again`.
-// Combines both. If `before` has voxel coordinates, returns `before` if the second placement changes nothing, and else
-// `again`, which takes the file's voxel coordinates for world coordinates.
+// Combines both. If `before` has voxel coordinates, returns `before` when `again` changes nothing. Otherwise returns
+// `again`, which treats the file's voxel coordinates as world coordinates.
 [[nodiscard]] ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again);
 
 // Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no

@@ -34,9 +34,9 @@ struct ClipFigures {
   std::uint64_t overlapping_cap_triangles = 0;
 };
 
-// Keeps the part of `mesh` that lies inside all half-spaces of `kept` (for points mesh.origin + position). `mesh` must
-// have no attributes; its edge keys are dropped if a plane cuts it. A plane with no vertex outside its half-space
-// changes nothing.
+// Keeps the part of `mesh` that lies inside all half-spaces of `kept`, whose coordinates are those of mesh.origin +
+// position. `mesh` must have no attributes; its edge keys are dropped if a plane cuts it. A plane with no vertex
+// outside its half-space changes nothing.
 //
 // Vertices within mesh::on_plane_tolerance() of a plane count as on it and stay. Vertices farther away, but within
 // ClipOptions::snap, move onto it. Vertices may lie outside `kept` by up to the larger of these distances times the

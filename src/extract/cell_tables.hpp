@@ -12,12 +12,12 @@
 //      0-------1
 //
 // Edges. A cell edge goes from a corner to corner | direction. The direction is a set of axis bits that the corner does
-// not have: 1, 2, 4 along x, y, z. Marching tetrahedra also have 3, 5, 6 across a face and 7 through the body. So
-// exactly one sample owns each edge of the grid: its lower end, in one of at most seven directions. That pair is the
-// edge's key.
+// not have: 1, 2, 4 along x, y, z. Marching tetrahedra also have 3, 5, 6 across a face and 7 through the body. The
+// sample at the lower end of an edge owns it. The edge's key is this sample and one of at most seven directions.
 //
 // Triangles wind counter-clockwise seen from outside (from the corners whose bit is 0) in a right-handed index space.
-// Example: case 1 (only corner 0 inside) has one triangle on the edges 0+x, 0+y, 0+z with the normal (1, 1, 1).
+// Example, of marching cubes: case 1 (only corner 0 inside) has one triangle on the edges 0+x, 0+y, 0+z with the normal
+// (1, 1, 1).
 #pragma once
 
 #include <algorithm>

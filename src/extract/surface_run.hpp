@@ -48,8 +48,8 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
 // A surface that can be made part by part.
 template <class S>
 concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink& sink, const mesh::PartPass& pass) {
-  // Makes the parts of the mesh that emit() would write, with the arrays of a pass, and hands each to the sink. Fails
-  // as the sink does, and as emit(). Called once for each pass of the sink.
+  // Makes the mesh that emit() would write, part by part, with the arrays that `pass` names; hands each part to the
+  // sink. Fails as the sink does, and as emit(). Called once for each pass of the sink.
   { surface.deliver(sink, pass) } -> std::same_as<Result<void>>;
   // Returns whether this is only the part of one rank: others make the other parts at the same time. count() and the
   // facts about the boundary are those of the whole surface even so.
@@ -57,8 +57,9 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
 };
 
 // Offers the mesh to the sink of `options`. If the sink takes it, sets Extraction::taken and delivers the mesh and its
-// cap. Does nothing without triangles, with edge keys, or if the mesh must be edited as a whole after emit(): it has
-// holes, or options.smooth_normals is set and the field has NaN samples.
+// cap. Does nothing if the surface without its cap has no triangles, or with edge keys. Does nothing either if the
+// mesh must be edited as a whole after emit(): it has holes, or options.smooth_normals is set and the field has NaN
+// samples.
 template <SurfacePasses Surface>
 [[nodiscard]] Result<void> offer_to_sink(const ExtractOptions& options, Surface& surface, const MeshSizes& sizes,
                                          const BoundaryCap& cap, const std::optional<field::IndexBox>& box,

@@ -7,7 +7,8 @@
 // A binary mask has exactly two values; the background of a sparse grid is one of them. A label map has more, and:
 // - few values: at most 2^20, and at most one for each eight samples
 // - flat patches: of the pairs of neighbors along i, j and k, at least half have equal values, and along each axis at
-//   least a quarter. Pairs within the background do not count: in this rule, the most frequent value of a dense field.
+//   least a quarter. Pairs of two background samples do not count; the background of a dense field is its most frequent
+//   value.
 // - unordered values, if it has more than eight: of the pairs with different values, at most three quarters differ by
 //   exactly 1. A smooth field with rounded values has flat patches, too, but steps of 1 between them.
 //

@@ -36,8 +36,8 @@ class OriginIndex {
   std::vector<Slot> slots_;
 };
 
-// Finds the tile that covers a place, which is an 8^3 cube of samples with its origin at multiples of 8. Takes at most
-// 64 bytes for each indexed tile.
+// Finds the tile that covers a place. A place is a cube of 8^3 samples; its origin is a multiple of 8 along each axis.
+// Takes at most 64 bytes for each indexed tile.
 class TileIndex {
  public:
   TileIndex() = default;

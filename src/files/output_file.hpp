@@ -55,9 +55,9 @@ class OutputFile {
 
   // Creates a regular file that other processes write as well, each a part of it. Rank 0 of several (base/ranks.hpp)
   // creates and commits it. The others join it by the name that shared_name() returns at rank 0. A process that joined
-  // makes the same calls as rank 0: its write() and extend() only count bytes, its fill() writes them, and its commit()
-  // closes the file. overwrite() and move_end() fail there. All processes must see one file system, and rank 0 commits
-  // last.
+  // makes the same calls as rank 0. There, write() and extend() only count bytes, which rank 0 writes; fill() writes
+  // the bytes that it is given; commit() closes the file; overwrite() and move_end() fail. All processes must see one
+  // file system, and rank 0 commits last.
   [[nodiscard]] static Result<OutputFile> create_shared(const std::filesystem::path& path);
   [[nodiscard]] static Result<OutputFile> join(const std::filesystem::path& path, const std::string& shared_name);
   [[nodiscard]] std::string shared_name() const;

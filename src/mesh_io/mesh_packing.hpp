@@ -69,7 +69,7 @@ struct PackedFacts {
   std::uint64_t bytes_after = 0;
 
   struct Positions {
-    int bits = 0;                  // of the number of steps along the box's longest side
+    int bits = 0;                  // bits for the number of steps along the box's longest side
     double step = 0;               // in the mesh's units
     double largest_axis_move = 0;  // the largest move of a coordinate: at most half a step
     double largest = 0;            // the largest move of a vertex

@@ -352,7 +352,7 @@ class ParticlesTest(ProgramTest):
         data = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode()
         (self.folder / "a.npy").write_bytes(data + b"".join(struct.pack("<3f", *p) for p in points))
         self.assert_fails(2, self.run_program("a.npy", "--iso", "0.6", "-o", "a.ply"), "expected an array with 3 axes",
-                          "use --particles METHOD, such as --particles sph, to take the rows of an array for particles")
+                          "use --particles METHOD, such as --particles sph, to read each row of the array as a particle")
         self.convert("a.npy", "--particles", "sph", "-o", "a.ply")
         self.check_block(self.mesh("a.ply"))
         self.convert("a.npy", "--input-format", "npy", "--radius", "0.25", "-o", "a.ply")
@@ -365,7 +365,7 @@ class ParticlesTest(ProgramTest):
         data = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode()
         (self.folder / "a.npy").write_bytes(data + b"".join(struct.pack("<4f", *p, 1) for p in points))
         self.assert_fails(2, self.run_program("info", "a.npy"), "found a structure",
-                          "use --particles METHOD, such as --particles sph, to take the rows of an array for particles")
+                          "use --particles METHOD, such as --particles sph, to read each row of the array as a particle")
         self.convert("a.npy", "--particles", "sph", "--attribute", "heat", "-o", "a.ply")
         self.check_block(self.mesh("a.ply"))
 

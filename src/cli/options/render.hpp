@@ -76,9 +76,8 @@ struct RenderFlags : OptionSet {
       "MIN,MAX",
       parse_value_range,
       "Values that a named transfer function covers. Without it the samples decide. Usually the range begins where the "
-      "noise of the background ends. It ends at the 99.9th percentile of the samples above its beginning. Its length "
-      "is "
-      "at most 8 times the distance from its beginning to the mean of these samples. For level sets it has the values "
+      "noise of the background ends. It ends at the 99.9th percentile of the samples above its beginning, but is at "
+      "most 8 times as long as the distance from there to the mean of these samples. For level sets it has the values "
       "inside, for fields like seismic amplitudes the values far from 0.",
       About::drawn_volume};
   Value<double> unit_length{

@@ -15,14 +15,14 @@
 namespace isoextract::mesh_io {
 
 // Writes one file, mesh after mesh. `notes` receives sentences about data that the writer changes or omits.
-// MeshWriter itself notes the attributes of formats that store none.
+// If a format cannot store attributes, MeshWriter notes it.
 class FormatWriter {
  public:
   virtual ~FormatWriter() = default;
   // The mesh must live until finish() if MeshFormatInfo::writes_each_mesh_at_once is false; otherwise only during the
   // call.
   [[nodiscard]] virtual Result<void> add(const mesh::Mesh& mesh, Notes& notes) = 0;
-  // Writes what follows the last mesh. Call once.
+  // Completes the file, and writes the meshes if MeshFormatInfo::writes_each_mesh_at_once is false. Call once.
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;
   // Returns one entry per mesh if packing was requested; all zero for a mesh without triangles.
   [[nodiscard]] virtual std::vector<PackedFacts> packed() const { return {}; }
@@ -33,7 +33,8 @@ class FormatWriter {
                                                             files::OutputFile& file);
 
 // Writes a GLB of two or more unpacked meshes; `file` must be a regular one. Each mesh must live only during add(). The
-// bytes are those of make_glb_writer(), but finish() moves the data behind the JSON: only commit() knows the hash.
+// bytes are those of make_glb_writer(), but finish() moves the data to make room for the JSON. So the file has no
+// hash until commit() reads it back.
 [[nodiscard]] std::unique_ptr<FormatWriter> make_streamed_glb_writer(const MeshWriteOptions& options,
                                                                      const Context& context, files::OutputFile& file);
 
