@@ -12,8 +12,8 @@ namespace isoextract {
 
 class DisjointSets {
  public:
-  // `parents` must outlive the object and holds the parent of each element; that of a root is itself. With `alone`, one
-  // thread joins all sets, which takes no locked instructions.
+  // `parents` must outlive the object and holds the parent of each element; that of a root is itself. Elements that no
+  // call joins may hold other numbers. With `alone`, one thread joins all sets, which takes no locked instructions.
   explicit DisjointSets(std::span<std::uint32_t> parents, bool alone = false) : parents_(parents), alone_(alone) {}
 
   // Joins the sets of two elements.
@@ -27,7 +27,8 @@ class DisjointSets {
     }
   }
 
-  // Returns the lowest element known to be in the set of `element`. Shortens the path for later calls.
+  // Returns the lowest element known to be in the set of `element`. Shortens the path for later calls. So while several
+  // threads call it, the parents of elements, stored roots too, may become older ancestors, which are not yet roots.
   [[nodiscard]] std::uint32_t root(std::uint32_t element) const {
     std::uint32_t up = load(element);
     while (up != element) {

@@ -86,17 +86,6 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
   return report;
 }
 
-// Reads a field; 64-bit integers that double cannot hold as ids of labels.
-Result<field::ScalarField> read_values_or_ids(const std::string& input, volume_io::ReadOptions read,
-                                              const Context& context) {
-  convert::Events unheard;  // ignores events: the report has the notes
-  auto values = convert::read_field(input, read, context, unheard);
-  if (values || values.error().code != ErrorCode::input) return values;
-  read.label_ids = true;
-  auto ids = convert::read_field(input, read, context, unheard);
-  return ids && ids->label_ids != nullptr ? std::move(ids) : std::move(values);
-}
-
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Described& described,
                             const Messages& messages) {
   const Context context{plan.memory};
@@ -104,7 +93,16 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   read.volume = described.volume;
   read.component = described.component;
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
-  auto field = read_values_or_ids(input, read, context);
+  convert::Events unheard;  // ignores events: the report has the notes
+  auto field = convert::read_field(input, read, context, unheard);
+  std::optional<Error> no_values;
+  if (!field && field.error().code == ErrorCode::input) {
+    // A double may not hold 64-bit integers, but they may be ids of labels.
+    no_values = std::move(field.error());
+    read.label_ids = true;
+    field = convert::read_field(input, read, context, unheard);
+    if (!field || !field->label_ids) return tl::unexpected(std::move(*no_values));
+  }
   if (!field) return tl::unexpected(std::move(field.error()));
   FieldReport report;
   report.field = std::move(*field);
@@ -112,13 +110,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   report.suggestion = field::suggest_iso(report.field, report.statistics);
   report.ct = field::suggest_ct_isos(report.field, report.statistics);
   report.labels = report_labels(input, described.volume, context, report.field);
-  if (report.field.label_ids && !report.labels) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: expected labels, or integers that a double represents exactly, found 64-bit integers "
-                            "that are neither",
-                            printable(input)),
-                "subtract a common offset from the values, or divide them");
-  }
+  if (no_values && !report.labels) return tl::unexpected(std::move(*no_values));
   return report_of(plan, input, described, std::move(report));
 }
 

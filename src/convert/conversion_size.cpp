@@ -129,11 +129,20 @@ std::uint64_t mesh_bytes(const ConversionSize& size, bool has_normals) {
   return size.vertices * (has_normals ? 2 : 1) * sizeof(glm::vec3) + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
-// Returns how many parts of a mesh are in memory at a time.
-std::uint64_t parts_in_memory(const MeshFileOptions& file) {
-  if (file.format == mesh_io::MeshFormat::stl) return 2;  // one waits for the next
-  const bool in_order = file.format == mesh_io::MeshFormat::obj || file.ascii;
-  return in_order ? 1 : static_cast<std::uint64_t>(usable_threads());
+// Returns the memory of the parts of a mesh that are in memory at a time, and of what is made of them for the file.
+std::uint64_t parts_bytes(const ConversionSize& size, const MeshFileOptions& file, bool has_normals) {
+  const auto threads = static_cast<std::uint64_t>(usable_threads());
+  const std::uint64_t record_bytes = 2 * threads << 20U;  // files::write_records()
+  const auto of_parts = [&](std::uint64_t parts, std::uint64_t bytes) {
+    return bytes / size.slabs * std::min(parts, size.slabs) * 5 / 4;
+  };
+  if (file.format == mesh_io::MeshFormat::stl) return of_parts(2, mesh_bytes(size, false)) + record_bytes;
+  if (file.format == mesh_io::MeshFormat::obj || file.ascii) {
+    // A pass has either the vertices or the triangles.
+    const std::uint64_t vertex_bytes = mesh_bytes(size, has_normals) - estimated_triangles(size) * sizeof(glm::uvec3);
+    return of_parts(1, std::max(vertex_bytes, estimated_triangles(size) * sizeof(glm::uvec3))) + record_bytes;
+  }
+  return of_parts(threads, mesh_bytes(size, has_normals));
 }
 
 }  // namespace
@@ -175,8 +184,7 @@ std::uint64_t estimated_bytes(const ConversionSize& size) { return bytes_without
 
 std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file, bool has_normals) {
   if (size.slabs == 0) return estimated_bytes(size);
-  const std::uint64_t parts = std::min(parts_in_memory(file), size.slabs);
-  return bytes_without_mesh(size) + mesh_bytes(size, has_normals) / size.slabs * parts * 3 / 2;
+  return bytes_without_mesh(size) + parts_bytes(size, file, has_normals);
 }
 
 Result<std::uint64_t> estimated_memory(const ConversionJob& job, bool whole_meshes, const MemoryBudget& memory) {

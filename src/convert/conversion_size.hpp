@@ -36,8 +36,8 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 // blocks far apart.
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
 // Returns the same for a mesh that goes to its file part by part (extract::ExtractOptions::sink), with or without
-// normals. A part is the mesh of one slab, taken to be 1.5 times the mean; the format decides how many are in memory at
-// a time. The same as estimated_bytes() for sparse samples.
+// normals. A part is the mesh of one slab, taken to be 1.25 times the mean; the format decides how many are in memory
+// at a time. Low for a surface that lies in few slabs. The same as estimated_bytes() for sparse samples.
 [[nodiscard]] std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file,
                                                      bool has_normals);
 // Returns twice the number of vertices, as a closed surface has.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <new>
 #include <numeric>
 #include <optional>
@@ -26,6 +27,10 @@ constexpr std::uint64_t kMostPairs = 1 << 20;
 constexpr int kMostLooks = 4;                  // each look takes the pairs that the one before left
 constexpr std::uint64_t kMostSearched = 2000;  // more pairs than this are left to flips: each search takes about 0.05 s
 constexpr double kMostMove = 1;                // in the space of UntangleOptions::to_metric
+// While more pairs than kFewPairs are left, as of bodies that overlap, searching ends unless it removes a tenth of
+// them.
+constexpr std::uint64_t kFewPairs = 100;
+constexpr double kLeastGain = 0.1;
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;
 
@@ -88,6 +93,7 @@ class Patch {
       vertices_.push_back(v);
     }
     mesh_.name = mesh.name;
+    mesh_.origin = mesh.origin;  // walls and cuts lie there
     mesh_.positions = Buffer<glm::vec3>(vertices_.size());
     before_.resize(vertices_.size());
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
@@ -112,7 +118,7 @@ class Patch {
   [[nodiscard]] std::span<const glm::vec3> before() const { return before_; }
 
   // Splits edges for new vertices where that leaves fewer pairs. Returns the number of splits.
-  std::size_t split_edges(const Pairs& pairs, const UntangleOptions& options) {
+  std::size_t split_edges(const Pairs& pairs, const UntangleOptions& options, const Context& context) {
     const auto vertices = static_cast<std::uint32_t>(mesh_.positions.size());
     const auto triangles = static_cast<std::uint32_t>(mesh_.triangles.size());
     resize(vertices + pairs.size(), triangles + 2 * pairs.size());
@@ -122,7 +128,7 @@ class Patch {
     }
     const Signal signal(mesh_, bounds_of(options));
     PlaceSearch search(mesh_, signal, before_, {options.to_metric, kMostMove});
-    const auto edges = search.split_edges(pairs, vertices, triangles);
+    const auto edges = search.split_edges(pairs, vertices, triangles, context);
     resize(vertices + edges.size(), triangles + 2 * edges.size());
     for (const auto& [a, b] : edges) {
       before_[vertices_.size() + split_.size()] = glm::vec3(0.5 * (glm::dvec3(before_[a]) + glm::dvec3(before_[b])));
@@ -190,33 +196,45 @@ class Patch {
   std::vector<std::array<std::uint32_t, 2>> split_;  // the edge of each new vertex
 };
 
-// Flips edges; in rounds without a flip moves vertices; and in rounds without a move splits edges.
-Result<void> untangle_patch(Patch& patch, const UntangleOptions& options, UntangleFigures& figures,
+// Flips edges; in rounds without a flip moves vertices; and in rounds without a move splits edges. Returns whether
+// anything changed.
+Result<bool> untangle_patch(Patch& patch, const UntangleOptions& options, UntangleFigures& figures,
                             const Context& context) {
   mesh::Mesh& mesh = patch.mesh();
+  bool any = false;
+  std::uint64_t searched = std::numeric_limits<std::uint64_t>::max();  // pairs before the last search
   for (int round = 0; round < kMostRounds; ++round) {
     const auto found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
-    if (found.pairs == 0) return {};
+    if (found.pairs == 0) return any;
     const auto memory = TRY(context.reserve(2 * Neighbors::bytes(3 * mesh.triangles.size(), mesh.positions.size()) +
                                                 std::max(EdgeFlips::bytes(mesh), PlaceSearch::bytes(mesh)) +
                                                 Patch::split_bytes(found.pairs),
                                             mesh.name + ": the vertices of intersecting triangles"));
     ++figures.rounds;
     TRY(context.check());
-    std::size_t changes = EdgeFlips(mesh, Signal(mesh, bounds_of(options))).run(found.examples);
+    std::size_t changes = EdgeFlips(mesh, Signal(mesh, bounds_of(options))).run(found.examples, context);
+    TRY(context.check());
     figures.flips += changes;
+    any = any || changes > 0;
     if (changes > 0) continue;
-    if (found.pairs > kMostSearched) return {};
+    const bool gains_little = static_cast<double>(found.pairs) > (1 - kLeastGain) * static_cast<double>(searched);
+    if (found.pairs > kMostSearched || (found.pairs > kFewPairs && gains_little)) return any;
+    searched = found.pairs;
     {
       const Signal signal(mesh, bounds_of(options));
-      changes = PlaceSearch(mesh, signal, patch.before(), {options.to_metric, kMostMove}).move_vertices(found.examples);
+      PlaceSearch search(mesh, signal, patch.before(), {options.to_metric, kMostMove});
+      changes = search.move_vertices(found.examples, context);
     }
+    TRY(context.check());
+    any = any || changes > 0;
     if (changes > 0) continue;
-    changes = patch.split_edges(found.examples, options);
+    changes = patch.split_edges(found.examples, options, context);
+    TRY(context.check());
     figures.splits += changes;
-    if (changes == 0) return {};
+    if (changes == 0) return any;
+    any = true;
   }
-  return {};
+  return any;
 }
 
 Result<UntangleFigures> untangle_mesh(mesh::Mesh& mesh, const UntangleOptions& options, const Context& context) {
@@ -234,7 +252,7 @@ Result<UntangleFigures> untangle_mesh(mesh::Mesh& mesh, const UntangleOptions& o
     std::vector<glm::vec3> before = old_positions;
     for (int look = 0; look < kMostLooks && found.pairs > 0; ++look) {
       Patch patch(mesh, before, found.examples, options.to_metric);
-      TRY(untangle_patch(patch, options, figures, context));
+      if (!TRY(untangle_patch(patch, options, figures, context))) break;
       patch.put_back(mesh, before);
       found = TRY(mesh::find_self_intersections(mesh, {kMostPairs, kMostPairs}, context));
     }

@@ -5,10 +5,10 @@
 // (detail/edge_flips.hpp). In a round without such a flip, it moves single vertices to places with fewer pairs. In a
 // round without such a move, it splits edges by new vertices at such places (detail/place_search.hpp): a tunnel with
 // three edges around it may have too few vertices for any place to help. Each change leaves fewer pairs. No vertex
-// moves farther than a voxel in total.
+// moves farther than a voxel in total. Vertices of more than 64 triangles do not move.
 //
-// Vertices of boundary edges and of cuts stay in place; vertices of caps move only in the plane of their cap. A cap
-// keeps its outline: its triangles change only for other triangles of the cap.
+// Vertices of boundary edges and of cuts stay in place; vertices of caps move only in the plane of their cap. Flips
+// keep the outline of a cap: its triangles change only for other triangles of the cap.
 #pragma once
 
 #include <cstdint>
@@ -48,11 +48,11 @@ struct UntangleFigures {
 };
 
 // Changes the mesh until no triangles intersect or no change leaves fewer pairs. While more than 2,000 pairs are left,
-// only flips edges. Leaves a mesh without intersections unchanged. Otherwise keeps the order of the vertices, their
-// attributes and their old normals, and drops edge keys. New vertices and triangles follow the old ones; a new vertex
-// has normal and attributes of one end of its edge. A closed manifold stays one, with the same genus. Positions must be
-// finite. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or
-// ErrorCode::cancelled.
+// only flips edges; while more than 100 are left, it goes on only if the other changes remove a tenth of them. Leaves a
+// mesh without intersections unchanged. Otherwise keeps the order of the vertices, their attributes and their old
+// normals, and drops edge keys. New vertices and triangles follow the old ones; a new vertex has normal and attributes
+// of one end of its edge. A closed manifold stays one, with the same genus. Positions must be finite. The result does
+// not depend on the number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
 [[nodiscard]] Result<UntangleFigures> untangle(mesh::Mesh& mesh, const UntangleOptions& options,
                                                const Context& context);
 

@@ -44,7 +44,7 @@ Components::Components(std::span<const glm::uvec3> triangles, std::size_t vertic
     const auto v = static_cast<std::uint32_t>(i);
     if (sets.load(v) != kNone) sets.store(v, sets.root(v));
   });
-  // A root comes first in its component, so it has its number already.
+  // Each parent, a root or not, comes earlier, so it has its number already.
   for (std::size_t v = 0; v < vertices; ++v) {
     if (label_[v] != kNone) label_[v] = label_[v] == v ? count_++ : label_[label_[v]];
   }

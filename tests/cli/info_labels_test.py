@@ -169,7 +169,7 @@ class InfoLabelsTest(ProgramTest):
             self.assertIn(f"values        {volume.min()} .. {volume.max()}\n", text)
         noise = np.random.default_rng(1).integers(first, first + 1000, (16, 16, 16))
         run = self.run_program("info", *self.write(noise))
-        self.assert_fails(2, run, "v.npy: expected labels, or integers that a double represents exactly, found 64-bit integers that are neither")
+        self.assert_fails(2, run, f"v.npy: expected integers that a double represents exactly (all up to 2^53, above 2^53 only some), found {noise[0, 0, 0]} at sample (0, 0, 0)")
 
     def test_what_is_no_label_map(self):
         random = np.random.default_rng(3)

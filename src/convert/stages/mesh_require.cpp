@@ -40,9 +40,8 @@ std::string line_of(const edit::UntangleFigures& done, const Surface& surface, c
   const std::string place = surface.id.place();
   if (done.pairs_before == 0) return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
   return fmt::format(
-      "untangled{}: {} of {}{} pairs of intersecting triangles left; {} edges flipped, {} vertices moved, {} edges "
-      "split "
-      "in {} rounds; the surface moved by at most {:.3g} {}; {:.2f} s",
+      "untangled{}: {} of {}{} pairs of intersecting triangles left; flipped edges: {}, moved vertices: {}, split "
+      "edges: {}, in {} rounds; the surface moved by at most {:.3g} {}; {:.2f} s",
       place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, done.moved,
       done.splits, done.rounds, done.distance, source.of_meshes ? "typical edge lengths" : "voxels",
       done.time.wall_seconds);
@@ -89,17 +88,23 @@ Result<StageReport> untangle_surface(Surface& surface, const StageContext& stage
     const auto topology = TRY(mesh::measure_topology(surface.mesh, stage.context));
     if (topology.open_edges > 0) return StageReport();
   }
-  // Rounding to the coordinates of the file moves triangles, so it comes first.
-  if (readers_weld(stage.job) && surface.mesh.origin != glm::dvec3(0)) {
-    surface.mesh.positions = written_positions(surface.mesh);
-    surface.mesh.origin = glm::dvec3(0);
-  }
   edit::UntangleOptions options;
   options.to_metric = stage.source.output_from_index.inverse().linear;
+  // Rounding to the coordinates of the file moves triangles, so it comes first.
+  double rounded_by = 0;
+  if (readers_weld(stage.job) && surface.mesh.origin != glm::dvec3(0)) {
+    Buffer<glm::vec3> rounded = written_positions(surface.mesh);
+    for (std::size_t v = 0; v < rounded.size(); ++v) {
+      const glm::dvec3 step = glm::dvec3(rounded[v]) - surface.mesh.position(v);
+      rounded_by = std::max(rounded_by, glm::length(options.to_metric * step));
+    }
+    surface.mesh.positions = std::move(rounded);
+    surface.mesh.origin = glm::dvec3(0);
+  }
   options.walls = box_of_caps(stage);
   if (stage.job.surface.cap) options.cuts = stage.source.clip;
   const edit::UntangleFigures done = TRY(edit::untangle(surface.mesh, options, stage.context));
-  surface.untangled_by = done.distance;
+  surface.untangled_by = rounded_by + done.distance;
   StageReport report = stage.report_on(StageName::untangle, surface);
   report.add_timed({{Key::pairs, Figures{{Key::before, done.pairs_before}, {Key::after, done.pairs_after}}},
                     {Key::flips, done.flips},

@@ -343,7 +343,10 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   result.facts = simplified.facts;
   set_components(result, before, after);
   plan.set_distance(result, surface.untangled_by);
-  surface.simplified_by = result.voxels.upper;
+  // Untangling keeps caps in their planes, so only simplification can have moved them.
+  Simplified alone = result;
+  plan.set_distance(alone, 0);
+  surface.simplified_by = alone.voxels.upper;
   StageReport report = report_of(choice, result, surface, stage);
   add_sentences(report, choice, result, surface.id.place(), report.subject, stage.source);
   return report;

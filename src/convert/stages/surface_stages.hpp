@@ -34,8 +34,8 @@ struct Surface {
   bool distinct_positions = false;               // no two vertices coincide in a file of float32; false: unknown
   std::uint64_t label_voxels = 0;                // voxels of the label in the region
   double label_volume = 0;                       // volume of these voxels, in output coordinates
-  double untangled_by = 0;                       // upper bound of how far untangling moved the surface, in voxels
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
+  double untangled_by = 0;                       // upper bound of how far untangling and rounding moved it
 
   [[nodiscard]] std::uint64_t vertices() const { return taken ? taken->vertices : mesh.positions.size(); }
   [[nodiscard]] std::uint64_t triangles() const { return taken ? taken->triangles : mesh.triangles.size(); }

@@ -14,9 +14,10 @@ EdgeFlips::EdgeFlips(mesh::Mesh& mesh, const Signal& signal)
       counter_(mesh),
       changed_(mesh.positions.size(), 0) {}
 
-std::size_t EdgeFlips::run(std::span<const std::array<std::uint32_t, 2>> pairs) {
+std::size_t EdgeFlips::run(std::span<const std::array<std::uint32_t, 2>> pairs, const Context& context) {
   std::size_t flips = 0;
   for (const auto& pair : pairs) {
+    if (!context.check()) break;
     std::optional<Flip> best;
     for (const std::uint32_t t : pair) {
       for (int corner = 0; corner < 3; ++corner) {

@@ -10,6 +10,7 @@
 
 #include <glm/glm.hpp>
 
+#include "base/context.hpp"
 #include "edit/detail/pair_counter.hpp"
 #include "edit/detail/smooth_signal.hpp"
 #include "mesh/adjacency.hpp"
@@ -28,8 +29,9 @@ class EdgeFlips {
            mesh.positions.size();
   }
 
-  // Flips at most one edge at each vertex, and returns the number of flips. For more flips, make a new object.
-  std::size_t run(std::span<const std::array<std::uint32_t, 2>> pairs);
+  // Flips at most one edge at each vertex, and returns the number of flips. Ends early if the context is cancelled. For
+  // more flips, make a new object.
+  std::size_t run(std::span<const std::array<std::uint32_t, 2>> pairs, const Context& context);
 
  private:
   struct Flip {

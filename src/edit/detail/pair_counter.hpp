@@ -1,7 +1,7 @@
 // Counts the intersections of a few triangles of a mesh, before and after a change to them.
 //
 // A BoxTree finds the triangles nearby. It keeps its shape when triangles change; the boxes of its nodes grow. Tests
-// are exact and count as mesh/self_intersections.hpp does.
+// are exact, as those of mesh/self_intersections.hpp, but count triangles with the same three corners as well.
 #pragma once
 
 #include <cstddef>

@@ -77,7 +77,9 @@ std::optional<PlaceSearch::Found> PlaceSearch::find_place(std::uint32_t vertex, 
 }
 
 std::optional<PlaceSearch::Move> PlaceSearch::best_move(std::uint32_t vertex) {
-  if (signal_.bound(vertex) >= kFixed) return std::nullopt;
+  // Each place takes time by the square of the number of triangles: those of a vertex with many stay.
+  constexpr std::size_t kMostTriangles = 64;
+  if (signal_.bound(vertex) >= kFixed || around_.corners(vertex).size() > kMostTriangles) return std::nullopt;
   const std::vector<PairCounter::Triangle> star = star_of(vertex);
   const std::size_t before = counter_.count(star, kAnyNumber);
   const auto found = find_place(vertex, signal_.bound(vertex), before_[vertex], star, before);
@@ -85,9 +87,10 @@ std::optional<PlaceSearch::Move> PlaceSearch::best_move(std::uint32_t vertex) {
   return Move{vertex, found->place, before - found->pairs};
 }
 
-std::size_t PlaceSearch::move_vertices(Pairs pairs) {
+std::size_t PlaceSearch::move_vertices(Pairs pairs, const Context& context) {
   std::size_t moves = 0;
   for (const auto& pair : pairs) {
+    if (!context.check()) break;
     std::optional<Move> best;
     for (const std::uint32_t t : pair) {
       for (int corner = 0; corner < 3; ++corner) {
@@ -136,9 +139,10 @@ std::optional<PlaceSearch::Split> PlaceSearch::split_at(std::uint32_t t, int cor
 }
 
 std::vector<std::array<std::uint32_t, 2>> PlaceSearch::split_edges(Pairs pairs, std::uint32_t first_spare,
-                                                                   std::uint32_t first_half) {
+                                                                   std::uint32_t first_half, const Context& context) {
   std::vector<std::array<std::uint32_t, 2>> edges;
   for (const auto& pair : pairs) {
+    if (!context.check()) break;
     const auto spare = static_cast<std::uint32_t>(first_spare + edges.size());
     const auto half = static_cast<std::uint32_t>(first_half + 2 * edges.size());
     std::optional<Split> best;

@@ -11,6 +11,7 @@
 
 #include <glm/glm.hpp>
 
+#include "base/context.hpp"
 #include "edit/detail/pair_counter.hpp"
 #include "edit/detail/smooth_signal.hpp"
 #include "mesh/adjacency.hpp"
@@ -38,14 +39,14 @@ class PlaceSearch {
   }
 
   // Moves at most one vertex of each pair: the one whose move leaves the fewest pairs. Each move leaves fewer pairs.
-  // Returns the number of moves.
-  std::size_t move_vertices(Pairs pairs);
+  // Returns the number of moves. Ends early if the context is cancelled, as split_edges() does.
+  std::size_t move_vertices(Pairs pairs, const Context& context);
 
   // Splits at most one edge of each pair, for a new vertex at the place that leaves the fewest pairs. Each split leaves
   // fewer pairs. `spares` are vertices that only triangles with repeated indices use: of vertex i of them, triangles
   // 2 i and 2 i + 1 of `halves`. Returns the split edges, one for each spare used. For more splits, make a new object.
   std::vector<std::array<std::uint32_t, 2>> split_edges(Pairs pairs, std::uint32_t first_spare,
-                                                        std::uint32_t first_half);
+                                                        std::uint32_t first_half, const Context& context);
 
  private:
   struct Found {

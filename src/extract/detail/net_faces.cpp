@@ -208,7 +208,7 @@ void NetFaces::number_shells() {
         if (const std::uint32_t parent = sets.load(node); parent != kNoShell) sets.store(node, sets.root(parent));
       },
       kGrain);
-  // The root of a set is its lowest node, so it has its number before the others need it.
+  // Each parent, a root or not, is a lower node, so it has its number before others need it.
   for (std::uint32_t node = 0; node < of_shells_.size(); ++node) {
     std::uint32_t& root = of_shells_[node];
     if (root == node) {

@@ -139,8 +139,13 @@ class PartwiseStlWriter final : public PartwiseWriter {
 
   Result<void> take(const mesh::MeshPart& part) override {
     TRY(write_waiting(part.positions));
-    const std::uint64_t bytes = part.positions.size_bytes() + part.triangles.size_bytes();
+    // The vectors keep the room of their largest part; a larger part replaces it.
+    const std::size_t vertices = std::max(part.positions.size(), positions_.capacity());
+    const std::size_t triangles = std::max(part.triangles.size(), triangles_.capacity());
+    const std::uint64_t bytes = vertices * sizeof(glm::vec3) + triangles * sizeof(glm::uvec3);
     if (bytes > memory_.bytes()) memory_.take(TRY(reserve(bytes - memory_.bytes())));
+    if (vertices > positions_.capacity()) positions_ = {};
+    if (triangles > triangles_.capacity()) triangles_ = {};
     first_vertex_ = part.first_vertex;
     positions_.assign(part.positions.begin(), part.positions.end());
     triangles_.assign(part.triangles.begin(), part.triangles.end());
