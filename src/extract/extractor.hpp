@@ -61,12 +61,12 @@ struct ExtractOptions {
   // precision (edge_geometry.hpp). No effect on a region that, with `cap`, reaches more than one step beyond the data.
   bool shared_origin = false;
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
-  // Receives the mesh part by part; null: no sink. Works on the CPU for mc and mt with dense samples, without edge
-  // keys. If samples are NaN, it also needs another policy than NanPolicy::hole, and no smooth normals. Otherwise, and
-  // if the sink declines (MeshSink::begin()), the mesh is Extraction::mesh.
-  // Several ranks can share the extraction (MeshSink::ranks()) in the same cases, without a cap or holes. Each then
-  // extracts a part of the samples; statistics are those of the whole surface. If the mesh must be whole, rank 0
-  // extracts it alone, and the others fail with ErrorCode::cancelled.
+  // Receives the mesh part by part, once for each of MeshSink::passes(); null: no sink. Works on the CPU for mc and mt
+  // with dense samples, without edge keys. If samples are NaN, it also needs another policy than NanPolicy::hole, and
+  // no smooth normals. Otherwise, and if the sink declines (MeshSink::begin()), the mesh is Extraction::mesh. Several
+  // ranks can share the extraction (MeshSink::ranks()) in the same cases, without a cap or holes. Each then extracts a
+  // part of the samples; statistics are those of the whole surface. If the mesh must be whole, rank 0 extracts it
+  // alone, and the others fail with ErrorCode::cancelled.
   mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;

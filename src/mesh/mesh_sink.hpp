@@ -21,12 +21,13 @@ struct MeshShape {
   bool has_normals = false;
   bool may_be_open = false;         // the mesh may have boundary edges
   bool distinct_positions = false;  // no two vertices have equal positions
-  // If the parts come in order, triangles refer to vertices of their own part, of the next one, and to these,
-  // ascending.
+  // If the parts come in order, triangles refer to vertices of their own part, of the next one, and to these, which
+  // are in ascending order.
   std::vector<std::uint32_t> far_vertices = {};
 };
 
-// Sets neither `may_be_open` and `distinct_positions`, which take a pass over the mesh, nor `far_vertices`.
+// Sets neither `may_be_open`, which takes a pass over the mesh, nor `distinct_positions` and `far_vertices`, which the
+// extraction knows.
 [[nodiscard]] inline MeshShape shape_of(const Mesh& mesh) {
   return {.origin = mesh.origin,
           .vertices = mesh.positions.size(),

@@ -44,8 +44,8 @@ class PartwiseOutput final : public mesh::MeshSink {
 // can share it may depend on the input, too.
 [[nodiscard]] bool writes_shared_parts(const ConversionJob& job);
 
-// Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction: a
-// GLB with few vertices does not.
+// Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
+// Two cases are not: a GLB with few vertices, and smooth normals beside NaN samples, do not.
 [[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
 
 // If a surface failed for lack of memory, adds to its hint which files take a mesh in parts.

@@ -477,7 +477,7 @@ Result<Extraction> extract_dense(const field::ScalarField& field, const field::D
       DenseExtraction<T> share(field, view, region, std::nullopt, options, context, ranks);
       auto extraction = extract_surface(field, options, share, context);
       if (!extraction || extraction->taken) return extraction;
-      ranks->work_alone("the mesh is small, or the writer or NaN samples need it whole");
+      ranks->work_alone("the mesh is small, or the writer, NaN samples or vertices at equal positions need it whole");
       if (!ranks->is_first()) return leave_to_first_rank();
     }
     // Without masks of all samples, each sample is compared twice. Holes need them.

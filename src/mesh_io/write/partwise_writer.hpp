@@ -1,4 +1,4 @@
-// Writers of a file with one mesh, whose parts come one by one (mesh/mesh_sink.hpp). The file has the same bytes as one
+// Writers of a file with one mesh, which they get in parts (mesh/mesh_sink.hpp). The file has the same bytes as one
 // written from the whole mesh. In binary PLY and GLB, whose records have one size, take() writes each part to its
 // place, in any order. Text is written in order, and so is STL: its triangles need the vertices of the next part.
 #pragma once
