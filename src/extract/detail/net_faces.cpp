@@ -223,9 +223,9 @@ NearFaces::NearFaces(const NetGrid& grid, const NetFaces& faces, std::size_t chu
   for (int n = 0; n < 4; ++n) {
     const int step_y = (n & 1) - 1;
     const int step_z = (n >> 1) - 1;
-    const auto place_of_lower = static_cast<std::size_t>(3 * (step_y + 1) + 9 * (step_z + 1));
-    const std::int32_t lower = grid.near(chunk)[place_of_lower];
-    const std::int32_t middle = grid.near(chunk)[place_of_lower + 1];
+    const int place_of_lower = 3 * (step_y + 1) + 9 * (step_z + 1);
+    const std::int32_t lower = grid.near(chunk)[static_cast<std::size_t>(place_of_lower)];
+    const std::int32_t middle = grid.near(chunk)[static_cast<std::size_t>(place_of_lower) + 1];
     for (int z = step_z < 0 ? 7 : 0; z < 8; ++z) {
       for (int y = step_y < 0 ? 7 : 0; y < 8; ++y) {
         const int place = NearPlaces::of(0, y + 8 * step_y, z + 8 * step_z);
