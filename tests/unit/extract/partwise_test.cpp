@@ -208,7 +208,7 @@ TEST_P(Partwise, MakesWholeMeshIfSinkDeclines) {
 }
 
 TEST_P(Partwise, OffersNoMeshThatIsEditedAsWhole) {
-  field::ScalarField dense = test::random_field<float>({20, 20, 20}, 5, 1000);
+  field::ScalarField dense = test::random_field<float>({24, 24, 24}, 5, 1000);
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   Assembler sink;
   ExtractOptions options = test::options_of(GetParam(), 500);
