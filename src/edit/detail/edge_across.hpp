@@ -1,6 +1,7 @@
-// Finds the triangle on the other side of an edge.
+// Edges of intersecting triangles: the triangle on the other side, and the best change at one of them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -20,6 +21,20 @@ inline std::optional<mesh::Corner> find_corner_across(const mesh::Mesh& mesh, co
     found = corner;
   }
   return found;
+}
+
+// Returns the change with the largest gain among change_at(triangle, corner) of a pair, each of which may be nothing;
+// the first of equal ones.
+template <class ChangeAt>
+auto best_of_pair(const std::array<std::uint32_t, 2>& pair, const ChangeAt& change_at) {
+  decltype(change_at(pair[0], 0)) best;
+  for (const std::uint32_t t : pair) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const auto change = change_at(t, corner);
+      if (change && (!best || change->gain > best->gain)) best = change;
+    }
+  }
+  return best;
 }
 
 }  // namespace isoextract::edit

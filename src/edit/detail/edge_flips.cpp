@@ -18,13 +18,7 @@ std::size_t EdgeFlips::run(std::span<const std::array<std::uint32_t, 2>> pairs, 
   std::size_t flips = 0;
   for (const auto& pair : pairs) {
     if (!context.check()) break;
-    std::optional<Flip> best;
-    for (const std::uint32_t t : pair) {
-      for (int corner = 0; corner < 3; ++corner) {
-        const auto flip = flip_at(t, corner);
-        if (flip && (!best || flip->gain > best->gain)) best = flip;
-      }
-    }
+    const auto best = best_of_pair(pair, [&](std::uint32_t t, int corner) { return flip_at(t, corner); });
     if (!best) continue;
     apply(*best);
     ++flips;

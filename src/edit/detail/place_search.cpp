@@ -91,13 +91,8 @@ std::size_t PlaceSearch::move_vertices(Pairs pairs, const Context& context) {
   std::size_t moves = 0;
   for (const auto& pair : pairs) {
     if (!context.check()) break;
-    std::optional<Move> best;
-    for (const std::uint32_t t : pair) {
-      for (int corner = 0; corner < 3; ++corner) {
-        const auto move = best_move(mesh_.triangles[t][corner]);
-        if (move && (!best || move->gain > best->gain)) best = move;
-      }
-    }
+    const auto best =
+        best_of_pair(pair, [&](std::uint32_t t, int corner) { return best_move(mesh_.triangles[t][corner]); });
     if (!best) continue;
     mesh_.positions[best->vertex] = best->place;
     for (const auto& t : star_of(best->vertex)) counter_.update(t.number);
@@ -145,13 +140,7 @@ std::vector<std::array<std::uint32_t, 2>> PlaceSearch::split_edges(Pairs pairs, 
     if (!context.check()) break;
     const auto spare = static_cast<std::uint32_t>(first_spare + edges.size());
     const auto half = static_cast<std::uint32_t>(first_half + 2 * edges.size());
-    std::optional<Split> best;
-    for (const std::uint32_t t : pair) {
-      for (int corner = 0; corner < 3; ++corner) {
-        const auto split = split_at(t, corner, spare, half);
-        if (split && (!best || split->gain > best->gain)) best = split;
-      }
-    }
+    const auto best = best_of_pair(pair, [&](std::uint32_t t, int corner) { return split_at(t, corner, spare, half); });
     if (!best) continue;
     mesh_.positions[spare] = best->place;
     for (const PairCounter::Triangle& t : best->after) {
