@@ -36,7 +36,7 @@ namespace isoextract::convert {
 // Keys of figures; the JSON report uses the same names.
 // clang-format off
 #define ISOEXTRACT_FIGURES(NAME) \
-  NAME(welded) NAME(without_area) NAME(duplicates) NAME(turned) NAME(contradictions) NAME(holes_filled) NAME(fill_triangles) NAME(holes_left) NAME(components_turned) NAME(verdict) \
+  NAME(welded) NAME(without_area) NAME(duplicates) NAME(turned) NAME(contradictions) NAME(holes_filled) NAME(fill_triangles) NAME(holes_left) NAME(vertices_split) NAME(unused_removed) NAME(components_turned) NAME(verdict) \
   NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) NAME(backends) \
   NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) NAME(bricks_inside) \
   NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) NAME(cap_vertices) NAME(cavities) NAME(cavity) \
