@@ -63,12 +63,13 @@ void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const field::IndexBox& box,
                 const OutputPlacement& placement);
 
-// Remove from options and sizes the arrays that a pass does not ask for.
+// Returns `options`, without smooth_normals if the pass does not ask for normals.
 [[nodiscard]] ExtractOptions options_in(const mesh::PartPass& pass, ExtractOptions options);
+// Returns `sizes`, with 0 vertices or triangles if the pass asks for no array of them.
 [[nodiscard]] MeshSizes sizes_in(const mesh::PartPass& pass, const MeshSizes& sizes);
 
-// Hands a part to a sink: of each array of `part` that the pass asks for, as many elements as `sizes` says. `first` are
-// the numbers of its first vertex and triangle. Fails as the sink does.
+// Hands the sink the arrays of `part` that the pass asks for, cut to the numbers of elements in `sizes`. `first` holds
+// the numbers of the part's first vertex and first triangle in the whole mesh. Fails as the sink does.
 [[nodiscard]] Result<void> deliver_part(mesh::MeshSink& sink, const mesh::PartPass& pass, const mesh::Mesh& part,
                                         const MeshSizes& first, const MeshSizes& sizes);
 
