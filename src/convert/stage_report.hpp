@@ -169,7 +169,8 @@ struct OpenBoundary {
   std::uint64_t hole_cells = 0;   // cells left out because of NaN samples
 };
 
-// Defects that readers of the file find: those that weld vertices by position, and all readers if the input was a mesh.
+// Defects that readers of the file find: readers that weld vertices by position, or, if the input was
+// a mesh, all readers.
 struct WeldedDefects {
   std::uint64_t open_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
@@ -198,7 +199,7 @@ struct WrittenOutput {
   std::uint64_t bytes = 0;
   std::size_t files = 0;
   std::optional<std::uint64_t> open_edges;  // boundary edges of its meshes, if they were counted
-  WeldedDefects welded;                     // zeros, too, if readers of the format keep all vertices apart
+  WeldedDefects welded;                     // zeros also if readers of the format keep all vertices apart
 };
 
 struct StageReport {
