@@ -49,7 +49,7 @@ namespace isoextract::convert {
                                                                  const Context& context);
 
 // Adds the files that the job reads: the input, the files that hold its samples or attributes, and the table of label
-// names. If the input is standard input, adds only the table and the file that standard input comes from. If the input
+// names. If the input is standard input, the first of these is the file that standard input comes from. If the input
 // cannot be examined, does not fail: reading the input fails later.
 void add_read_files(files::InputFileSet& read, const ConversionJob& job, const Context& context);
 // Adds a mesh file and its data files.
