@@ -5,8 +5,8 @@
 // Each group has its own normal and its own copy of the vertex, so that flat parts look flat. A group keeps the
 // vertex's old normal if that points against none of its triangles. If the triangles have a plane number
 // (ShadingOptions::planes), it must also be the plane's normal. If they have none and crease_degrees is set, the old
-// normal must be near the group's mean. The angle between them may be at most the largest angle between that mean and a
-// triangle of the group, or 1 degree if that is larger.
+// normal must be close to the group's mean. The allowed angle is the largest one between the mean and a triangle of the
+// group, but at least 1 degree.
 //
 // Else the group gets the mean, weighted by area, so that large flat triangles decide and slivers count little. If even
 // the mean points against a triangle, it is turned until it agrees with all of them. If that is impossible, the group
