@@ -173,7 +173,7 @@ Result<std::string> set_element_radii(ParticleSet& particles, ElementRadii radii
   if (!source && particles.size() > 0) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected an attribute 'species', 'element' or 'symbol' with the element of each "
-                            "particle, found none",
+                            "particle, or 'name' with the names of atoms, found none",
                             particles.label),
                 {Remedy::give, Setting::radius});
   }

@@ -98,7 +98,7 @@ class SelectionExpression {
 // Returns 0, 1 or 2 if the step is the name of a coordinate.
 [[nodiscard]] std::optional<std::size_t> axis_of(const SelectionStep& name);
 
-// Returns the word in quotes, as in the text of a condition.
+// Returns the word in quotes that it does not contain, as in the text of a condition. It must not contain all of ' " `.
 [[nodiscard]] std::string word_in_selection(std::string_view word);
 
 }  // namespace isoextract::points
