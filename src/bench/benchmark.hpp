@@ -48,7 +48,7 @@ struct BenchLevel {
   std::string size;  // samples along an axis ("64") or along each axis ("91x109x91")
   std::uint64_t cells = 0;
   double spacing = 0;     // side of a cube of a voxel's volume, in world units
-  bool is_truth = false;  // the data that all others are compared with; not used for convergence orders
+  bool is_truth = false;  // the level that all others are compared with; not used for convergence orders
 };
 
 // Median times of the stages of an extraction on a device, in seconds. The processor welds.
@@ -65,7 +65,7 @@ struct BenchDeviceTimes {
 };
 
 // Errors of the mesh of one method and backend at one level; the number of threads does not matter. Errors of normals
-// are set only if the truth is a formula; `smooth_normals` only if the method has them, too.
+// are set only if the truth is a formula; `smooth_normals` also needs a method with MethodTraits::gradient_normals.
 struct BenchErrors {
   // At points inside the triangles, in voxels of this resolution and in world units.
   std::optional<accuracy::ErrorStatistics> position;
