@@ -22,7 +22,7 @@ struct PositionLattice {
   // format has no nodes.
   glm::dvec3 origin{0.0};
 
-  // Returns point n relative to the origin. Exact, since it is less than 2^24 steps away.
+  // Returns point n relative to the origin. Exact, since the point is at most 2^24 steps from the origin.
   [[nodiscard]] glm::vec3 local(const glm::uvec3& n) const { return local_first() + glm::vec3(glm::dvec3(n) * step); }
   [[nodiscard]] glm::vec3 local_first() const { return glm::vec3(first * step - origin); }
 };
@@ -42,7 +42,7 @@ struct LatticePositions {
   std::uint64_t flattened_triangles = 0;
 };
 
-// Rounds each vertex to the nearest lattice point. Fails with ErrorCode::output if one is outside of the lattice.
+// Rounds each vertex to the nearest lattice point. Fails with ErrorCode::output if a vertex is outside of the lattice.
 [[nodiscard]] Result<LatticePositions> round_to_lattice(const mesh::Mesh& mesh, const PositionLattice& lattice);
 
 }  // namespace isoextract::mesh_io

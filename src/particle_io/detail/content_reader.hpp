@@ -45,8 +45,8 @@ class ContentReader {
   [[nodiscard]] std::span<const std::byte> take(std::size_t bytes, std::string_view what);
   void skip(std::uint64_t bytes, std::string_view what);
 
-  // Consumes the next line and returns it without its end; nothing at the end. A line ends with LF or CR LF, or with CR
-  // if the first block has no LF. Valid until the next call.
+  // Consumes the next line and returns it without its line end; returns nothing at the end of the content. A line ends
+  // with LF or CR LF, or with CR if the first block has no LF. Valid until the next call.
   [[nodiscard]] std::optional<std::string_view> next_line();
   // Returns the next line without consuming it.
   [[nodiscard]] std::optional<std::string_view> peek_line();
@@ -54,15 +54,15 @@ class ContentReader {
   [[nodiscard]] bool line_has_end() const { return line_has_end_; }
   // Returns the number of the last line read, from 1.
   [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
-  // next_line_start() returns the start of the next line. go_to() goes to a start found by an earlier reader of the
-  // same file, before anything was read. If `expected` is not 0, it reads that many bytes at first, so that a short
-  // frame does not cost a whole block. A gzip file is inflated from the nearest stream that is parked before, else from
-  // its start.
+  // Returns the start of the next line.
   [[nodiscard]] LineStart next_line_start() const { return {position(), line_number_, line_end_}; }
+  // Goes to a line start that an earlier reader of the same file found; call before reading anything. If `expected` is
+  // not 0, first reads that many bytes, so that a short frame does not cost a whole block. Inflates a gzip file from
+  // the nearest stream parked before `place`, else from its start.
   void go_to(const LineStart& place, std::uint64_t expected);
   [[nodiscard]] bool is_compressed() const { return is_compressed_; }
-  // Parks the stream of a gzip file here for later readers, if the context keeps streams (files/parked_streams.hpp).
-  // Call last.
+  // Parks the stream of a gzip file at the current position for later readers, if the context keeps streams
+  // (files/parked_streams.hpp). Call last.
   void park();
 
   // Throws "line 3: expected WHAT, found 'FOUND'": TruncatedFrame if the line has no end, else InvalidParticleFile.
@@ -70,7 +70,7 @@ class ContentReader {
 
  private:
   [[nodiscard]] std::size_t refill();
-  // Inflates the content up to a position behind, starting at a parked stream if there is one.
+  // Inflates the content up to a position after the current one, starting at a parked stream if there is one.
   void inflate_to(std::uint64_t place);
 
   const files::InputFile& file_;

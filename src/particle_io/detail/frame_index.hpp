@@ -18,16 +18,16 @@ struct Inherited {
   files::ByteRange stated;  // where the file states it
 };
 
-// Keeps the positions for the life of the process, for the last few files and at most 65536 frames of each: of every
-// frame, or in long files of every second, fourth, ... one. Recognizes a file by its version; caches nothing for a file
-// that was just written to (FileVersion::is_reliable). Safe to use from several threads.
+// Keeps the positions for the life of the process, for the last few files. Keeps at most 65536 positions for each file:
+// in longer files, those of every second, fourth, ... frame. Recognizes a file by its version; caches nothing for a
+// file that was just written to (FileVersion::is_reliable). Safe to use from several threads.
 class FrameIndex {
  public:
   // Throws Refused.
   explicit FrameIndex(const files::InputFile& file);
 
   // Moves the content to the last cached frame up to `wanted` and returns its number; 0 is the start of the content.
-  // Sets `inherited` to the value that add() got for it; leaves it unchanged at the start.
+  // Sets `inherited` to the value that add() got for that frame; leaves it unchanged if no frame is cached.
   std::uint64_t seek_nearest_frame(ContentReader& content, std::uint64_t wanted, Inherited& inherited) const;
 
   // Records that frame `number` begins at the content's position.

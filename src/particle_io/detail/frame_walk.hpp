@@ -23,8 +23,8 @@
 
 namespace isoextract::particle_io {
 
-// Returns the wanted frame, up to its first particle. Throws TruncatedFrame if it is incomplete, and as
-// throw_frame_error() does if there is none.
+// Returns the wanted frame, up to its first particle. Throws TruncatedFrame if it or the first frame is incomplete,
+// no_frames() if the file has no frames, and as throw_frame_error() does if the wanted frame does not exist.
 template <class Frames>
 typename Frames::Frame find_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
   const std::uint64_t wanted = wanted_frame(options);
@@ -52,7 +52,7 @@ FrameTime find_time(const files::InputFile& file, const ParticleReadOptions& opt
 }
 
 // Returns the bytes that the selected frame depends on: its own, and those of the state that it inherits. Returns
-// nothing as ParticleFormat::frame_ranges() does, and for compressed files.
+// nothing if the options select no frame, and for compressed files.
 template <class Frames>
 std::vector<files::ByteRange> find_ranges(const files::InputFile& file, const ParticleReadOptions& options) {
   ContentReader content(file);
@@ -73,8 +73,9 @@ struct FrameCount {
   Notes notes;                        // about the end of the file
 };
 
-// Returns the notes about the end of a file: that its last frame, of number `frames`, is incomplete, or may be.
+// Returns the note that the last frame of a file, number `frames`, is incomplete.
 [[nodiscard]] Note incomplete_frame_note(const std::string& file, std::uint64_t frames, const TruncatedFrame& cut);
+// Returns the note that the last frame, number `last`, may be incomplete, as the last line of the file has no line end.
 [[nodiscard]] Note open_line_note(const std::string& file, std::uint64_t last);
 
 // Counts the frames of a file, from number `next` on; `frame` is the one before. Calls seen(number, frame) for each
@@ -100,8 +101,8 @@ FrameCount count_frames(const files::InputFile& file, ContentReader& content, co
   return count;
 }
 
-// Throws as throw_frame_error() does if the file has a second whole frame, and none is selected. Call after reading
-// `frame`, the first. Returns notes about the end of the file.
+// Throws as throw_frame_error() does if the file has a second whole frame and the options select no frame. Call after
+// reading `frame`, the first. Returns notes about the end of the file.
 template <class Frames>
 Notes check_only_frame(const files::InputFile& file, ContentReader& content, const FrameIndex& index,
                        const ParticleReadOptions& options, const typename Frames::Frame& frame) {

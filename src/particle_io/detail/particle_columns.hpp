@@ -30,7 +30,7 @@ struct ParticleColumn {
   std::string unit;
   std::string type;
   bool numeric = true;
-  bool has_words = true;  // if it is not numeric and ParticleTable::has_words is set: it can be read as words
+  bool has_words = true;  // false: not readable as words, even if ParticleTable::has_words is set
 };
 
 // Columns that are the components of one quantity, in order.
@@ -65,7 +65,7 @@ struct NameAndUnit {
   std::string name;
   std::string unit;
 };
-// Splits the column headers of a table, in order. A bracket that counts components, as in group_by_names(), is not a
+// Splits the column headers of a table, in order. A bracket that names a component, as in group_by_names(), is not a
 // unit and stays in the name: "v[x]". An ambiguous letter is a unit if the other components do not follow: "mass [g]".
 [[nodiscard]] std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers);
 
@@ -93,8 +93,8 @@ void check_numbers(const ParticleTable& table, std::span<const std::size_t> want
                    const Hint& hint);
 
 // Throws InvalidParticleFile if there is no position, if a selected column or attribute does not exist, or if an
-// attribute is not numeric; the hint lists the existing ones. Does not check the columns of a position: in text,
-// reading reports the invalid row.
+// attribute is not numeric; the hint lists the existing ones. Does not check that the columns of a position are
+// numeric: in text, reading reports the invalid row.
 [[nodiscard]] ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options);
 
 // Adds the groups of a table except the position. If the position cannot be found, adds all groups and a note with the
@@ -105,8 +105,8 @@ void describe_table(const ParticleTable& table, const ParticleReadOptions& optio
 [[nodiscard]] points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
                                                  const ColumnChoice& choice);
 
-// Gives the set of `file` the box of its frame. Leaves out a box without a volume, and every box if the chosen columns
-// are not along the axes of the file (`in_axis_order`); adds a note if it is periodic.
+// Gives the set of `file` the box of its frame. `in_axis_order`: the position columns are x, y and z of the file, in
+// this order. Leaves out the box if they are not, or if it has no volume; adds a note if that box is periodic.
 void set_box(const points::SimulationBox& box, bool in_axis_order, ParticleFile& file);
 
 [[noreturn]] void throw_particle_error(std::size_t particle, std::size_t particles);
@@ -116,7 +116,7 @@ class WordIndexer {
  public:
   WordIndexer(points::ParticleWords& to, bool wanted) : to_(to), wanted_(wanted) {}
 
-  // Gives up beyond the limits.
+  // Calls give_up() beyond kMaxDistinctWords words or kMaxWordBytes bytes.
   void put(std::size_t particle, std::string_view word);
   // Throws InvalidParticleFile if the column is wanted, else sets ParticleWords::too_many; put() then has no effect.
   void give_up();

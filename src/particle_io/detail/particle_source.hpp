@@ -1,10 +1,10 @@
 // Shared code of the particle readers: their exceptions, and the interface that particle_reader.cpp calls. Readers fail
-// by exceptions within this room, as any value deep inside a loop can be invalid.
+// by exceptions within this module, as any value deep inside a loop can be invalid.
 //
 // A format describes the columns of its rows as a ParticleTable; choose_columns finds position and attributes among
-// them, and a ColumnSink stores each number. It reads the file block by block and inflated, through ContentReader. It
-// compares counts of a header with the bytes that follow (check_count) before make_particles reserves memory. Messages
-// name the line or the byte.
+// them, and a ColumnSink stores each number. The format reads the file through ContentReader, which inflates it block
+// by block. It compares counts of a header with the bytes that follow (check_count) before make_particles reserves
+// memory. Messages name the line or the byte.
 #pragma once
 
 #include <cstdint>
@@ -67,7 +67,7 @@ class ParticleFormat {
   // Returns whether the start of a file proves that it holds particles in this format.
   [[nodiscard]] virtual bool probe(const files::FileStart& /*start*/) const { return false; }
 
-  // Does the same for formats that the start of a file does not identify.
+  // Returns whether a file holds particles in this format. Override it if the start of a file cannot prove that.
   [[nodiscard]] virtual bool claims(const files::InputFile& /*file*/, const files::FileStart& start,
                                     const ParticleReadOptions& /*options*/) const {
     return probe(start);
@@ -88,7 +88,8 @@ class ParticleFormat {
                                              const ParticleReadOptions& /*options*/) const {
     return {};
   }
-  // Returns both without these members; see describe_particles() for frame and attributes.
+  // Returns the results of info() and read() in one, without the `format` members; see describe_particles() for
+  // frame and attributes.
   [[nodiscard]] virtual DescribedParticles describe(const files::InputFile& file,
                                                     const ParticleReadOptions& options) const;
 
@@ -114,11 +115,11 @@ class ParticleFormat {
 [[nodiscard]] const std::vector<const ParticleFormat*>& particle_formats();
 
 // Returns the frame to read, for formats that find frames sequentially: the selected one or the first. Without a
-// selection the caller must then check that there is no second one.
+// selection the caller must then check that there is no second frame.
 [[nodiscard]] std::uint64_t wanted_frame(const ParticleReadOptions& options);
 // Throws the error for a frame that does not exist or a missing selection.
 [[noreturn]] void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames);
-// Returns the name of the particles in messages: that of the file, with the chosen frame if there is one.
+// Returns the name of the particles in messages: the name of the file, with the selected frame if there is one.
 [[nodiscard]] std::string label_of_frame(const std::string& file, const ParticleReadOptions& options);
 
 }  // namespace isoextract::particle_io

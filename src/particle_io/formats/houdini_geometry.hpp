@@ -38,9 +38,9 @@ struct HoudiniFile {
 // Reads the whole file for its counts and attributes, without their numbers.
 [[nodiscard]] HoudiniFile scan_houdini(const files::InputFile& file);
 
-// Describes or reads a file, for ParticleFormat::info() and read(). Reading takes a second pass, which must find the
-// same attributes.
+// Describes a file, for ParticleFormat::info().
 [[nodiscard]] ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options);
+// Reads a file in a second pass, for ParticleFormat::read(). Fails if the pass finds other attributes than `surveyed`.
 [[nodiscard]] ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surveyed,
                                         const ParticleReadOptions& options);
 

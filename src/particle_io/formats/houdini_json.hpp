@@ -24,7 +24,7 @@ struct JsonToken {
   enum class Kind { null, number, text, begin, end, numbers, bits, texts, names, finished };
   Kind kind = Kind::null;             // begin and end: of an array or a map
   double number = 0;                  // of number tokens; booleans are 0 or 1
-  std::string text;                   // of text tokens, truncated to kMaxText bytes; names to 256
+  std::string text;                   // of text tokens; truncated to kMaxText bytes, texts in names_ to 256
   std::uint64_t count = 0;            // of uniform arrays: number of elements that follow
   NumberType type = NumberType::f64;  // of uniform arrays: type of the elements
 };

@@ -11,31 +11,30 @@ namespace isoextract::plugin_host {
 
 enum class MessageKind : std::uint64_t {
   // From the program, for volumes:
-  list_volume,  // path, 1 if it is a file or 0, first bytes of the file; count of files and each; volume, level,
+  list_volume,  // path, 1 for a file or 0, first bytes of the file; number of files, path of each; volume, level,
                 // spacing, evens_out
-  open_grid,    // members of isoextract_volume_selection but the box, bytes of the full box; with shared memory unless
-                // that is 0
+  open_grid,  // members of isoextract_volume_selection but the box, bytes of the full box; shared memory comes with the
+              // message unless these bytes are 0
   // From the program, for particles:
-  open_particles,  // path, 1 if a grid is wanted or 0, its name or "", frame
+  open_particles,  // path, 1 if a grid is selected or 0, name of the grid or "", frame
   positions,
   quantity,  // index
   // From the program, in reply:
   granted,  // with shared memory if requested
   refused,
   // From the worker:
-  failed,        // reason, isoextract_read_failure
-  wrong_format,  // the file does not have the plug-in's format
-  listed,        // 1 if the list names a format or 0, and the format; creator, note; count, for each grid the
-                 // members of isoextract_volume_grid; count of files and each
-  reserve,       // bytes
-  release,       // bytes
-  allocate,      // bytes
-  box_opened,    // note, parts_read, parts, filled
-  grid_opened,   // note, parts_read, parts, whether there are samples, members of isoextract_sparse_samples; blocks and
-                 // tiles as
-                 // SharedPlace
-  particles_opened,  // members of isoextract_particle_file, for its list 1 (0 if null) and the count; for each quantity
-                     // the members of isoextract_particle_quantity
+  failed,            // reason, isoextract_read_failure
+  wrong_format,      // the file does not have the plug-in's format
+  listed,            // 1 if the list names a format or 0, and the format; creator, note; number of grids, for each the
+                     // members of isoextract_volume_grid; number of files, path of each
+  reserve,           // bytes
+  release,           // bytes
+  allocate,          // bytes
+  box_opened,        // note, parts_read, parts, filled
+  grid_opened,       // note, parts_read, parts, whether there are samples, members of isoextract_sparse_samples; blocks
+                     // and tiles as SharedPlace
+  particles_opened,  // members of isoextract_particle_file, but instead of its list: 0 if that is null, else 1, and its
+                     // length; for each quantity the members of isoextract_particle_quantity
   filled,            // bytes; then that many bytes, the numbers of all particles
 };
 

@@ -1,5 +1,5 @@
-// The program's side of a conversation with a worker (plugin_messages.hpp): sends requests and turns every way in which
-// it can end into an error.
+// The program's side of a conversation with a worker (plugin_messages.hpp): sends requests, and reports as an error
+// every way in which the conversation can fail.
 #pragma once
 
 #include <cstdint>
@@ -63,7 +63,7 @@ class WorkerConversation {
   sandbox::Limits limits_;
 };
 
-// Starts a worker for an input whose files have `file_bytes`.
+// Starts a worker for an input; `file_bytes` is the total size of its files.
 [[nodiscard]] Result<std::unique_ptr<WorkerConversation>> start_conversation(const PluginLibrary& library,
                                                                              const std::string& id,
                                                                              const std::string& name,

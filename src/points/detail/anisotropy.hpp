@@ -10,7 +10,7 @@
 //   G_i = 1/h R A^-1 R^T,  W(d, G) = det(G) P(|G d|)                 (16), (8); P is the cubic spline
 //
 // Differs from the paper in the axes A and in the centers. The paper's centers draw every body in by about two particle
-// radii. Its axes of a quarter of the support show as rings on a grid of the usual cell size. Here:
+// radii. Its shortest axes, a quarter of the support, show as rings on a grid of the usual cell size. Here:
 //
 //   a_k = max(shortest, wide s_k / s_1)
 //   wide = 1 + (widest - 1) clamp((1 - s_3 / s_1 - 0.1) / 0.6, 0, 1)
@@ -43,7 +43,8 @@
 
 namespace isoextract::points {
 
-// Returns how far from a sample a particle can lie on which the kernels at the sample depend. In samples, as `support`.
+// Returns the largest distance from a sample to a particle that can affect the kernels at the sample. The distance and
+// `support` are in samples.
 [[nodiscard]] double anisotropic_reach(const AnisotropyOptions& options, double support);
 
 struct AnisotropicKernels {

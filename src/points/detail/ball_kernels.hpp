@@ -18,7 +18,8 @@
 
 namespace isoextract::points {
 
-// Leaves out particles whose kernel reaches less than one sample far, because it could fall between the samples.
+// The particles with radii of at least `smallest`. A kernel that reaches less than one sample could fall
+// between the samples.
 struct LargeEnough {
   std::shared_ptr<ReservedBuffer<glm::dvec3>> positions;  // not finite for particles left out
   std::uint64_t too_small = 0;
@@ -29,13 +30,14 @@ struct LargeEnough {
 class BallKernels {
  public:
   // Makes the kernels of the particles that `grid` holds apart (Coinciding::apart), in index coordinates. `radii` has
-  // the radius of each particle; `support` is the reach of a kernel of radius 1, and `reach` that of the largest.
-  // The masses are proportional to the cubes of the radii, and so are the volumes of the kernels. With m_j / H_j^3 the
-  // same for all,
+  // the radius of each particle; `support` is the reach of a kernel of radius 1, and `reach` that of the largest. The
+  // masses m_j are proportional to the cubes of the radii, and so are the volumes of the kernels; H_j is the reach of a
+  // kernel. Density and field are
   //   rho_j = sum_k m_k W(x_j - x_k, H_k),   field(x) = sum_j m_j / rho_j W(x - x_j, H_j)
-  // become the weights 1 / sum_k S(|x_j - x_k| / H_k). The density has the kernels of the field, which keeps the field
-  // nearer to 1 between particles of unlike sizes than kernels as wide as H_j do. `grid` must outlive the kernels.
-  // Fails as Context::reserve() and Context::check() do.
+  // As m_j / H_j^3 is equal for all particles, the weight of kernel j is 1 / sum_k S(|x_j - x_k| / H_k). The
+  // density uses the kernels of the field, of reach H_k. Between particles of unlike sizes, this keeps the field
+  // nearer to 1 than kernels of reach H_j would. `grid` must outlive the kernels. Fails as Context::reserve()
+  // and Context::check() do.
   [[nodiscard]] static Result<BallKernels> make(const CellGrid& grid, std::span<const float> radii, double support,
                                                 double reach, const Context& context, const std::string& label);
 

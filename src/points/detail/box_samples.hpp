@@ -22,8 +22,9 @@
 
 namespace isoextract::points {
 
-// Returns the spacing nearest to `spacing` of which all periodic edges are multiples, to a millionth of it: cells are
-// cubes then. The edges are parallel to the axes.
+// Returns the spacing nearest to `spacing` for which every periodic edge has a whole number of steps, up to a millionth
+// of a step: cells are cubes then. Tries up to 64 steps more and fewer; returns nothing if none fits. The edges must be
+// parallel to the axes.
 [[nodiscard]] std::optional<double> common_spacing(const SimulationBox& box, double spacing);
 
 class BoxSamples {
@@ -45,14 +46,14 @@ class BoxSamples {
 
   // Returns how far a ball reaches along each index axis; `radius` is in Cartesian units.
   [[nodiscard]] glm::dvec3 extent_of_ball(double radius) const { return radius * ball_extent_; }
-  // Returns the longest semi-axis in index coordinates of an ellipsoid whose longest one is 1 in Cartesian coordinates.
+  // Returns the largest factor by which index_from_cartesian() lengthens a vector.
   [[nodiscard]] double longest_stretch() const { return longest_stretch_; }
 
   // Returns the samples from 0 to n; along edges that are not periodic, all indices.
   [[nodiscard]] field::IndexBox region() const;
 
   // Calls f(image) for `index` and each of its periodic images that lies at most `reach` outside the region. Does not
-  // call it for `index` itself if that lies farther outside.
+  // call f(index) if `index` lies farther outside.
   template <class F>
   void for_each_image(const glm::dvec3& index, const glm::dvec3& reach, const F& f) const {
     const ImageRange range = range_of(index, reach);

@@ -41,12 +41,12 @@ class KernelBricks final : public BrickSource {
   void fill(const glm::ivec3& origin, float* values, const ContributingSpots& marks) const override;
   [[nodiscard]] bool is_probably_inside(const glm::ivec3& origin) const override;
   // Sums only rows of samples near kernel centers, which hold most of a kernel's integral. Kernels are never negative,
-  // so this partial sum is a lower bound of the full sum. If it just fails, sums everything: an unproved brick within
-  // the liquid costs the storage of 27 bricks.
+  // so this partial sum is a lower bound of the full sum. If the bound is only slightly too low, sums everything: an
+  // unproved brick within the liquid costs the storage of 27 bricks.
   [[nodiscard]] bool is_proved_above(const glm::ivec3& origin, double iso) const override;
 
  private:
-  // Calls f(spot) for spots closer to the brick's samples than `part` of their reach, until it returns false.
+  // Calls f(spot) for spots closer to the brick's samples than `part` of their kernel's reach, until f returns false.
   template <class F>
   void for_each_near(const glm::ivec3& origin, double part, const F& f) const;
   // Adds the rows of samples within `part` of each kernel's reach.

@@ -19,8 +19,8 @@ namespace isoextract::points {
 
 class NearbyPositions {
  public:
-  // `particles` must outlive it. Fails with ErrorCode::input for 2^32 particles or more, and as Context::reserve() and
-  // Context::check() do.
+  // `particles` must outlive the result. Fails with ErrorCode::input for 2^32 particles or more, and as
+  // Context::reserve() and Context::check() do.
   [[nodiscard]] static Result<NearbyPositions> make(const ParticleSet& particles, const Context& context);
 
   [[nodiscard]] std::size_t size() const { return positions_.size(); }
@@ -28,8 +28,8 @@ class NearbyPositions {
   [[nodiscard]] bool has_position(std::size_t particle) const;
 
   // Sets `offsets` to the vectors from a particle at a finite position to the nearest positions, at most `count`, in
-  // order of distance. In a periodic box, images have positions, too, also those of the particle itself. Coincident
-  // positions count once, that of the particle not at all.
+  // order of distance. In a periodic box, includes positions of images, also of images of the particle itself.
+  // Coincident positions count once. The position of the particle itself does not count.
   void find(std::size_t particle, std::size_t count, std::vector<glm::dvec3>& offsets) const;
 
  private:

@@ -50,7 +50,7 @@ class NearestTree {
   void build(std::size_t node, std::uint32_t first, std::uint32_t last);
   void search(std::size_t node, const glm::dvec3& p, Found& found) const;
   void search_positions(std::size_t node, const glm::dvec3& p, std::size_t count, std::vector<Found>& found) const;
-  // Calls visit(child) for those children of a node that are at most reach() away, squared, the nearer one first.
+  // Calls visit(child) for the children of a node whose squared distance is at most reach(), the nearer one first.
   template <class Reach, class Visit>
   void visit_children(std::size_t node, const glm::dvec3& p, const Reach& reach, const Visit& visit) const;
 

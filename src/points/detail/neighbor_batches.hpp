@@ -29,8 +29,8 @@ struct CellTargets {
 [[nodiscard]] std::uint64_t count_neighbor_pairs(const CellGrid& grid, double radius, std::uint64_t most);
 
 // Visits the spots of cell c, 64 at a time: calls begin(targets), then add(targets, batch) for each batch of source
-// spots, then end(targets). The batches have every spot within `radius` of a target and some farther ones; each counts
-// as many times as it has members. The order depends on the grid alone.
+// spots, then end(targets). The batches have every spot within `radius` of a target and some farther ones; the weight
+// of a spot is its number of members. The order depends on the grid alone.
 template <class Begin, class Add, class End>
 void for_each_neighbor_batch(const CellGrid& grid, std::size_t c, double radius, const Begin& begin, const Add& add,
                              const End& end) {

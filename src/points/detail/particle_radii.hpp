@@ -22,8 +22,8 @@ struct ParticleRadii {
 [[nodiscard]] const ParticleAttribute* radius_attribute(const ParticleSet& particles);
 
 // Returns the radii, or nothing if FieldOptions::radius is set, or if no particle is at a finite position, or if the
-// particles have no such attribute. Fails with ErrorCode::input if a particle at a finite position has a radius that is
-// negative or not finite, and as Context::reserve() does.
+// particles have no radius attribute. Fails with ErrorCode::input if a particle at a finite position has a radius that
+// is negative or not finite, and as Context::reserve() does.
 [[nodiscard]] Result<std::optional<ParticleRadii>> find_radii(const ParticleSet& particles, const FieldOptions& options,
                                                               const ParticleBounds& bounds, const Context& context);
 

@@ -20,14 +20,14 @@
 
 namespace isoextract::points {
 
-// Samples beyond the region that hold the periodic continuation of the field. Extraction reads two.
+// The field continues periodically in this many samples on each side of the region. Extraction reads two of them.
 inline constexpr int kPeriodicMargin = 3;
 
 // Returns the box of the samples that the field needs: the region with the margin and `more` samples around it.
 [[nodiscard]] field::IndexBox needed_samples(const BoxSamples& box, int more);
 
-// Returns how far images can lie outside the region, along each index axis, and contribute to a brick with needed
-// samples; `extent` is how far they reach.
+// Returns the largest distance from the region, along each index axis, at which an image can contribute to a brick with
+// needed samples. `extent` is the reach of an image along each axis.
 [[nodiscard]] glm::dvec3 reach_of_images(const glm::dvec3& extent, int more);
 
 enum class Coordinates { cartesian, index };

@@ -21,9 +21,10 @@ namespace isoextract::points {
 // random points: their results lie within 4 % of the truth. c = 1 if the neighbors are all particles.
 //
 // Measures up to 2^12 particles, evenly spaced by index. Those near a surface have more space than others; so only
-// particles near the mean of their neighbors count, unless they are fewer than 1 in 20. The result is the median of the
-// spacings up to 1.25 times the 10 % quantile: the densest of several densities that hold a tenth of the particles, and
-// no spray or strays. Coincident particles count once. In a periodic box, images are neighbors, too.
+// particles near the mean of their neighbors count, unless they are fewer than 1 in 20. The result is the median
+// of all spacings up to 1.25 times their 10 % quantile. So it belongs to the densest region that holds a tenth of
+// the particles, and ignores spray and stray particles. Coincident particles count once. In a periodic box, images
+// are neighbors, too.
 //
 // Fails as Context::check() does. The result is the same for any number of threads.
 [[nodiscard]] Result<std::optional<double>> estimate_spacing(const NearbyPositions& positions, const Context& context);

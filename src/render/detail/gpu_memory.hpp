@@ -14,13 +14,13 @@ namespace isoextract::render::detail {
 // Counts allocations while a picture is drawn or a volume uploaded. Its destructor releases the reservations.
 class GpuMemory {
  public:
-  // `limit` is GpuRenderOptions::memory_bytes. `besides` is the memory that other counters have taken. `device` and
-  // `context` must outlive this object.
+  // `limit` is GpuRenderOptions::memory_bytes. `besides` is the number of bytes that other counters have taken.
+  // `device` and `context` must outlive this object.
   GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> limit, std::uint64_t besides,
             const Context& context);
 
-  // Call before allocating on the device; `what` completes "... for" in messages. Fails with ErrorCode::unavailable
-  // beyond the limit, and as Context::reserve() if the device uses the memory of the host.
+  // Call before allocating on the device; `what` names the data in messages. Fails with ErrorCode::unavailable beyond
+  // the limit, and as Context::reserve() does if the device uses the memory of the host.
   [[nodiscard]] Result<void> take(std::uint64_t bytes, const std::string& what);
 
   // Returns the bytes taken, including `besides`.

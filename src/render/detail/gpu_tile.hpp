@@ -13,8 +13,8 @@ namespace isoextract::render::detail {
 
 class GpuTile {
  public:
-  // Makes buffers for tiles of at most `size` pixels. Omits the buffers for surfaces, or for transparent ones, if there
-  // are none.
+  // Makes buffers for tiles of at most `size` pixels. Omits the buffers for surfaces unless `surfaces` is set, and the
+  // buffers for transparent surfaces unless `see_through` is set.
   [[nodiscard]] static Result<GpuTile> make(const gl::GlContext& gl, const glm::ivec2& size, bool surfaces,
                                             bool see_through, GpuMemory& memory);
 

@@ -45,7 +45,8 @@ class Ray {
   Ray(const RenderOptions& options, double unit)
       : end_(options.early_termination ? options.termination : 0), unit_(unit) {}
 
-  // Adds a part of the slab from `first` to `last`. `taken` is the opacity of the part, 1 - exp(-sigma l).
+  // Adds a part of a slab. The whole slab extends from `first` to `last`. `taken` is 1 - exp(-sigma l), the opacity
+  // of the part.
   void pass(const glm::vec4& entry, double taken, double first, double last) {
     add(glm::dvec3(entry), taken);
     if (!has_depth_ && light_ <= 0.5) settle(first + (last - first) / 2, glm::vec3(0));
@@ -93,7 +94,7 @@ class Ray {
 template <class T>
 class RayCaster {
  public:
-  // Draws surfaces only if volume.samples is null.
+  // Draws only surfaces if volume.samples is null.
   RayCaster(const VolumeView& volume, const SurfaceView& surfaces, const Scene& scene, const Camera& camera,
             const RenderOptions& options)
       : volume_(volume),

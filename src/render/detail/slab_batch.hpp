@@ -1,8 +1,9 @@
 // Computes positions, colors and opacities of a ray's slabs in vectorized batches (steps 2 and 3 of the model,
 // renderer.hpp).
 //
-// All results except the exponential use the operations of the formulas there, in their order and without fused
-// multiply-add, so all instruction sets give the same bits. The exponential is accurate to 4 units in the last place.
+// All results except the exponential use the operations of the formulas in renderer.hpp, in their order and
+// without fused multiply-add, so all instruction sets give the same bits. The exponential is accurate to 4 units
+// in the last place.
 #pragma once
 
 #include <array>
@@ -60,7 +61,7 @@ struct CornerSamples {
   alignas(64) std::array<std::array<Raw, SlabBatch::kSlabs>, 8> at{};
 };
 
-// Computes the fields of the first batch.size slabs that SlabBatch marks as set by the function.
+// Computes the fields that SlabBatch marks as set by this function, for the first batch.size slabs.
 void place(const SlabRay& ray, SlabBatch& batch);
 
 void shade(const SlabRay& ray, const PositionScale& scale, const TransferFunction& transfer,

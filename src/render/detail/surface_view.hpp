@@ -44,8 +44,8 @@ class SurfaceView {
   // Returns the unit vector to a light, in view space.
   [[nodiscard]] const glm::dvec3& towards(std::size_t light) const { return towards_[light]; }
 
-  // Returns the direction through the picture's upper left corner (x and y at z = -1); per_pixel() is its change per
-  // pixel to the right and downwards.
+  // Returns the direction through the picture's upper left corner (x and y at z = -1). Per pixel, x grows by
+  // per_pixel().x to the right, and y falls by per_pixel().y downwards.
   [[nodiscard]] glm::dvec2 to_corner() const { return {to_left_, to_top_}; }
   [[nodiscard]] const glm::dvec2& per_pixel() const { return per_pixel_; }
   // Returns the same as direction_through().

@@ -14,8 +14,8 @@
 namespace isoextract::render::detail {
 
 // A two-level table: nodes of 16 x 16 x 16 bricks of 8 x 8 x 8 cells. A brick has 9 samples per axis; neighbors share
-// those at their borders. All bricks of one constant value, which have only tiles or background around, share a slot;
-// so do whole nodes.
+// those at their borders. All bricks that have the same constant value, from tiles or the background, share a slot. A
+// node with only one such value is stored as that slot.
 class VolumeNodes {
  public:
   static constexpr int kSide = 16;  // bricks per axis of a node

@@ -9,7 +9,7 @@
 // neighbors, are not pulled together, so the artificial pressure of section 4 is not needed. Vorticity confinement is
 // left out. Particles too dense at the start of a step are first moved apart without velocity (pre-stabilization: M.
 // Macklin, M. Mueller, N. Chentanez, T.-Y. Kim, "Unified particle physics for real-time applications", ACM TOG 33(4),
-// 2014, section 4.4). Otherwise they would gain energy, the more the shorter the step.
+// 2014, section 4.4). Otherwise they would gain energy; a shorter step would make the gain larger.
 //
 // Walls add the density behind them (fluid_kernels.hpp). No particle's center comes closer to a wall than half a
 // spacing; particles slide along walls. Positions are double, as a velocity is the difference of two positions a short

@@ -34,7 +34,7 @@ constexpr double lattice_sum() {
 
 }  // namespace detail
 
-// Distances are in world units, gradients in their reciprocal, densities in rest densities.
+// Distances are in world units, densities in rest densities, gradients in rest densities per world unit.
 class FluidKernels {
  public:
   explicit FluidKernels(double spacing) : reach_(detail::kKernelReach * spacing), reach2_(reach_ * reach_) {}
@@ -49,8 +49,8 @@ class FluidKernels {
   }
   static constexpr double own_density() { return 1 / kRest; }
 
-  // Returns the gradient by p of the density that a particle at q adds at p; d is p - q, shorter than reach(). 0 if p =
-  // q.
+  // Returns the gradient by p of the density that a particle at q adds at p; d is p - q, shorter than reach(). Returns
+  // 0 if p and q are equal.
   [[nodiscard]] glm::dvec3 gradient(const glm::dvec3& d, double distance2) const {
     const double distance = std::sqrt(distance2);
     if (!(distance > 0)) return glm::dvec3(0);

@@ -1,5 +1,6 @@
-// A round nozzle in a wall that emits layers of particles: a square lattice one spacing wide, across the nozzle and
-// along the jet. A small jitter, from seed and particle number, moves each particle off the lattice.
+// A round nozzle in a wall that emits particles layer by layer. A layer is a square lattice across the nozzle.
+// Neighbors in a layer, and consecutive layers, are one spacing apart. A small jitter, from seed and particle number,
+// moves each particle off the lattice.
 #pragma once
 
 #include <cstdint>
@@ -34,8 +35,8 @@ class Nozzle {
     return static_cast<double>(layer) * (options_.spacing / options_.speed);
   }
 
-  // Calls f(place, velocity) for each particle that leaves until `time`, in free fall since it left, but at most `room`
-  // times. The first layer leaves at time 0. Times must not decrease from call to call.
+  // Calls f(place, velocity) for each particle that leaves until `time`, at most `room` times. Particles fall freely
+  // after they left. The first layer leaves at time 0. Times must not decrease from call to call.
   template <class F>
   void emit(double time, std::uint64_t room, const F& f) {
     for (; room > 0 && emission_time(emitted_) <= time; --room) {

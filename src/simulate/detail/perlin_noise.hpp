@@ -21,8 +21,9 @@ class PerlinNoise {
   std::array<std::uint8_t, 512> permutation_{};  // stored twice, so that sums need no wrapping
 };
 
-// Sum of octaves of noise, each with twice the frequency and half the amplitude of the one before. The seed shifts each
-// octave's lattice by fractions, so that its zeros are neither at the origin nor at those of other octaves.
+// Sum of octaves of noise, each with twice the frequency and half the amplitude of the one before. The seed shifts the
+// lattice of each octave by a fraction of a cell, so that the zeros of an octave are neither at the origin nor at the
+// zeros of other octaves.
 class FractalNoise {
  public:
   // Requires 1 to 16 octaves.

@@ -40,8 +40,8 @@ struct DenseFile {
                                  // else volume by volume
   std::uint64_t components = 1;  // components per sample, at least
   bool components_interleaved = false;   // whether components are stored sample by sample, else component by component
-  bool component_before_volume = true;   // if both axes are on the same side of the spatial ones, components are the
-                                         // faster
+  bool component_before_volume = true;   // components vary faster than volumes, if the spatial axes are not between
+                                         // the two
   std::vector<field::LabelName> labels;  // as in ScalarField
   std::string component_names;           // names of the components in order; may be empty
   Hint other_interpretation;             // other interpretation of a file with several volumes; see choose_volume()
@@ -64,7 +64,7 @@ class DenseFormat : public VolumeFormat {
                                                 const Context& context) const final;
 
  protected:
-  // Reads the header. Opens other files that it names in the context of `file`.
+  // Reads the header. If the header names other files, opens them in the context of `file`.
   [[nodiscard]] virtual Result<DenseFile> open_header(const files::InputFile& file,
                                                       const ReadOptions& options) const = 0;
 };
@@ -77,7 +77,7 @@ class DenseFormat : public VolumeFormat {
 [[nodiscard]] Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
                                               field::SampleType type);
 
-// Fails if `count` volumes of that size, counting components as volumes, are more than 2^62 bytes.
+// Fails if `count` volumes of size `dims` have more than 2^62 bytes; components count as volumes.
 [[nodiscard]] Result<void> check_volume_count(const std::string& file, const glm::ivec3& dims, field::SampleType type,
                                               std::uint64_t count);
 

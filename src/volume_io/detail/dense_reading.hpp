@@ -12,8 +12,8 @@
 namespace isoextract::volume_io {
 
 // Maps the samples if their layout in the file fits; else reads them into memory that is reserved for as long as they
-// live. Vector lengths are computed from scaled components. They are f64 if the components are f64 or integers that
-// float cannot represent, else f32.
+// live. Vector lengths are computed from scaled components. The lengths are f64 if the components are f64 or integers
+// that float cannot represent, else f32.
 //
 // Fails as set_placement() does, and with ErrorCode::input
 // - if the file is shorter than its header says, or longer and DenseFile::size_is_exact is set,
@@ -22,8 +22,9 @@ namespace isoextract::volume_io {
 [[nodiscard]] Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
                                                     const ReadOptions& options);
 
-// Returns the bytes that the selected volume depends on: the header, and the samples of all its components. Returns
-// whole files if options.volume is not set, if the samples are compressed, or if the volumes are interleaved.
+// Returns the bytes that the selected volume depends on: the header, and the samples of all its components.
+// Returns whole files if options.volume is not set, if the samples are compressed, or if the samples of one volume
+// are not contiguous.
 [[nodiscard]] Result<std::vector<files::FilePart>> find_volume_parts(const files::InputFile& file,
                                                                      const DenseFile& dense,
                                                                      const ReadOptions& options);

@@ -49,9 +49,9 @@ struct Share {
   std::uint64_t count = 1;
 };
 
-// Returns a part of the samples in `all`: of the consecutive runs the one at `run`, and in it, of the interleaved
-// samples, the one at `lane`. Fails if the run is neither whole pieces nor part of one, or if too many samples are
-// interleaved.
+// Selects a part of the samples in `all`: first the run at `run` of the consecutive runs, then in that run the
+// samples at `lane` of the interleaved lanes. Fails if the run is neither whole pieces nor part of one, or if too
+// many samples are interleaved.
 [[nodiscard]] Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const Share& run);
 
 // For a source without lanes: compares its sizes with the files before allocating memory, and returns the number of

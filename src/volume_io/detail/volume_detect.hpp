@@ -21,7 +21,8 @@ struct DetectedFormat {
 [[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
                                                    const Context& context);
 
-// Returns the folder that an empty file marks as an input of the file's format, as OpenFOAM's CASE.foam does.
+// Returns the folder of an empty marker file, such as OpenFOAM's CASE.foam, if the format with the extension of that
+// file can read the folder.
 [[nodiscard]] std::optional<std::string> folder_of_marker(const std::string& input, const Context& context);
 
 // Returns whether the input is no file but has a prefix like demo:.
@@ -30,8 +31,8 @@ struct DetectedFormat {
 [[nodiscard]] Result<bool> has_volume_content(const std::string& input, const Context& context);
 
 // Returns the path under which formats find the input: another one if it is compressed as a whole or an archive
-// (plugin_host/unpacked_input.hpp). Keeps gzip files that a format decompresses itself, and those whose content no
-// format claims, unless the options choose a format that does not.
+// (plugin_host/unpacked_input.hpp). Keeps a gzip file if a format decompresses it itself, or if no format claims its
+// content and the options give neither a format nor a raw layout. Always unpacks gzip tar archives.
 [[nodiscard]] Result<std::string> unpack_for_volumes(const std::string& input, const ReadOptions& options,
                                                      const Context& context);
 

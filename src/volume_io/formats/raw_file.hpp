@@ -1,4 +1,4 @@
-// Samples without a header, whose layout options or another file state. Private to the readers of raw files.
+// Samples without a header: the options or another file state their layout. Private to the readers of raw files.
 #pragma once
 
 #include "base/error.hpp"

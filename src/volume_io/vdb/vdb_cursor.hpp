@@ -52,8 +52,8 @@ class VdbCursor {
   void prepare(std::uint64_t count);
   [[nodiscard]] bool is_prepared(std::uint64_t count) const;
 
-  // Returns the next bytes. They stay valid while anyone holds the window() that they lie in, else until a take(),
-  // prepare() or seek() beyond the window.
+  // Returns the next bytes. They stay valid while the caller holds their window(). Otherwise they stay valid until a
+  // take(), prepare() or seek() beyond the window.
   [[nodiscard]] std::span<const std::byte> take(std::uint64_t count);
   [[nodiscard]] std::shared_ptr<const std::byte[]> window() const { return window_; }
 

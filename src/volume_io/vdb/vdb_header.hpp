@@ -28,7 +28,7 @@ struct VdbGridRecord {
   std::uint32_t compression = 0;
   std::uint64_t transform_position = 0;  // position in the file; the tree follows the transform
   std::string placement_problem;         // why the transform cannot be used; empty if it can
-  bool is_in_frustum = false;            // the reason is a frustum
+  bool is_in_frustum = false;            // the transform is a frustum, which placement_problem says
   std::uint64_t end_position = 0;        // position after the grid, where the next description starts
 };
 
@@ -44,14 +44,14 @@ struct VdbHeader {
   std::vector<VdbGridRecord> grids;  // in file order
 };
 
-// Reads the header. Files written as a stream do not store grid positions: reads them to their end, skipping each tree
-// to find the next grid. Throws InvalidVdb, UnsupportedVdb and VdbReadError.
+// Reads the header. Files written as a stream do not store grid positions: reads such a file to its end, skipping each
+// tree to find the next grid. Throws InvalidVdb, UnsupportedVdb and VdbReadError.
 [[nodiscard]] VdbHeader read_vdb_header(VdbCursor& cursor);
 
 // Returns whether the file has grids and all are point grids. Reads no more than necessary. Throws as
 // read_vdb_header() does.
 [[nodiscard]] bool has_only_point_grids(VdbCursor& cursor);
-// Returns whether it is a point grid, of which this reader only reads the description.
+// Returns whether `grid` is a point grid; this reader reads only the description of point grids.
 [[nodiscard]] bool is_point_grid(const VdbGridRecord& grid);
 
 }  // namespace isoextract::volume_io

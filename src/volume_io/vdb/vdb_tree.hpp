@@ -1,5 +1,5 @@
 // Reads the tree of a scalar grid in a VDB file: a root, upper nodes of 32^3 entries, lower nodes of 16^3 entries,
-// leaves of 8^3 values. The file stores first the topology, masks and tiles, then the values of the leaves.
+// leaves of 8^3 values. The file stores first the topology (masks and tiles), then the values of the leaves.
 #pragma once
 
 #include <array>

@@ -17,8 +17,8 @@ namespace isoextract::volume_io {
 [[nodiscard]] std::string nrrd_header(const field::ScalarField& field, const field::DenseSamples& samples);
 
 // Returns the XML before the samples of VTK image data with one appended raw array, named like the field
-// (https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html), and the number of their bytes, which is
-// part of the appended data. kVtiTrailer follows the samples. VTK has no f16. The axes must be perpendicular.
+// (https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html), and the number of bytes of the samples,
+// which is part of the appended data. kVtiTrailer follows the samples. VTK has no f16. The axes must be perpendicular.
 [[nodiscard]] std::string vti_header(const field::ScalarField& field, const field::DenseSamples& samples);
 inline constexpr std::string_view kVtiTrailer = "\n  </AppendedData>\n</VTKFile>\n";
 
