@@ -50,7 +50,10 @@ class HoudiniJson {
     while (true) {
       switch (token.kind) {
         case JsonToken::Kind::begin: ++depth; break;
-        case JsonToken::Kind::end: --depth; break;
+        case JsonToken::Kind::end:
+          if (depth == 0) expected("numbers");
+          --depth;
+          break;
         case JsonToken::Kind::number: take(token.number); break;
         case JsonToken::Kind::numbers: uniform_numbers(token, take); break;
         case JsonToken::Kind::bits: uniform_bits(token.count, take); break;
