@@ -7,8 +7,9 @@
 // to the other side, in a direction that lies on that side of all triangles of the cone. So the moved triangles stay
 // between the old ones and the sheet's own side, and cannot meet the other sheets. The cone of a vertex may be so bent
 // that it has no such direction, or it may have sheets on both sides: this vertex stays, and the others move away.
-// If two vertices at one position are bent, they move away from the triangles at the edges that the sheets share.
-// Directions are found in voxel coordinates, where the sheets are not stretched.
+// If two vertices at one position are bent, they move away from the triangles at the edges that the sheets share. If
+// they still have no direction, all but one move along the mean of their normals; triangles may then meet within the
+// distance. Directions are found in voxel coordinates, where the sheets are not stretched.
 #pragma once
 
 #include <cstdint>
