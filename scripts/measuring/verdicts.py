@@ -31,9 +31,6 @@ def verdict_table(rows):
 
 def page(measured):
     rows = measured["figures"]["rows"]
-    commands = {}
-    for row in rows:
-        commands.setdefault(row["command"], []).append(f"`{row['file']}`")
     return f"""Is the mesh of an STL file closed? Three programs that weld vertices by position, and `isoextract check --weld`, say so about
 {len(rows)} files of unlike kinds. `open.stl`, `keep.stl` and `broken.stl` are counterexamples. A cell has the verdict, and for a
 closed mesh its number of parts and its volume.
@@ -41,6 +38,7 @@ closed mesh its number of parts and its volume.
 {verdict_table(rows)}
 
 `scripts/compare_verdicts.py` makes this table and fails if the programs disagree, or if another file than these three is not closed.
+It also makes the inputs `label.npy`, `cells.npy` and `broken.stl` of the commands below.
 They agree if all find the mesh closed, with equal numbers of parts and volumes within 0.01 %, or if none does, with equal numbers of
 open edges where these are the only defects.
 
