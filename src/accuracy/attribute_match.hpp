@@ -14,7 +14,7 @@ namespace isoextract::accuracy {
 
 // An attribute of the same name in both meshes, or the colors of both.
 struct AttributeMatch {
-  std::string name;  // in the first mesh
+  std::string name;  // in the first mesh; colors may have another name in the second
   std::array<std::size_t, 2> components{};
   // How far the values of the same vertex differ: largest and mean over all components. Normalized integers and integer
   // colors count as fractions. Equal numbers, equal infinities and two NaN do not differ; other pairs with a non-finite
@@ -36,11 +36,13 @@ struct AttributeMatches {
 };
 
 // Returns an upper bound of the error, along each axis, that float32 has caused in the vertices of a mesh read from a
-// file. It is 2^-23 of the largest world coordinate if these are all float32 numbers, else of the largest local one.
+// file. The bound is 2^-23 times the largest absolute coordinate: of the world coordinates if all of them are float32
+// numbers, else of the local ones.
 [[nodiscard]] double coordinate_rounding(const mesh::Mesh& mesh);
 
 // Compares all attributes. `colors` says whether color values mean the same in both meshes; if not, they are not
-// compared. Vertices correspond if their numbers are equal and no coordinate differs by more than `tolerance`.
+// compared. Vertices correspond by index if both meshes have equally many and no coordinate of any vertex differs by
+// more than `tolerance`.
 [[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colors,
                                                 double tolerance = 0);
 

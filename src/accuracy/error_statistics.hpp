@@ -17,8 +17,8 @@ struct Length {
 struct ErrorStatistics {
   std::uint64_t points = 0;  // points with a distance
   Length rms;
-  // Weighted. The upper edge of its bin: at most 1/64 too large, or about 2^-60 voxels if it is smaller. Never above
-  // max.
+  // Weighted as in ErrorAccumulator::add(). Rounded up to the edge of a bin: at most 1/64 too large, at least about
+  // 2^-60 voxels, but never above max.
   Length percentile99;
   Length max;
   glm::dvec3 worst{0.0};  // the point with max.world, in the mesh's coordinates
@@ -39,7 +39,8 @@ struct ErrorStatistics {
 };
 
 // Accumulates distances one by one. Merging in a fixed order (base/reduction.hpp) makes the result independent of the
-// number of threads. Another order may change the last digits of rms, percentile99 by a bin, and `worst` among equals.
+// number of threads. Another order may change rms in its last digits, percentile99 by one bin, and `worst` among points
+// at equal distances.
 class ErrorAccumulator {
  public:
   // `world_voxel` is the approximate length of a voxel in the mesh's coordinates.
@@ -49,7 +50,7 @@ class ErrorAccumulator {
   void merge(const ErrorAccumulator& other);
   [[nodiscard]] ErrorStatistics result() const;
 
-  // Here the caller counts points without a distance, and corrected ones. add() counts `points`.
+  // The caller counts the points without a distance and the corrected points in this member; add() counts `points`.
   ErrorStatistics counts;
 
  private:

@@ -1,5 +1,5 @@
 // Compares two meshes of the same field and options from two backends, vertex by vertex and triangle by triangle, in
-// any order. Finds the vertices that correspond by their edge keys. So both meshes need edge keys
+// any order. Vertices correspond if their edge keys are equal. So both meshes need edge keys
 // (ExtractOptions::edge_keys), which only methods with MethodTraits::vertices_on_edges have.
 //
 // Positions are compared in units in the last place (ulps) of the local coordinates: the largest difference of a
@@ -35,18 +35,18 @@ struct ExtractionComparison {
   TriangleDifference triangles;
   // Vertices without a counterpart: the other mesh has no vertex with this edge key, or fewer of them.
   Both<std::uint64_t> vertices_only{};
-  Both<std::optional<mesh::EdgeKey>> vertex_example{};  // the lowest of their edges
+  Both<std::optional<mesh::EdgeKey>> vertex_example{};  // the lowest edge key of these vertices
   bool origins_differ = false;
   bool normals_in_one_only = false;
   bool normals_compared = false;
-  // Largest differences of the vertices that both meshes have, and their edges; no edge if all differences are 0.
+  // Largest differences between corresponding vertices, and the edges of these vertices; no edge if all are 0.
   double ulps = 0;
   std::optional<mesh::EdgeKey> farthest;
   double degrees = 0;  // largest angle between normals
   std::optional<mesh::EdgeKey> largest_angle_edge;
 };
 
-// Compares the meshes. The copies of a vertex that NanPolicy::hole makes have the same key: compares their number, but
+// Compares the meshes. NanPolicy::hole makes copies of a vertex, with equal keys: compares the number of copies, but
 // not which triangle uses which copy. An index without a vertex counts as a difference. Fails with
 // ErrorCode::verification if a mesh does not have one edge key for each vertex, and with ErrorCode::out_of_memory if
 // memory is short.

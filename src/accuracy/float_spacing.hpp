@@ -1,4 +1,4 @@
-// The spacing of float32 numbers, and the coordinate that sets it for a point.
+// The spacing of float32 numbers. At a point it is widest along the axis of the largest absolute coordinate.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace isoextract::accuracy {
   return std::ldexp(1.0, std::max(exponent, kLowest) - (kDigits - 1));
 }
 
-// Returns the largest absolute coordinate, which sets the spacing at a point.
+// Returns the largest absolute coordinate: float_spacing() of it is the widest spacing at the point.
 [[nodiscard]] inline double max_abs_coordinate(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }

@@ -26,7 +26,8 @@ class IndexMesh {
   // Returns the map from indices of `field` to the mesh's coordinates.
   [[nodiscard]] const field::Affine& output_from_index() const { return output_from_index_; }
 
-  // Returns a vertex in index space. Subtracts the two large offsets of a far-away frame first, to keep precision.
+  // Returns a vertex in index space. Adds the precomputed difference of the mesh's origin and the transform's offset,
+  // which keeps precision far from the world origin.
   [[nodiscard]] glm::dvec3 vertex(std::size_t v) const {
     return index_from_local_ * (glm::dvec3(mesh_.positions[v]) + local_offset_);
   }
@@ -117,7 +118,7 @@ class IndexMesh {
   field::Affine output_from_index_;
   glm::dmat3 index_from_local_;
   glm::dvec3 local_offset_;
-  double tolerance_;  // how far rounding may move a vertex, in voxels
+  double tolerance_;  // half the margin at edge ends, in voxels; rounding moves a vertex less
   std::optional<field::Box> cap_;
   std::optional<field::Box> outermost_samples_;  // outermost samples, for always-closed methods
   CapPlanes caps_;

@@ -47,7 +47,7 @@ struct MeshDistance {
   double rms = 0;
   double mean = 0;
   double percentile99 = 0;
-  // Smaller distances are not resolved: the float32 resolution of the mesh with the greatest stored coordinate.
+  // The larger float32 resolution of the two meshes (mesh/metrics.hpp): smaller distances are rounding errors.
   double resolution = 0;
 };
 

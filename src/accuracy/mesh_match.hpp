@@ -7,13 +7,13 @@
 // The limit is the sum of what writing and reading can cost a coordinate:
 // - kStabilityUlps of the local coordinates, as another backend may have written the file.
 // - One float32 spacing of the world coordinates, if the format stores only float32 world coordinates (STL) and the
-//   mesh has its own origin. The extracted coordinates are rounded likewise here, but another backend's may have
-//   rounded to a neighbor.
+//   mesh has its own origin. The comparison rounds the extracted coordinates, too, but another backend may have
+//   written the neighboring number.
 // - Half a float32 spacing of the reader's local coordinates: the reader converts doubles to float32 relative to its
-//   own origin. Not if the origins are equal, as then the file has the exact numbers.
-// - Four roundings of the world coordinates, for sums in double. Not if the origins are equal.
-// - One step, if positions were quantized to multiples of a power of two (mesh_io/mesh_packing.hpp). The extracted ones
-//   are quantized likewise here, but another backend's may have gone to the next step.
+//   own origin. Left out if the origins are equal, since the file then has the exact numbers.
+// - Four roundings of the world coordinates, for sums in double. Left out if the origins are equal.
+// - One step, if positions were quantized to multiples of a power of two (mesh_io/mesh_packing.hpp). The
+//   comparison quantizes the extracted positions, too, but another backend may have written the next step.
 //
 // Extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputPlacement), so
 // the nearest vertex is the right one; only STL far from the world origin may resolve less. Vertices that are not on

@@ -2,7 +2,7 @@
 // to the isosurface everywhere and still lack half of it: distances from the mesh do not show a part without triangles.
 //
 // A component of the isosurface counts as lost if no vertex of the mesh is nearer to it than to all other components.
-// This needs no distance limit, and a small component beside a large one is not mistaken for found.
+// This needs no distance limit, and a small component does not count as found just because a large one is near.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,18 @@ namespace isoextract::accuracy {
 struct SurfaceCoverage {
   // From points on the isosurface to the mesh, weighted by area; no points if the isosurface or the mesh is empty.
   ErrorStatistics distances;
-  // Upper bound of the distance of all points of the isosurface; distances.max covers the measured points only. The
-  // bound holds for the small triangles that approximate the isosurface; how far it bulges out of them is estimated.
+  // Upper bound of the distances of all isosurface points from the mesh; distances.max covers the measured points only.
+  // The bound holds for the small triangles that approximate the isosurface; the program estimates how far the
+  // isosurface bulges out of them.
   Length max_at_most;
   std::uint64_t components = 0;  // components of the isosurface
   std::uint64_t lost = 0;        // components that the mesh lacks
 };
 
-// Sets `components` and `lost` of `coverage`. `surface` is the isosurface in whole cells; `tree` contains its
-// triangles, null if there are none. If the mesh was clipped, only components with a vertex inside `clipped` count. The
-// caller reserves coverage_bytes(). If the context is cancelled, `lost` is meaningless. Throws std::bad_alloc.
+// Sets `components` and `lost` of `coverage`. `surface` is the isosurface extracted on undivided cells; `tree` contains
+// the triangles of `surface`, or is null if there are none. If the mesh was clipped, only components with a vertex
+// inside `clipped` count. The caller reserves coverage_bytes(). If the context is cancelled, `lost` is
+// meaningless. Throws std::bad_alloc.
 void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
                       std::span<const mesh::HalfSpace> clipped, const Context& context, SurfaceCoverage& coverage);
 

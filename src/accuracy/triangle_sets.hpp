@@ -17,7 +17,7 @@ namespace isoextract::accuracy {
 // The name of a vertex that the other mesh does not have.
 inline constexpr std::uint32_t kNoName = std::numeric_limits<std::uint32_t>::max();
 
-// A mesh with a number for each vertex, its name: a vertex has the same name as its match in the other mesh.
+// A mesh whose vertices have numbers as names: matching vertices of both meshes have equal names.
 struct LabeledVertices {
   const mesh::Mesh& mesh;
   std::span<const std::uint32_t> names;  // one for each vertex: below the number of names, or kNoName
@@ -38,14 +38,14 @@ struct TriangleDifference {
 [[nodiscard]] TriangleDifference compare_triangle_sets(const LabeledVertices& a, const LabeledVertices& b,
                                                        std::uint64_t names);
 
-// Adds a sentence for each mesh that has triangles of its own.
+// Adds a sentence for each mesh with triangles that the other mesh lacks.
 void add_difference_sentences(const TriangleDifference& difference, const MeshLabels& names,
                               std::vector<std::string>& sentences);
 
 // Formats a point as "(1, 2.5, -3)".
 [[nodiscard]] std::string point_text(const glm::dvec3& point);
 
-// Returns the memory that compare_triangle_sets() uses; `triangles` are those of both meshes.
+// Returns the memory that compare_triangle_sets() uses; `triangles` counts the triangles of both meshes.
 [[nodiscard]] std::uint64_t triangle_comparison_bytes(std::uint64_t triangles, std::uint64_t names);
 
 }  // namespace isoextract::accuracy

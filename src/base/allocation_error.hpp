@@ -17,7 +17,7 @@ inline constexpr const char* kRaiseAddressSpaceHint =
     "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)";
 
 // Returns the error for a failed allocation, ErrorCode::out_of_memory. If the address space is limited, the message
-// names that limit, and the error has the hint to raise it or to extract the volume in parts in place of `hint`.
+// names the limit. A hint to raise the limit or to extract the volume in parts then replaces `hint`.
 [[nodiscard]] Error allocation_error(std::string message, Hint hint = {});
 
 }  // namespace isoextract

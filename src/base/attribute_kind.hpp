@@ -23,7 +23,8 @@ constexpr auto words_of(AttributeKind /*type*/) {
                     Word{AttributeKind::normal, "normal"}};
 }
 
-// Returns whether attributes of this kind are transformed with the mesh. Only attributes of three components are.
+// Returns whether attributes of this kind are transformed with the mesh. The caller checks the number of components:
+// only attributes of three are transformed.
 [[nodiscard]] constexpr bool is_transformed_with_mesh(AttributeKind kind) {
   return kind == AttributeKind::vector || kind == AttributeKind::point || kind == AttributeKind::normal;
 }

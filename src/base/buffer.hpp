@@ -13,8 +13,8 @@ namespace isoextract {
 
 namespace detail {
 // Allocates count * size bytes, aligned at least to a cache line. Returns null for 0 bytes. Throws std::bad_alloc.
-// Blocks of 4 MiB and more use huge pages where the system allows them. free_block() keeps up to 16 of them for later
-// calls, with at most 512 MiB or 1/16 of the machine's memory, whichever is less.
+// Blocks of 4 MiB and more use huge pages where the system allows them. free_block() keeps up to 16 of these large
+// blocks for later calls, with at most 512 MiB or 1/16 of the machine's memory, whichever is less.
 [[nodiscard]] void* allocate_block(std::size_t count, std::size_t size);
 void free_block(void* block);
 // Frees the oldest kept blocks until the rest hold at most `bytes` bytes.

@@ -13,7 +13,7 @@ namespace isoextract {
 // Drops fractions of a byte. Fails with ErrorCode::usage for other texts and from 2^63 bytes on.
 [[nodiscard]] Result<std::uint64_t> parse_byte_size(std::string_view text);
 
-// Formats with a binary unit and, from 1 KiB on, three significant digits: 1536 -> "1.5 KiB".
+// Formats with a binary unit; from 1 KiB on, rounds to three significant digits: 1536 -> "1.5 KiB".
 [[nodiscard]] std::string format_byte_size(std::uint64_t bytes);
 
 }  // namespace isoextract

@@ -7,8 +7,8 @@
 
 namespace isoextract {
 
-// Each returns the product or the sum of all arguments. Returns nothing if an intermediate result, from left to right,
-// exceeds 64 bits, even if a later factor is 0.
+// Returns the product of all factors. Returns nothing if an intermediate product, from left to right, exceeds 64 bits,
+// even if a later factor is 0.
 template <std::unsigned_integral... Ts>
 [[nodiscard]] constexpr std::optional<std::uint64_t> checked_product(Ts... factors) {
   std::uint64_t product = 1;
@@ -18,6 +18,7 @@ template <std::unsigned_integral... Ts>
   return product;
 }
 
+// Returns the sum of all terms, or nothing if it exceeds 64 bits.
 template <std::unsigned_integral... Ts>
 [[nodiscard]] constexpr std::optional<std::uint64_t> checked_sum(Ts... terms) {
   std::uint64_t sum = 0;

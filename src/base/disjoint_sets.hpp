@@ -12,8 +12,8 @@ namespace isoextract {
 
 class DisjointSets {
  public:
-  // `parents` must outlive the object and holds the parent of each element; that of a root is itself. Elements that no
-  // call joins may hold other numbers. With `alone`, one thread joins all sets, which takes no locked instructions.
+  // `parents` holds the parent of each element, and must outlive the object; a root is its own parent. Elements that no
+  // call joins may hold other numbers. With `alone`, only one thread may join sets, which avoids locked instructions.
   explicit DisjointSets(std::span<std::uint32_t> parents, bool alone = false) : parents_(parents), alone_(alone) {}
 
   // Joins the sets of two elements.
@@ -27,8 +27,9 @@ class DisjointSets {
     }
   }
 
-  // Returns the lowest element known to be in the set of `element`. Shortens the path for later calls. So while several
-  // threads call it, the parents of elements, stored roots too, may become older ancestors, which are not yet roots.
+  // Returns the lowest element known to be in the set of `element`. Shortens the path for later calls. While several
+  // threads call it, one thread may overwrite a parent that another thread has set to the root, with an ancestor that
+  // is no root.
   [[nodiscard]] std::uint32_t root(std::uint32_t element) const {
     std::uint32_t up = load(element);
     while (up != element) {
@@ -41,7 +42,7 @@ class DisjointSets {
     return element;
   }
 
-  // Replaces the parent of an element if it still is `expected`; returns whether it was.
+  // Replaces the parent of an element if the parent still is `expected`; returns whether it was.
   [[nodiscard]] bool replace(std::uint32_t element, std::uint32_t expected, std::uint32_t parent) const {
     if (!alone_) {
       return std::atomic_ref(parents_[element]).compare_exchange_strong(expected, parent, std::memory_order_relaxed);

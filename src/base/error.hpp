@@ -1,6 +1,6 @@
-// Errors are values: functions below `cli` that can fail return Result<T>. Those rooms do not print, and only the child
-// processes of `sandbox` exit. The only exception that crosses a room's border is std::bad_alloc. `cli` prints the
-// Error on stderr and exits with exit_code_of().
+// Errors are values: functions in the rooms (folders of src) below `cli` that can fail return Result<T>. These rooms do
+// not print, and only the child processes of `sandbox` exit. The only exception that crosses a room's border is
+// std::bad_alloc. `cli` prints the Error on stderr and exits with exit_code_of().
 //
 // Code below `cli` does not know the names of options: a hint is a list of steps, each a Remedy and a Setting, which
 // `cli` turns into text.
@@ -88,7 +88,7 @@ enum class Setting {
   demo_fields,
   in_process,  // run a plug-in without a child process
   attribute,
-  attribute_volume,  // these three are about the file of an attribute
+  attribute_volume,  // this and the next two are about the file of an attribute
   attribute_component,
   attribute_spacing_and_origin,
   volume_options,  // options of volumes that particles do not have
@@ -113,13 +113,13 @@ enum class Setting {
   height_base,   // the floor of terrain
   resolutions,   // the resolutions of a benchmark
   repair,        // of mesh files
-  hole_edges,    // the longest hole that repair fills
+  hole_edges,    // edges of the longest hole that repair fills
   // The output
   mesh_format,
   half_floats,
   output_name,
   animation,
-  masks,  // files of one grid, joined to one output
+  masks,  // one output for several mask files of one grid
   unit,
   scale,     // all options that scale the mesh
   position,  // all options that move the mesh

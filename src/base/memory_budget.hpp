@@ -29,9 +29,9 @@ class [[nodiscard]] Reservation {
 
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   void release();
-  // Reduces the reservation to `bytes`. Does nothing if it is not larger than that.
+  // Reduces the reservation to `bytes`. Does nothing if the reservation is not larger.
   void shrink(std::uint64_t bytes);
-  // Moves the bytes of `other` into this one. If both hold bytes, they must be of one account (a part() has its own).
+  // Moves the bytes of `other` here. Two reservations with bytes must be of one account (a part() has its own).
   void take(Reservation&& other);
 
  private:
@@ -59,7 +59,7 @@ class MemoryBudget {
   [[nodiscard]] std::uint64_t limit() const;
   [[nodiscard]] std::uint64_t left() const;      // bytes of the limit that no account has reserved now
   [[nodiscard]] std::uint64_t reserved() const;  // bytes that this account and its parts hold now
-  [[nodiscard]] std::uint64_t peak() const;      // the most bytes that they held at a time
+  [[nodiscard]] std::uint64_t peak() const;      // the most bytes that account and parts held at a time
 
  private:
   explicit MemoryBudget(std::shared_ptr<detail::MemoryAccount> account);

@@ -40,8 +40,8 @@ class Packer {
   std::string bytes_;
 };
 
-// Reads values in the order in which they were put. Behind the end every value is zero or empty, and is_whole() becomes
-// false. The bytes must outlive the unpacker.
+// Reads values in the order in which they were put. After the end of the bytes every value is zero or empty, and
+// is_whole() becomes false. The bytes must outlive the unpacker.
 class Unpacker {
  public:
   Unpacker() = default;
@@ -71,7 +71,7 @@ class Unpacker {
     }
   }
 
-  // Returns whether every value read so far was there.
+  // Returns whether the bytes contained every value read so far.
   [[nodiscard]] bool is_whole() const { return is_whole_; }
   // Returns the number of unread bytes.
   [[nodiscard]] std::size_t left() const { return rest_.size(); }

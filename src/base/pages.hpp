@@ -11,12 +11,12 @@ namespace isoextract {
 void release_pages(const void* begin, std::size_t bytes);
 
 // Gives the allocator's free pages, and the blocks that Buffer keeps for reuse, back to the system. Call it now and
-// then while many short-lived blocks and a few that stay are allocated on several threads: the free space between those
-// that stay otherwise adds up.
+// then while several threads allocate many short-lived blocks and a few lasting ones: otherwise the free space between
+// the lasting blocks adds up.
 void release_free_memory();
 
 // Makes the allocator give each block of 1 MiB or more back to the system as soon as it is freed, from now on. By
-// itself glibc keeps ever larger ones, for each thread; the memory of many short-lived meshes then adds up.
+// default glibc keeps ever larger freed blocks for each thread, so the memory of many short-lived meshes adds up.
 void return_large_blocks();
 
 }  // namespace isoextract

@@ -1,5 +1,5 @@
-// Parallel loops. Only parallel.cpp instantiates TBB's loops, instead of once for each body and sample type. A grain is
-// at least 1.
+// Parallel loops. Only parallel.cpp instantiates TBB's loops, so the compiler does not instantiate them for each body
+// and sample type. A grain must be at least 1.
 #pragma once
 
 #include <concepts>
@@ -57,7 +57,7 @@ void for_each_range(std::size_t count, std::size_t grain, const Body& body) {
   detail::parallel_ranges(count, grain, detail::RangeBody::of(body));
 }
 
-// Like for_each_range, but with ranges of at most `grain` indices that depend on `count` and `grain` only.
+// Like for_each_range, but each range has at most `grain` indices, and the ranges depend on `count` and `grain` only.
 template <class Body>
 void for_each_fixed_range(std::size_t count, std::size_t grain, const Body& body) {
   detail::fixed_ranges(count, grain, detail::RangeBody::of(body));

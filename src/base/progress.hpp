@@ -1,5 +1,5 @@
 // Progress of a long stage, for `cli` to read from another thread. Long-running functions report through
-// Context::progress(). Functions without a context take a `Progress*`, which may be null. None of them prints.
+// Context::progress(). Functions without a context take a `Progress*`, which may be null. These functions do not print.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
 // Ranks: the processes of one run that a launcher such as mpirun started, on one or more machines. All have the same
-// command line, and see the same files. Rank 0 speaks for all: only it prints.
+// command line, and see the same files. Only rank 0 prints.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@ struct RankMessage {
   std::string bytes;
 };
 
-// The connection between the ranks. Fails with ErrorCode::unavailable.
+// The connection between the ranks. Its functions fail with ErrorCode::unavailable.
 class RankLink {
  public:
   RankLink() = default;
@@ -30,10 +30,10 @@ class RankLink {
   [[nodiscard]] virtual int rank() const = 0;
   [[nodiscard]] virtual int size() const = 0;
   [[nodiscard]] virtual int node() const = 0;  // the least rank on this machine
-  // Returns the bytes of all ranks, by rank. Every rank calls it; waits for them.
+  // Returns the bytes of all ranks, by rank. Waits until every rank has called it.
   [[nodiscard]] virtual Result<std::vector<std::string>> gather(std::string_view bytes) = 0;
   [[nodiscard]] virtual Result<void> send(int to, std::string_view bytes) = 0;
-  // Returns nullopt if no message comes in that time.
+  // Returns the next message of any rank, or nullopt if none comes within `most`.
   [[nodiscard]] virtual Result<std::optional<RankMessage>> receive(std::chrono::milliseconds most) = 0;
   // Waits until every rank calls it, and ends the connection.
   virtual void leave() = 0;
@@ -48,23 +48,24 @@ class Ranks {
   [[nodiscard]] int node() const { return link_->node(); }
   [[nodiscard]] bool is_first() const { return rank() == 0; }
 
-  // Returns the bytes of all ranks, by rank; waits for them. All ranks make the same calls in the same order. Once one
-  // of them calls end(), gather() fails at the others: at rank 0 with the error that the rank gave to end(), at other
-  // ranks with ErrorCode::cancelled.
+  // Returns the bytes of all ranks, by rank. Waits until every rank has called it. All ranks make the same calls in the
+  // same order. Once a rank calls end(), the next gather() fails at the others: at rank 0 with the error of that rank
+  // (ErrorCode::unavailable if it gave none), at other ranks with ErrorCode::cancelled.
   [[nodiscard]] Result<std::vector<std::string>> gather(std::string_view bytes);
 
-  // Sends a message to one rank. receive() returns the next message of any rank.
+  // Sends a message to one rank.
   [[nodiscard]] Result<void> send(int to, std::string_view bytes) { return link_->send(to, bytes); }
+  // Returns the next message of any rank, or nullopt if none comes within `most`.
   [[nodiscard]] Result<std::optional<RankMessage>> receive(std::chrono::milliseconds most) {
     return link_->receive(most);
   }
 
-  // Ends the common work of this rank: waits for the others. `error` is set if this rank failed. Returns the first
-  // error of another rank, with the number of the rank. Call once, last.
+  // Ends the common work of this rank: waits until the others end theirs. `error` is set if this rank failed. Returns
+  // the first error of another rank, with the number of that rank, or the error of the connection. Call once, last.
   [[nodiscard]] std::optional<Error> end(const Error* error);
 
-  // Ends the sharing of a task: rank 0 does it alone, and the others end. Every rank must come to the same decision.
-  // `why` completes "rank 0 works alone, because ...".
+  // Ends the sharing of a task: rank 0 does the task alone, and the other ranks end. Every rank must come to the same
+  // decision. `why` completes "rank 0 works alone, because ...".
   void work_alone(std::string why) { why_alone_ = std::move(why); }
   [[nodiscard]] bool is_shared() const { return why_alone_.empty(); }
   [[nodiscard]] const std::string& why_alone() const { return why_alone_; }
@@ -82,7 +83,7 @@ class Ranks {
   std::optional<Error> of_other_;  // the first error that another rank gave to end()
 };
 
-// Returns the error with which a rank other than 0 leaves work to rank 0. It is not told.
+// Returns the error with which a rank other than 0 leaves work to rank 0. end() does not pass this error on.
 [[nodiscard]] tl::unexpected<Error> leave_to_first_rank();
 
 }  // namespace isoextract

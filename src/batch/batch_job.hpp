@@ -30,10 +30,10 @@ struct AnimationJob {
   friend bool operator==(const AnimationJob&, const AnimationJob&) = default;
 };
 
-// Returns AnimationJob::starts for frames whose times are known. The distances of the frames in time are those in the
-// file; the first and the last frame start as they do by their numbers, so that `frames_per_second` is the mean rate.
-// Returns nothing if a frame has no time, if the times do not ascend, or if they differ from the numbers by less than a
-// thousandth of a frame. `numbers` ascend.
+// Returns AnimationJob::starts from the times of the frames. Scales the times so that the first and the last frame
+// start as they do by their numbers: `frames_per_second` stays the mean rate. Returns an empty list for fewer than
+// three frames, if a frame has no time, or if the times do not ascend. Also returns an empty list if the frames'
+// numbers give the same starts within a thousandth of a frame. `numbers` ascend.
 [[nodiscard]] std::vector<double> animation_starts(std::span<const std::int64_t> numbers,
                                                    std::span<const particle_io::FrameTime> times,
                                                    double frames_per_second);

@@ -45,7 +45,7 @@ struct RunOptions {
   // The ranks that share the frames; null: this process converts all of them. All ranks make the same run. Not for a
   // batch with an animation.
   Ranks* ranks = nullptr;
-  // BatchRun sets extras.field_notes and extras.hash_files. Without extras.read it renames no old meshes.
+  // BatchRun sets extras.field_notes and extras.hash_files, and renames old meshes only if extras.read is set.
   SchedulerOptions scheduler = {};
 };
 
@@ -65,7 +65,7 @@ class RunEvents {
   // Called with notes that field_notes() returned on another rank.
   virtual void notes_of_rank(const Notes& /*notes*/) {}
   // Returns whether the report of a frame, as write_report() writes it, exists. ResumePolicy::keep_unchanged does not
-  // keep a frame without one.
+  // keep a frame without a report.
   [[nodiscard]] virtual bool has_report(std::size_t /*frame*/) { return true; }
   // Writes the report of a frame. If that fails, the frame fails.
   [[nodiscard]] virtual Result<void> write_report(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) {
@@ -89,7 +89,8 @@ struct RunResult {
   std::vector<FrameRow> rows;               // of the run's frames, in order
   std::vector<std::string> set_aside = {};  // the new names of old meshes of frames that failed
   mesh_io::MeshWriteResult animation = {};  // the animation's files, and notes about it
-  // Set if the manifest or the animation could not be written, or if the ranks lost each other, which ended the run.
+  // Set if the manifest or the animation could not be written, or if the connection between the ranks failed, which
+  // ended the run.
   std::optional<Error> error = {};
   std::vector<RankWork> ranks = {};  // by rank; empty if one process converted all frames
 
@@ -118,8 +119,8 @@ class BatchRun {
   BatchRun& operator=(BatchRun&&) noexcept;
   ~BatchRun();
 
-  // Runs the batch. Call once. Frames that fail are rows of the result, not an error. Of several ranks, only rank 0 has
-  // the result; the others return none but an error.
+  // Runs the batch. Call once. Frames that fail are rows of the result, not an error. Of several ranks, only rank 0
+  // returns the result; the others set only RunResult::error.
   [[nodiscard]] RunResult run(RunEvents& events);
 
  private:

@@ -35,7 +35,7 @@ struct Frames {
   std::vector<Frame> frames;   // at least one, ordered by number, without duplicates
   std::vector<FrameRun> gaps;  // with a range: its numbers without a frame; else the numbers missing between frames
   Notes notes;                 // how the inputs were read, one sentence each, safe to print on a terminal
-  bool have_numbers = true;    // in their names, whole or with decimals; false: a name says nothing of the order
+  bool have_numbers = true;    // the names have whole or decimal frame numbers; false: the names do not give the order
 };
 
 // Returns the numbers of the range without a frame. `frames` are ordered by number.
@@ -80,7 +80,7 @@ struct Frames {
 [[nodiscard]] Result<Frames> find_frames(std::span<const std::string> given, const std::optional<FrameRange>& range,
                                          bool pictures_are_frames = false);
 
-// Returns whether the file has the samples of a header beside it, with which it is read: scan.raw beside scan.nhdr.
+// Returns whether the file has samples only and its header lies beside it: scan.raw beside scan.nhdr.
 [[nodiscard]] bool has_header_beside(const std::string& folder, const std::string& name);
 
 // Returns the inputs without sample files whose header is another input, such as a shell's list for tooth/* with
@@ -90,9 +90,9 @@ struct Frames {
 // Returns the note about files of a folder that a run passes over; `kind` completes "the extension of ... format".
 [[nodiscard]] Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind);
 
-// Returns the pattern of a stack or the volume folder that `inputs` are the files of, such as a shell's list for
-// slices/*.png. Returns nullopt if the list is incomplete, or if its files are several volumes. The files may be in any
-// order. Lists their folder, and opens files as volume_io::is_slice_stack() and is_volume_folder() do.
+// Returns the volume whose files are `inputs`, such as a shell's list for slices/*.png: the pattern of a stack, or a
+// volume folder. Returns nullopt if the list is incomplete, or if its files are several volumes. The files may be in
+// any order. Lists their folder, and opens files as volume_io::is_slice_stack() and is_volume_folder() do.
 [[nodiscard]] std::optional<std::string> find_one_volume(std::span<const std::string> inputs);
 
 }  // namespace isoextract::batch

@@ -12,7 +12,7 @@
 
 namespace isoextract::batch {
 
-// Largest number of frames in one run.
+// Largest number of frames that one command converts.
 inline constexpr std::uint64_t kMaxFrames = 1'000'000;
 
 // The numbers first, first + step, ..., last, all within +-kMaxFrameNumber. The step of a single number is 1.
@@ -41,8 +41,8 @@ class FrameRange {
  public:
   // Parses A, A-B or A-BxS, separated by commas and optional blanks. A and B are inclusive (B only if the steps reach
   // it) and may be negative. Fails with ErrorCode::usage for any other text, for B below A, steps below 1, numbers
-  // beyond kMaxFrameNumber and more than kMaxFrames frames, duplicates included. Checks the count before listing
-  // frames.
+  // beyond kMaxFrameNumber and more than kMaxFrames frames, where a number that occurs twice counts twice. Checks the
+  // count before listing frames.
   [[nodiscard]] static Result<FrameRange> parse(std::string_view text);
 
   // Returns the runs, which do not overlap and are in rising order.

@@ -18,7 +18,7 @@ namespace isoextract::batch {
 
 struct SurfaceFigures {
   convert::SurfaceId id;
-  std::string asked;  // "p99"; empty if a number was given
+  std::string asked;  // "p99" or "label 5"; empty if the iso value was given as a number
   std::uint64_t triangles = 0;
   // Set if mesh statistics were requested (ConversionOptions::mesh_facts).
   std::optional<std::uint64_t> vertices;
@@ -28,7 +28,7 @@ struct SurfaceFigures {
   std::optional<double> volume;  // of a closed mesh
   // Set if the surface was written to files of its frame. If several outputs contain it, only the first one counts.
   std::string output;                  // the first file of that output
-  std::optional<std::uint64_t> bytes;  // of that output's files with the surface, including other surfaces in them
+  std::optional<std::uint64_t> bytes;  // of that output's files that contain the surface and perhaps others
   // Set if the error was measured. In voxels; error: distances from the mesh to the isosurface of the data, coverage:
   // distances from that isosurface to the mesh.
   std::optional<double> error_rms;
@@ -88,13 +88,13 @@ struct FrameRecord {
 [[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
                                             const convert::Outcome& outcome, const Context& context);
 
-// Returns an input of the frame that exists now but not in the record, such as the file of an optional attribute:
-// "h_03.npy is new". Returns a message as well if the inputs cannot be listed, or if the frame has moved within its
-// file. Empty if there is none.
+// Returns a message about an input of the frame that exists now but not in the record, such as the file of an optional
+// attribute: "h_03.npy is new". Also returns a message if the inputs cannot be listed, or if the frame has moved within
+// its file. Otherwise returns an empty text.
 [[nodiscard]] std::string find_added_input(const FrameRecord& record, const FrameJob& frame);
 
-// Returns whether the record lists the inputs. False if they could not be hashed before the conversion; a demo field
-// needs none.
+// Returns whether the record lists the inputs; true for a demo field, which has none. False if they could not be hashed
+// before the conversion.
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
 
 // Returns the first file of the record that has changed or cannot be read: "in.vdb has changed". Empty if there is

@@ -6,11 +6,11 @@
 //   2,0.152
 //
 // The first line that is neither blank nor a comment (#) names the columns. `frame` and `iso` (in any letter case)
-// occur once each, in any order; other columns are ignored. The separator is the first of tab, semicolon and comma that
-// the header contains. Fields may be quoted ("0.15", with "" for a quote), but end on their line. All lines have as
-// many fields as the header. A frame with several iso values has a row for each.
-// An iso value may also be auto or a percentile such as p99 (convert/iso_choice.hpp). The decimal mark is a point, or a
-// comma in all rows if commas do not separate fields, as spreadsheets write it in some languages.
+// occur once each, in any order; other columns are ignored. The separator is a tab if the header contains one, else a
+// semicolon if the header contains one, else a comma. Fields may be quoted ("0.15", with "" for a quote), but end on
+// their line. All lines have as many fields as the header. A frame with several iso values has a row for each. An iso
+// value may also be auto or a percentile such as p99 (convert/iso_choice.hpp). The decimal mark is a point, or a comma
+// in all rows if commas do not separate fields, as spreadsheets write it in some languages.
 //
 // A byte order mark, CR before line ends, blanks around fields, and a line "sep=;" before the header are ignored.
 #pragma once

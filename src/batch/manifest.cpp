@@ -30,7 +30,8 @@ using convert::Json;
 
 constexpr int kManifestVersion = 1;
 constexpr std::size_t kHashDigits = 32;
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;  // a frame takes about a thousand bytes
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
+static_assert(kMostBytes / kMaxFrames >= 4000, "a frame takes about a thousand bytes");
 constexpr const char* kRevocationKey = "begun_anew";
 
 tl::unexpected<Error> output_error(const fs::path& path, std::string_view action, int code) {

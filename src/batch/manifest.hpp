@@ -85,8 +85,8 @@ class Manifest {
   [[nodiscard]] Result<void> begin(const std::string& job);
   // Appends a record. Fails with ErrorCode::output.
   [[nodiscard]] Result<void> add(const FrameRecord& record);
-  // Removes the manifest of a whole batch if this run created it and no frame was finished. A shard's stays: merging
-  // reads from it which frames failed.
+  // Removes the manifest of a whole batch if this run created it and no frame was finished. The manifest of a shard
+  // stays: merge_shards() reads from it which frames failed.
   void remove_if_unused() const;
 
  private:

@@ -22,9 +22,9 @@ struct MergedShards {
 // Merges the manifests of all shards in `folder` into one, as if one process had run the batch.
 //
 // A batch may have been run again with another number of shards. Then uses the manifests of the run that has all shards
-// and frames, else those of the newest run. Skips batches that are merged already. Where the merged manifest has newer
-// results, of a later run without shards, uses those. If every batch is merged and the last run had no shards (or was
-// shard 1 of 1), only checks that run.
+// and frames, or of the newest run if no run has them all. Skips batches that are merged already. Where the merged
+// manifest has newer results, of a later run without shards, uses those. If every batch is merged and the last run had
+// no shards (or was shard 1 of 1), only checks that run.
 //
 // Fails with ErrorCode::input, and writes nothing, in these cases:
 //   - there is no manifest, or the manifest of a shard is damaged;
@@ -36,8 +36,8 @@ struct MergedShards {
 [[nodiscard]] Result<MergedShards> merge_shards(const std::filesystem::path& folder);
 
 // Fails with ErrorCode::output if a run of this shard would replace a manifest of this program version that still has
-// records of another batch. Such a record counts if it is not merged and one of its files exists and is not among
-// `files`, the normalized paths of the files that the batch writes. Never fails for a run without shards.
+// records of another batch. Merged records do not count, nor do records whose existing files are all among `files`: the
+// normalized paths of the files that the batch writes. Never fails for a run without shards.
 [[nodiscard]] Result<void> check_replaced_shard(const std::filesystem::path& folder, const BatchJob& batch,
                                                 const Shard& shard, const std::unordered_set<std::string>& files);
 

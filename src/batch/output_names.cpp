@@ -144,7 +144,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected the name of a grid for {{grid}} in the output name, found none",
                             label_of_source(source)),
-                "choose the grid by its name");
+                "leave {grid} out; or choose a grid by its name, if the format has named grids");
   }
   if (names.uses(OutputWord::step) && !source.step) {
     return fail(ErrorCode::usage,

@@ -78,9 +78,9 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
                                                                       std::string_view extension);
 
 // Checks that no two outputs are one file (except devices such as /dev/null), that no output is also read, and that no
-// output has the name of a manifest. `outputs` are those of `sources`; `others` are checked together with them. Files
-// are compared by files::LocationKeys: one file under two names counts as one. For formats with two files (.gltf and
-// .bin), both are checked.
+// output has the name of a manifest. `outputs[i]` are the files of `sources[i]`. Checks the files of `others`, too.
+// Files are compared by files::LocationKeys: one file under two names counts as one. For formats with two files (.gltf
+// and .bin), both are checked.
 //
 // Refuses names with {piece} if two bodies could get the same name, or if a body could get the name of an input or of a
 // file in `others.written`. Does not cover data files that an input's header names: convert::check_mesh_files() does.

@@ -18,7 +18,7 @@ namespace isoextract::batch {
 
 struct SchedulerOptions {
   int jobs = 1;            // largest number of conversions at a time
-  int threads = 1;         // in all; each conversion gets its share, and more when few are left
+  int threads = 1;         // in all; conversions share them, and get more when few conversions are left
   bool fail_fast = false;  // the first frame that fails cancels the running frames, and no other starts
   // Estimated reservation of one conversion. Larger measured reservations replace it, smaller ones do not. 0: unknown.
   std::uint64_t memory_per_frame = 0;
@@ -46,7 +46,7 @@ class FrameReceiver {
   virtual ~FrameReceiver() = default;
 
   // Receives the collected surfaces of a frame, possibly none; frames that fail are not received. Frames arrive one at
-  // a time, in order, on the thread that converted them. If it fails, the frame fails with that error. Returns what
+  // a time, in order, on the thread that converted them. If take() fails, the frame fails with that error. Returns what
   // packing did to each surface, or nothing if surfaces are not packed.
   [[nodiscard]] virtual Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
                                                                        const convert::MeshCollector& collected) = 0;
@@ -64,7 +64,7 @@ struct BatchCounts {
   std::size_t done = 0;
   std::size_t failed = 0;
   std::size_t not_started = 0;  // because of an earlier failure or a request to end
-  // Runs repeated because a frame ran out of memory beside others, or had to wait for such a frame.
+  // Repeated runs: the frame ran out of memory beside other frames, or had to free its meshes for such a frame.
   std::size_t repeated = 0;
 };
 

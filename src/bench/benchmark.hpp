@@ -48,10 +48,10 @@ struct BenchLevel {
   std::string size;  // samples along an axis ("64") or along each axis ("91x109x91")
   std::uint64_t cells = 0;
   double spacing = 0;     // side of a cube of a voxel's volume, in world units
-  bool is_truth = false;  // the data that all others are compared with; not used for convergence orders
+  bool is_truth = false;  // the level that all others are compared with; not used for convergence orders
 };
 
-// Median times of the stages on a device, in seconds.
+// Median times of the stages of an extraction on a device, in seconds. The processor welds.
 struct BenchDeviceTimes {
   double upload = 0;
   double count = 0;
@@ -64,13 +64,13 @@ struct BenchDeviceTimes {
   [[nodiscard]] double draw() const { return count + capture; }  // both passes over the cells
 };
 
-// Errors of the mesh of one method and backend at one level; the number of threads does not matter. `smooth_normals` is
-// unset if the method has none.
+// Errors of the mesh of one method and backend at one level; the number of threads does not matter. Errors of normals
+// are set only if the truth is a formula; `smooth_normals` also needs a method with MethodTraits::gradient_normals.
 struct BenchErrors {
   // At points inside the triangles, in voxels of this resolution and in world units.
   std::optional<accuracy::ErrorStatistics> position;
   double rounding = 0;  // float32 rounding in world units; smaller errors count as equal
-  std::optional<accuracy::AngleStatistics> smooth_normals;  // both only if the truth is a formula
+  std::optional<accuracy::AngleStatistics> smooth_normals;
   std::optional<accuracy::AngleStatistics> flat_normals;
   std::optional<double> area_error;  // |measured / true - 1|; absent if it cannot be compared
   std::optional<double> volume_error;
@@ -108,7 +108,7 @@ struct BenchResult {
   std::string input;
   double iso = 0;
   std::string truth;               // reference of the errors, a sentence without full stop
-  std::vector<std::string> notes;  // missing or inapplicable parts and the reason, likewise
+  std::vector<std::string> notes;  // missing or inapplicable parts and the reason, each without full stop
   std::vector<BenchLevel> levels;  // coarse to fine
   std::vector<BenchRow> rows;
   std::vector<BenchOrders> orders;

@@ -14,7 +14,7 @@ struct ConvergenceOrder {
 };
 
 // Returns the order of errors at falling spacings, one error per spacing. Returns nothing for fewer than two errors, or
-// if one is not above `floor`: errors up to it are rounding and follow no order.
+// if an error is not above `floor`: such errors are rounding and follow no order.
 [[nodiscard]] std::optional<ConvergenceOrder> observed_order(std::span<const double> spacings,
                                                              std::span<const double> errors, double floor);
 

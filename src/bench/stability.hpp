@@ -21,11 +21,11 @@ struct StabilityRow {
 };
 
 // Checks that all vertices are finite, inside their own grid edge and near the crossing. Checks that triangles have an
-// area and no duplicates, and that the mesh is oriented and manifold. It must be closed with a cap (unless NaN samples
-// leave holes), and without one if the scene says so. A method with MethodTraits::always_closed must always close it,
-// and treats NaN as outside where the scene asks for holes. A surface must exist exactly where the scene expects one,
-// and a refusal must be ErrorCode::input. Edges and crossings are checked only if the method's traits claim them. Other
-// errors of the extraction are failures of the case.
+// area and no duplicates, and that the mesh is oriented and manifold. Unless NanPolicy::hole leaves holes, the mesh
+// must be closed with a cap, and also without a cap if StabilityScene::closed is set. Methods with
+// MethodTraits::always_closed must always close the mesh; they run with NanPolicy::outside in place of NanPolicy::hole.
+// A surface must exist exactly where the scene expects one, and a refusal must be ErrorCode::input. Edges and crossings
+// are checked only if the method's traits claim them. Other errors of the extraction are failures of the case.
 [[nodiscard]] StabilityRow run_stability_case(const StabilityCase& test, const extract::MethodInfo& method,
                                               extract::Extractor& extractor, const Context& context);
 

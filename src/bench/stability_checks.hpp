@@ -17,7 +17,7 @@ struct GridEdge {
 };
 
 // Returns for each vertex the grid edge that it lies inside, found from its position alone. In index space, coordinates
-// within rounding of an integer count as integers; all others must have the same fraction, up to rounding.
+// within rounding of an integer count as integers; its other coordinates must have equal fractions, up to rounding.
 //
 // Returns nullopt for a vertex that is not finite, and for all vertices if the float32 steps at the mesh's largest
 // coordinates exceed 0.1 voxels. Returns nullopt if both ends of the edge are on the same side of the surface, or if
@@ -39,8 +39,8 @@ struct StabilityFindings {
                                   // a repeated vertex
   bool edges_checked = true;      // false: the method puts vertices off the edges, `off_edge` stays 0
   bool crossings_checked = true;  // false: the method puts vertices off the crossings, `ulps` and `voxels` stay 0
-  // Largest difference of a coordinate from the crossing after it is moved inside the margin (check_stability()), in
-  // float32 steps at the mesh's largest local coordinate.
+  // Largest difference of a coordinate from the crossing moved inside the margin (check_stability()), in float32 steps
+  // at the mesh's largest local coordinate.
   double ulps = 0;
   // Largest distance of a vertex from its exact crossing (not moved inside the margin), in index space.
   double voxels = 0;
@@ -52,10 +52,10 @@ struct StabilityFindings {
 // Returns findings of no mesh, with edges_checked and crossings_checked set for a method.
 [[nodiscard]] StabilityFindings empty_findings(const extract::MethodTraits& traits);
 
-// Checks a mesh. The exact crossing is (iso - f0) / (f1 - f0) in long double; next to an infinite sample it is the
-// finite end, between two infinite samples or at NaN the middle. `ulps` is the difference from the crossing after it is
-// moved at least the margin of extract/edge_geometry.hpp away from both ends. Vertices that are not finite or on no
-// edge have no crossing. Edges and crossings are checked only if `traits` promise vertices there.
+// Checks a mesh. The exact crossing is (iso - f0) / (f1 - f0) in long double. With one infinite sample it is the finite
+// end; with two, or with a NaN, it is the middle of the edge. `ulps` is the difference from the crossing after the
+// crossing is moved at least the margin of extract/edge_geometry.hpp away from both ends. Vertices that are not finite
+// or on no edge have no crossing. Edges and crossings are checked only if `traits` promise vertices there.
 [[nodiscard]] StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                 const extract::ExtractOptions& options,
                                                 const extract::MethodTraits& traits);

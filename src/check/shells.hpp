@@ -27,7 +27,7 @@ enum class Shell {
   body,          // faces outward, inside an even number of shells
   cavity,        // faces inward, inside an odd number
   inside_out,    // faces inward, inside an even number
-  undecided,     // like inside_out, but inside the bounding box of an open component, so it may be a cavity of that
+  undecided,     // like inside_out, but inside the bounding box of an open component, whose cavity it may be
   nested         // faces outward, inside an odd number: a body inside a body
 };
 constexpr auto words_of(Shell /*type*/) {

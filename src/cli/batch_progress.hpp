@@ -26,7 +26,8 @@ namespace isoextract::cli {
 // Returns "12.3 frames/s, 0:09 left" or "4.2 s per frame, 1:02:11 left"; empty if no frame is done.
 [[nodiscard]] std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds);
 
-// The number of frames by outcome. Requested frames without an input count only as `missing`, if that is an error.
+// The number of frames by outcome. Requested frames without an input count as `missing` if that is an error, otherwise
+// not at all.
 struct FrameCounts {
   std::uint64_t done = 0;  // includes frames without triangles
   std::uint64_t failed = 0;
@@ -41,16 +42,16 @@ class BatchProgress {
  public:
   BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames);
 
-  // Prints the error of the first frame that fails for a reason; end() prints one line for all frames of the reason if
-  // there are several. `reason` is the error's message without the file names of the frame.
+  // Prints the error of the first frame with this `reason`: the error's message without the file names of the frame.
+  // end() prints one line for each reason that several frames have.
   void failed(const batch::FrameRow& row, const Error& error, const std::string& reason);
   // Prints a text if the user asked for details (Messages::detail()).
   void detail(const std::string& text);
-  // Prints only the note of the first call, since other frames have the same note.
+  // Prints only the first note of each id, since other frames have similar notes.
   void print_note_once(const Note& note);
   // Records a remark about a frame. end() prints each remark once for all its frames: "2 of 3 frames TEXT: 1-2".
   void add_remark(std::int64_t frame, const Note& remark);
-  // Records a frame that is over, whatever its outcome; prints its line of JSON.
+  // Records a frame that is over, whatever its outcome. With ProgressStyle::json, prints its line of JSON.
   void over(const batch::FrameRow& row);
   // Removes the bar, and prints the collected reasons and remarks, a summary, and what each rank did. Call once, last.
   void end(const FrameCounts& counts, std::span<const batch::RankWork> ranks = {});

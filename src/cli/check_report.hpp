@@ -30,9 +30,9 @@ struct CheckReport {
   std::vector<check::Requirement> required;
 };
 
-// Returns why the file does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. Where a file
-// holds several meshes, each must meet it by itself, as a conversion with --require tests them: neighbors of a label
-// map have the triangles between them twice.
+// Returns why the file does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. In a file
+// with several meshes, each mesh must meet the requirement by itself, as in a conversion with --require: two
+// neighboring labels both have the triangles between them.
 [[nodiscard]] std::optional<std::string> unmet_reason(check::Requirement requirement, const CheckReport& report);
 
 // A consequence of the mesh's properties for a slicer or a game engine.
@@ -40,7 +40,7 @@ struct Finding {
   std::string_view who;  // "slicer", "engine"
   std::string text;      // a sentence
 };
-// Returns the findings for slicers, then those for engines (check_findings.cpp). They are about `whole`.
+// Returns the findings about CheckReport::whole: first for slicers, then for engines (check_findings.cpp).
 [[nodiscard]] std::vector<Finding> findings_of(const CheckReport& report);
 
 // Returns a table for the terminal with the 12 largest components and the first 12 meshes, then the findings.

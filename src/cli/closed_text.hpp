@@ -1,5 +1,5 @@
-// Describes whether the surfaces of a file are closed. Decides by the extraction and the cuts, or by counting boundary
-// edges if these do not tell.
+// Describes whether the surfaces of a file are closed. Decides by the boundary edges if they were counted, otherwise by
+// whether the extraction reached the data boundary.
 #pragma once
 
 #include <string>
@@ -9,9 +9,10 @@
 
 namespace isoextract::cli {
 
-// Returns "not manifold: ..." if readers of the file weld sheets that touch. Else returns "empty" without
-// triangles, "closed", or "open" with the location of the boundary and, for the data boundary and clip planes, the
-// option that closes it. Adds the number of cells left out around NaN samples.
+// Returns "empty" without triangles, "closed", or "open" with the location of the boundary and, for the data boundary
+// and clip planes, the option that closes it. Replaces "closed" by "not manifold: ..." if readers of the file weld
+// sheets that touch, or if an input mesh is not manifold; appends this text to "open". Adds the number of cells left
+// out around NaN samples.
 [[nodiscard]] std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

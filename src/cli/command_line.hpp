@@ -31,8 +31,8 @@ struct Parsed {
 // If the words ask for help, takes no values and does not report unknown options.
 [[nodiscard]] Result<void> parse_words(Command& command, std::vector<std::string> words);
 // Reads as many as possible of the words that parse_words() refused. The command's options must have their defaults.
-// Skips "--", options without their value, and values that their options refuse. All other words become operands, of
-// "--unknown=FILE" only FILE.
+// Skips "--", options without their value, and values that their options refuse. Words that belong to no option become
+// operands; "--unknown=FILE" becomes the operand FILE.
 void read_words_leniently(Command& command, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

@@ -41,7 +41,9 @@ Result<void> check_field_options(const ConvertFlags& flags) {
         "leave --nan out");
   }
   if (flags.output && flags.output->find("{iso}") != std::string::npos) {
-    return refuse_usage(fmt::format("-o {}: a field has no iso value", *flags.output), "leave {iso} out");
+    return refuse_usage(
+        fmt::format("-o {}: {{iso}} is the iso value of a surface, but the output is the field itself", *flags.output),
+        "leave {iso} out");
   }
   return {};
 }

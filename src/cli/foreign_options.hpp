@@ -14,7 +14,8 @@ namespace isoextract::cli {
 [[nodiscard]] std::string hint_for_other_programs_option(const OptionSet& options, std::string_view name);
 
 // Fails with ErrorCode::usage if -o is missing and the last of several inputs has a mesh's extension: the user probably
-// forgot -o. Accepts an existing PLY file, since it may hold particles, and an existing mesh if the first is one, too.
+// forgot -o. Accepts an existing PLY file, since it may hold particles, and any existing file if the first input has a
+// mesh's extension, too.
 [[nodiscard]] Result<void> refuse_output_among_inputs(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

@@ -38,7 +38,7 @@ struct Example {
 
 // Returns the first page: usage, everyday options, a few examples, and the names of other pages. Fits 40 lines.
 [[nodiscard]] std::string help_overview(const Command& program);
-// Returns summary, usage, sub-commands and options; of the default command with HelpDetail::all the examples, too.
+// Returns summary, usage, sub-commands and options. Adds the examples for the default command with HelpDetail::all.
 [[nodiscard]] std::string help_of_command(const Command& command, HelpDetail detail);
 // Returns the page of a command, group or subject. `name` is one of help_names(); for other names returns no text.
 [[nodiscard]] std::string help_of(const Command& program, std::string_view name);

@@ -19,7 +19,7 @@
 
 namespace isoextract::cli {
 
-// The options that `info` suggests for label maps and masks, and for masks with a file each.
+// The options that `info` suggests for label maps and masks, and for masks in separate files.
 inline constexpr std::string_view kAllLabels = "--labels all";
 inline constexpr std::string_view kAllMasks = "--masks --labels all";
 
@@ -41,7 +41,7 @@ struct InputReport {
   std::string input;
   std::vector<volume_io::GridInfo> grids;
   std::optional<std::int64_t> volume;  // this report's volume or particle frame, if chosen or one of several
-  std::optional<volume_io::ComponentChoice> component;  // this report's component, in the same cases
+  std::optional<volume_io::ComponentChoice> component;  // this report's component, if chosen or one of several
   std::optional<ParticleReport> particles;              // for particles, which have no grids
   // Unset if the grid is not chosen, its placement is unusable, the particles give no field, or on an error.
   std::optional<FieldReport> field;

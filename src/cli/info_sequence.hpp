@@ -33,7 +33,7 @@ struct FrameSummary {
 struct SequenceReport {
   std::string input;                     // as given: a pattern or a folder
   std::vector<FrameSummary> frames;      // in ascending order
-  bool have_numbers = false;             // the names of the frames
+  bool have_numbers = false;             // the names of the frames have numbers
   std::vector<batch::FrameRun> gaps;     // missing frame numbers
   std::vector<std::string> arguments;    // the input options, to repeat in an example
   std::optional<SequenceRadius> radius;  // of all frames, if they hold particles

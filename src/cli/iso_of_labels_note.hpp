@@ -15,8 +15,8 @@ namespace isoextract::cli {
 [[nodiscard]] std::optional<Note> iso_of_labels_note(const field::ScalarField& field,
                                                      const convert::ConversionJob& job);
 
-// Returns a note that names --labels if the samples of `field`, which is drawn as a volume, look like labels of several
-// kinds. Otherwise returns nullopt.
+// Returns a note that names --labels if the samples of `field`, which is drawn as a volume, look like a label map.
+// Otherwise returns nullopt.
 [[nodiscard]] std::optional<Note> volume_of_labels_note(const field::ScalarField& field);
 
 }  // namespace isoextract::cli

@@ -14,7 +14,7 @@ namespace isoextract::cli {
 struct JetPlan {
   simulate::JetOptions jet;
   particle_io::ParticleFileFormat format = particle_io::ParticleFileFormat::ply;
-  std::string pattern;    // the value of -o if it reads all frames as an input pattern; else empty
+  std::string pattern;    // the value of -o if it works as an input pattern for all frames; else empty
   SequencePlan sequence;  // a step is a frame of the jet
 };
 // Fails with ErrorCode::usage for too many frames, an unknown format, and as plan_sequence() does.

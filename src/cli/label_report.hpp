@@ -26,17 +26,18 @@ struct LabelReport {
 };
 
 // Returns the labels of `field`, which was read from `input`, or nothing if it is neither label map nor mask. Takes the
-// names from the field for `volume`, else from a table beside the input; adds a note to the field if that is unusable.
+// names for `volume` from the field, or from a table beside the input if the field has no names. Adds a note to the
+// field if the table is unusable.
 [[nodiscard]] std::optional<LabelReport> report_labels(const std::string& input, std::optional<std::int64_t> volume,
                                                        const Context& context, field::ScalarField& field);
 
 // Returns the labels of masks; nothing if no mask has a voxel.
 [[nodiscard]] std::optional<LabelReport> report_masks(const convert::MaskLayers& masks);
 
-// Adds what the field is, and the first labels with voxels, volume, bounds and names.
+// Adds the kind of the field, and the first labels with voxels, volume, bounds and names.
 void add_label_map(NamedLines& lines, const LabelReport& report, const field::ScalarField& field);
 
-// Returns what --labels all makes of it.
+// Describes the meshes that --labels all makes of the labels.
 [[nodiscard]] std::string surfaces_text(const LabelReport& report);
 
 // Returns kind, background and all labels.

@@ -11,12 +11,12 @@
 
 namespace isoextract::cli {
 
-// Returns the files of the masks, the inputs or the volumes in the folder that is the only input, in
-// natural order; a note tells of its other files. Fails with ErrorCode::usage if an input is a folder among several, is
-// stdin, or occurs twice, and with ErrorCode::input if a folder has no volume or cannot be read.
+// Returns the files of the masks in natural order: the inputs, or the volumes in a folder that is the only input. A
+// note counts the folder's other files. Fails with ErrorCode::usage if an input is stdin or occurs twice, or if one of
+// several inputs is a folder. Fails with ErrorCode::input if a folder has no volume or cannot be read.
 [[nodiscard]] Result<std::vector<std::string>> find_masks(std::span<const std::string> inputs, Notes& notes);
 
-// Returns the name of the masks for the name of an output: that of their folder, or "masks" for the current folder.
+// Returns the name that output names use for the masks: the name of their folder, or "masks" for the current folder.
 [[nodiscard]] std::string name_of_masks(std::span<const std::string> masks);
 
 // Refuses options that do not go with --masks, and chooses all labels unless --labels is given. Does nothing without

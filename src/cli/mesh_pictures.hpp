@@ -21,8 +21,8 @@ struct WrittenMesh {
 
 class MeshPictures {
  public:
-  // If there are several meshes, reads all files once to find their common box, which replaces that of `options`; else
-  // reads nothing. The up axis of `options` is for formats that prescribe none. Fails as mesh_io::read_mesh() and
+  // Reads all files once if there are several meshes, and extends the box of `options` to contain them. Reads nothing
+  // for a single mesh. The up axis of `options` is for formats that prescribe none. Fails as mesh_io::read_mesh() and
   // Context::check() do.
   [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, render::PreviewOptions options,
                                                  const Context& context);

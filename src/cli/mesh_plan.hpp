@@ -10,9 +10,9 @@
 
 namespace isoextract::cli {
 
-// If the input is a mesh file, makes its meshes the surfaces to convert, and takes the up axis that glTF prescribes
-// unless --up is given; other formats are then written with z up. Does nothing for other inputs, and for standard
-// input.
+// Makes the meshes of an input that is a mesh file the surfaces to convert. For glTF without --up, sets the up axis y,
+// which glTF prescribes; then also sets --up-out z for other output formats, unless --up-out is given. Does nothing for
+// other inputs, with --heightfield or --input-format, and for raw samples from standard input.
 //
 // Fails with ErrorCode::usage if an option needs a field, particles or voxels; the message names the option and says
 // why.

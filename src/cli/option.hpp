@@ -109,8 +109,8 @@ class OptionSet {
   operator Place() { return {this, group_}; }  // NOLINT(google-explicit-constructor): *this registers an option
   [[nodiscard]] Place in(OptionGroup group) { return {this, group}; }
 
-  // Returns the options, those of a group in a row. Groups and the options in them are in the order of declaration, but
-  // the group `run` comes last.
+  // Returns the options, sorted by group. Groups and the options in them are in the order of declaration, but the group
+  // `run` comes last.
   [[nodiscard]] std::vector<Option*> options();
   [[nodiscard]] std::vector<const Option*> options() const;
   [[nodiscard]] std::vector<const Option*> in_group(OptionGroup group) const;
@@ -126,7 +126,7 @@ class OptionSet {
   [[nodiscard]] Result<void> refuse(About what, std::string_view why, std::string_view hint = "") const;
 
  protected:
-  // If `whole` is null, only this set gets the options.
+  // Adds the options to `whole` as well, unless it is null.
   OptionSet(OptionSet* whole, OptionGroup group) : whole_(whole), group_(group) {}
   OptionSet(const OptionSet&) = default;
   OptionSet& operator=(const OptionSet&) = default;
@@ -187,7 +187,7 @@ class Option {
   void add_text(std::string text) { texts_.push_back(std::move(text)); }
   [[nodiscard]] virtual Result<void> take() = 0;
 
-  // Returns the help that the option requests; nullopt except for HelpFlag.
+  // Returns the help that the option shows if the user gives it; nullopt except for HelpFlag.
   [[nodiscard]] virtual std::optional<HelpDetail> help() const { return std::nullopt; }
 
   // Returns whether the option has a value, from the user or assigned by the program.
@@ -209,7 +209,7 @@ class Option {
 
 // Returns {"a", "b"} for "a,b".
 [[nodiscard]] std::vector<std::string> split_names(std::string_view names);
-// "mc|mt"
+// Returns "mc|mt" for {"mc", "mt"}.
 [[nodiscard]] std::string metavar_of(const std::vector<std::string>& words);
 // Returns the index of `text` in `words`. Otherwise fails with ErrorCode::usage; the hint names a similar word.
 [[nodiscard]] Result<std::size_t> place_among(const std::vector<std::string>& words, std::string_view text);

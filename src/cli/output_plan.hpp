@@ -23,12 +23,12 @@ namespace isoextract::cli {
                                                                    mesh_io::MeshFormat format,
                                                                    const batch::OtherFiles& others);
 
-// Parses the value of --report. Fails with ErrorCode::usage, also for {piece}.
+// Parses the value of --report. Fails with ErrorCode::usage, also for {piece}, {label} and {name}.
 [[nodiscard]] Result<batch::OutputTemplate> plan_report_name(const std::string& report);
 
-// Sets the step of each source that has none, if -o or --report contain {step}: reads the header of its frame. `read`
-// are the options of its input. Fails as convert::find_frame_time() does, and with ErrorCode::usage if a name of
-// --report needs a step and the file states none.
+// Sets the step of each source that has none, if -o or --report contain {step}: reads the header of the source's frame.
+// `read` are the options to read the input. Fails as convert::find_frame_time() does, and with ErrorCode::usage if a
+// name of --report needs a step and the file states none.
 [[nodiscard]] Result<void> find_steps(const ConvertFlags& flags, const convert::SourceOptions& read,
                                       const Context& context, std::span<batch::OutputSource> sources);
 
@@ -36,7 +36,7 @@ namespace isoextract::cli {
 [[nodiscard]] std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source);
 
 // Returns the files that the options name besides inputs, attribute files and -o: files to read and files to write.
-// With `report` set, it includes a report for each source.
+// With `report`, the files to write include a report for each source.
 [[nodiscard]] batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::OutputSource> sources,
                                             const std::optional<batch::OutputTemplate>& report);
 

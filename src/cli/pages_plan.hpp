@@ -20,8 +20,8 @@ namespace isoextract::cli {
 [[nodiscard]] Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job);
 
 // Writes the contact sheet and the page after all conversions. `rows` has all frames with the files that they wrote;
-// `page` has the facts about them; `up` is the meshes' up axis where the format prescribes none. Patients are drawn
-// from the front, as the rows' figures tell.
+// `page` has further facts about the frames; `up` is the meshes' up axis where the format prescribes none. Draws
+// patients from the front, at the azimuth `figures.front` of the first row with a mesh.
 //
 // Fails as MeshPictures does. Fails with ErrorCode::unavailable if gnuplot, which plots several frames on the page, is
 // missing or fails. Fails with ErrorCode::output if a file cannot be written or a contact sheet has no mesh to draw.

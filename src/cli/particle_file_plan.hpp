@@ -11,8 +11,8 @@
 
 namespace isoextract::cli {
 
-// Formats of particles; their words are also the extensions, without the dot. Not those whose extension is that of
-// meshes or fields.
+// The formats that -o and --format choose; their words are also the extensions, without the dot. The list omits formats
+// whose extension meshes or fields use (ply, npy).
 inline constexpr std::array kParticleFileFormats{
     particle_io::ParticleFileFormat::bgeo, particle_io::ParticleFileFormat::vtu, particle_io::ParticleFileFormat::xyz};
 
@@ -27,8 +27,8 @@ inline constexpr std::array kParticleFileFormats{
   return !writes_field(flags) && !writes_particles(flags);
 }
 
-// Fails with ErrorCode::usage if the output is the particles and an option needs a surface (About::surface, but --roi)
-// or a field.
+// Fails with ErrorCode::usage if the output is the particles and an option needs a surface (About::surface, except
+// --roi) or a field, or if -o contains {iso}.
 [[nodiscard]] Result<void> check_particle_file_options(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

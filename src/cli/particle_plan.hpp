@@ -11,7 +11,8 @@
 namespace isoextract::cli {
 
 // Plans the particle options. Particles at NaN or infinite positions are skipped if `nan` is NanPolicy::outside, else
-// an error. Fails with ErrorCode::usage for options without effect; --smoothing-length has one if `has_attributes`.
+// an error. Fails with ErrorCode::usage for options that have no effect or contradict each other. With
+// `has_attributes`, --smoothing-length has an effect for every method.
 [[nodiscard]] Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags,
                                                               std::optional<extract::NanPolicy> nan,
                                                               bool has_attributes = false);
@@ -19,12 +20,12 @@ namespace isoextract::cli {
 // Returns whether vertices get attributes, by --attribute or only for the colors of --color-by.
 [[nodiscard]] bool has_attributes(const ConvertFlags& flags);
 
-// Sets the iso value if none was given: for particles the default of their method, and returns a note about it; else
-// IsoChoice::zero(), and returns an empty note. Returns an empty note as well if an iso value was given.
+// Sets the iso value if none was given: for particles the default of their method, for other inputs IsoChoice::zero().
+// Returns a note about the default of a method, else an empty text.
 //
 // Opens the file if no option says that it holds particles. Fails with ErrorCode::usage for options that contradict
-// each other or the file; leaves other errors of the file to the reader. Does not read standard input, which would have
-// to be buffered: it counts as particles if its given format is a particle format.
+// each other or the file; leaves other errors of the file to the reader. Does not read standard input, because that
+// would need a buffer: standard input counts as particles if the given input format is a particle format.
 [[nodiscard]] Result<std::string> set_default_iso(ConvertFlags& flags, const std::string& input,
                                                   const Context& context);
 

@@ -32,8 +32,8 @@ struct AttributeRange {
 // The words of an attribute, most frequent first.
 struct WordCounts {
   std::string name;
-  std::uint64_t words = 0;                                    // distinct; 0 if there are more than a reader keeps
-  std::vector<std::pair<std::string, std::uint64_t>> counts;  // particles of a word: at most kShownWords
+  std::uint64_t words = 0;                                    // distinct words; 0 if there are more than a reader keeps
+  std::vector<std::pair<std::string, std::uint64_t>> counts;  // words and their particle counts, at most kShownWords
 };
 inline constexpr std::size_t kShownWords = 20;
 
@@ -42,7 +42,7 @@ struct ParticleReport {
   std::string title;                  // of the format
   std::optional<std::int64_t> frame;  // the described frame, from 0; set if the user chose one or the file has several
   std::uint64_t particles = 0;
-  std::optional<std::uint64_t> chosen;  // of them, by a condition; the rest of the report is about these
+  std::optional<std::uint64_t> chosen;  // particles that condition and stride choose; later members are about these
   std::optional<points::SimulationBox> box;
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;

@@ -19,8 +19,8 @@ inline constexpr std::string_view kPictureFormat = "png";  // also the extension
 // Returns how to draw a picture; options that are not given have the defaults of convert::PictureFileOptions.
 [[nodiscard]] convert::PictureFileOptions plan_view(const ViewFlags& flags);
 
-// Returns nullopt if the output is a mesh or a field. Fails with ErrorCode::usage for options of mesh files if the
-// output is a picture, and for options of pictures if the command draws none.
+// Returns how to draw the output, or nullopt if the output is no picture. Fails with ErrorCode::usage for options of
+// mesh files if the output is a picture, and for options of pictures if the command draws none.
 [[nodiscard]] Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags);
 
 // Returns a note if the pictures of several frames have different cameras; otherwise empty.

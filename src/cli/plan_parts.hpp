@@ -51,8 +51,8 @@ template <class Format, class ByPath>
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
 // Returns the default of --nan: with --nodata, NaN samples are outside instead of an error.
 [[nodiscard]] extract::NanPolicy default_nan_policy(const InputFlags& input);
-// Notes describe the format of a mesh file; a picture has none. If pages show the mesh, --up has an effect in every
-// format.
+// Uses of a placed mesh; they decide which notes plan_placement() adds. A picture gets no note about the unit of a mesh
+// format. With file_and_pictures, --up has an effect in every format.
 enum class MeshUse { file, file_and_pictures, picture };
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
                                                         MeshUse use, Notes& notes);

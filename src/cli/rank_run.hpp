@@ -15,10 +15,10 @@ namespace isoextract::cli {
 // Returns whether a launcher started several processes, and this is not the first of them.
 [[nodiscard]] bool is_later_rank();
 
-// Runs `work`, the whole program, and returns its exit code; prints its error. If a launcher started several processes,
-// joins them first, and waits for them last. The exit code of rank 0 then stands for all ranks. `arguments` are the
-// words of the command line. Fails with ErrorCode::unavailable if the ranks cannot be joined, and with
-// ErrorCode::usage if they have different command lines.
+// Runs `work`, the whole program, prints its error, and returns its exit code. If a launcher started several processes,
+// joins them first, and waits for them last. The exit code of rank 0 then stands for all ranks, and the other ranks
+// return 0. `arguments` are the words of the command line. Fails with ErrorCode::unavailable if the ranks cannot be
+// joined, and with ErrorCode::usage if they have different command lines or folders.
 [[nodiscard]] int run_on_ranks(const std::vector<std::string>& arguments, const std::function<Result<int>()>& work);
 
 // Returns the ranks of this run; null if this process is alone.
@@ -26,20 +26,21 @@ namespace isoextract::cli {
 
 // Shares the processors and the memory of each machine among its ranks, for a command whose work all ranks do.
 void share_machine();
-// Returns how many threads and how many bytes of memory this rank may use; nullopt unless share_machine() was called.
+// Returns how many threads this rank may use; nullopt if this process is alone or share_machine() was not called.
 [[nodiscard]] std::optional<int> threads_of_rank();
+// Returns how many bytes of memory this rank may use; nullopt when threads_of_rank() returns nullopt.
 [[nodiscard]] std::optional<std::uint64_t> memory_of_rank();
 // Returns "4 ranks on 2 machines": the ranks of this run, which must have several.
 [[nodiscard]] std::string ranks_text();
 
-// Returns "; 2 threads each", of the given number or that of the processors.
+// Returns "; 2 threads each", with the given number, or else with the number of processors.
 [[nodiscard]] std::string threads_text(const std::optional<int>& threads);
-// Returns the longest time of a rank, divided by the mean of all.
+// Returns the longest time of a rank, divided by the mean time of all ranks.
 [[nodiscard]] double imbalance_of(const std::vector<double>& seconds);
 [[nodiscard]] std::string imbalance_text(const std::vector<double>& seconds);
 
-// Writes that a signal ends the run, unless this is a rank other than the first. For handlers of signals that end the
-// process: async-signal-safe.
+// Writes to stderr that a signal ends the run. Ranks other than the first write nothing. For handlers of signals that
+// end the process: async-signal-safe.
 void tell_ended_by_signal() noexcept;
 
 // Fails at all ranks if `same`, such as the hash of a plan, differs between them. Returns at once if this process is

@@ -13,7 +13,7 @@ namespace isoextract::cli {
 [[nodiscard]] std::string hint_text(const Hint& hint);
 
 // Sets the options that hint_text() may name: those of the running command, with their dashes ("--grid"). Before the
-// first call it may name all. Not thread-safe: call it before the work starts.
+// first call, hint_text() may name all options. Not thread-safe: call it before the work starts.
 void set_options_of_hints(std::vector<std::string> names);
 
 }  // namespace isoextract::cli

@@ -16,8 +16,8 @@ namespace isoextract::cli {
 [[nodiscard]] Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job,
                                              const Context& context);
 
-// Writes the report of convert::report_of(), to which it passes `job` (may be null), with `notes` before those of the
-// outcome. `memory_limit` is in bytes. Fails with ErrorCode::output.
+// Writes the report that convert::report_of() makes from `job` (may be null) and `outcome`. In the report, `notes` come
+// before the notes of the outcome. `memory_limit` is in bytes. Fails with ErrorCode::output.
 [[nodiscard]] Result<void> write_report(const std::string& path, const convert::ConversionJob* job,
                                         const convert::Outcome& outcome, const Notes& notes,
                                         const std::vector<std::string>& arguments, std::uint64_t memory_limit);

@@ -38,9 +38,10 @@ inline constexpr std::size_t kFramesForRadius = 16;
 [[nodiscard]] Result<std::optional<SequenceRadius>> find_sequence_radius(std::span<const FrameSource> frames,
                                                                          const Context& context);
 
-// Returns the finest spacing that convert::find_sphere_spacing() chooses for one of the frames, in world units: those
-// of a sequence share one grid. Returns nothing if no frame has spheres with radii from an attribute, or if the options
-// give the radius or the spacing. Frames that cannot be read do not count. Fails with ErrorCode::cancelled only.
+// Returns the finest of the spacings that convert::find_sphere_spacing() chooses for `frames`, in world units: all
+// frames of a sequence share one grid. `frames` are the first kFramesForRadius frames. Returns nothing if no frame has
+// spheres with radii of their own, or if the options give the radius, the cell size, the resolution or the voxel size.
+// Frames that cannot be read do not count. Fails with ErrorCode::cancelled only.
 [[nodiscard]] Result<std::optional<double>> find_sequence_spacing(std::span<const FrameSource> frames,
                                                                   const Context& context);
 

@@ -10,9 +10,9 @@
 
 namespace isoextract::cli {
 
-// Checks before the simulation that the files of the frames are writable, and makes folders if the plan allows it.
-// Returns the frames to write; with --no-clobber, leaves out every frame of which any file exists, with all its files.
-// Fails with ErrorCode::output.
+// Checks before the simulation that the files of the frames are writable, and makes folders if the plan
+// allows it. Returns the frames to write; with --no-clobber, leaves out each frame that has an existing
+// file. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan);
 
 [[nodiscard]] std::unique_ptr<Command> make_jet_command();

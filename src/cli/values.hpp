@@ -25,7 +25,8 @@ namespace isoextract::cli {
 struct AllVolumes {};
 using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 
-// A radius of particles: a number, or one that the program finds for each frame by itself or for all frames.
+// A radius of particles. Unset: the program finds the radius, for each frame separately if `is_of_each_frame`, else
+// once for all frames.
 struct RadiusChoice {
   std::optional<double> radius;
   bool is_of_each_frame = false;

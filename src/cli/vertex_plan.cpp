@@ -200,7 +200,7 @@ Result<ColorFlag> parse_color(std::string_view text) {
           fmt::format("'{}' has no effect in --color-by: the kind of an attribute says how its values rotate and scale "
                       "with the mesh, but colors show the values as read",
                       word),
-          "give the kind to --attribute, and only the attribute's name to --color-by");
+          "give the kind to --attribute, and leave it out of --color-by");
     }
     return take_setting(word, choice);
   };

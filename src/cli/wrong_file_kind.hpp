@@ -7,8 +7,9 @@
 
 namespace isoextract::cli {
 
-// Adds a hint to an error of reading a mesh, if the file name has the extension of a volume or of particles and of no
-// mesh. Changes only an ErrorCode::input without hint about a regular file that is not empty.
+// Adds a hint to an error of reading a mesh, if the file name has the extension of a volume or of particles, and
+// not that of a mesh. Changes only errors with ErrorCode::input and without a hint, and only for regular files
+// that are not empty.
 [[nodiscard]] Error add_mesh_file_hint(Error error, const std::string& path);
 
 // Adds a hint to an error of reading a volume if `path` is a folder and the error has no hint. Replaces the hint of an

@@ -56,8 +56,8 @@ struct AttributeResult {
   // components
   bool changed = false;
   std::uint64_t vertices = 0;
-  // For volumes: vertices outside dense samples, which have the value at the data boundary. With several
-  // components: the largest of their counts.
+  // For volumes: vertices outside dense samples, which have the value at the data boundary. With several components:
+  // the largest of the components' counts.
   std::uint64_t outside = 0;
   std::uint64_t not_finite = 0;  // vertices with a value that is not a finite number
   // For particles: vertices out of every particle's reach, which have the values of the nearest particle.

@@ -20,8 +20,7 @@
 //
 // A file that states no spacing and no origin lies on the input's grid if it has the same dimensions
 // (volume_io::ReferenceVolume). A file that states another patient space or length unit than the input is moved to the
-// input's world (map_between_worlds()). Raw files, which do not describe themselves, and standard input cannot be such
-// files.
+// input's world (map_between_worlds()). FILE cannot be standard input or a raw file, which does not describe itself.
 #pragma once
 
 #include <filesystem>
@@ -44,8 +43,8 @@ struct AttributeLocation {
 };
 [[nodiscard]] AttributeLocation attribute_location(const AttributeChoice& choice);
 
-// One attribute read from volumes: one field for each component. It has all components of the samples if these have
-// two to four and the choice names none. An array of four axes holds such samples if its first three axes have
+// One attribute read from volumes: one field for each component. It has all components of samples with two to four
+// components, if the choice names no component. An array of four axes holds such samples if its first three axes have
 // the input's shape, its last axis has two to four entries, and the choice names no volume.
 struct VolumeAttribute {
   AttributeChoice choice;

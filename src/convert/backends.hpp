@@ -30,8 +30,8 @@ struct OpenedBackend {
 };
 
 // Opens a backend. cpu never fails. gpu fails as gpu::make_gpu_extractor() does, and never falls back to the CPU.
-// automatic takes the GPU if one opens that is hardware, else the CPU; so it never fails. It takes no software GPU,
-// because that is slower than the CPU backend. Use and destroy a GPU's extractor on the thread that opened it.
+// automatic takes a GPU if a hardware GPU opens, else the CPU, and so never fails. It takes no software GPU, which is
+// slower than the CPU backend. Use and destroy a GPU's extractor on the thread that opened it.
 [[nodiscard]] Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options);
 
 // Keeps one GPU device open from one conversion to the next, whether they run in turn or side by side. The first caller

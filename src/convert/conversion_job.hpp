@@ -95,7 +95,8 @@ struct ParticleOptions {
   // their own attribute (points::kRadiusAttributes), else `sequence_radius`, else points::suggest_radius().
   std::optional<double> radius;
   std::optional<double> sequence_radius;  // found for all frames of a sequence (find_radius())
-  // Radii of atoms (points/element_radii.hpp), in the unit of the placement or of the file; angstrom without these.
+  // Radii of atoms (points/element_radii.hpp), in the unit of the placement or else of the file; in angstrom if neither
+  // states a unit.
   std::optional<points::ElementRadii> element_radii;
   std::optional<double> cell_size;  // sample spacing, in particle radii; unset: default of the method
   // Sample spacing in world units for spheres of unlike radii without a cell size, found for all frames of a sequence
@@ -107,7 +108,7 @@ struct ParticleOptions {
   points::NonFiniteParticles bad = points::NonFiniteParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1
   std::optional<std::string> select;  // condition that particles have to fulfill (points/selection_expression.hpp)
-  std::uint64_t stride = 1;           // uses every stride-th of the particles that fulfill it, from the first on
+  std::uint64_t stride = 1;           // uses every stride-th of the particles that fulfill `select`, from the first on
   BoxOptions simulation_box;
 
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
@@ -141,8 +142,8 @@ struct SourceOptions {
   // Number of samples per axis after resampling; unset: the input's samples. At most one of resolution and voxel_size
   // is set.
   std::optional<glm::ivec3> resolution;
-  // Edge lengths of a voxel after resampling, in units of the input's world. The real ones differ a little, so that a
-  // whole number of steps fits the data (field::resolution_of_voxel_size()).
+  // Edge lengths of a voxel after resampling, in units of the input's world. The actual lengths differ a little, so
+  // that a whole number of steps fits the data (field::resolution_of_voxel_size()).
   std::optional<glm::dvec3> voxel_size;
   // Chooses the inside by the sign of the iso value instead of by read.kind: inside is above a positive iso value and
   // below a negative one. At 0 the field's own kind decides. Volumes only.

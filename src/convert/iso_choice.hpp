@@ -31,7 +31,7 @@ class SurfaceId {
   [[nodiscard]] bool is_iso() const { return std::holds_alternative<double>(of_); }
   [[nodiscard]] bool is_label() const { return std::holds_alternative<Label>(of_); }
   [[nodiscard]] bool is_file_mesh() const { return std::holds_alternative<FileMesh>(of_); }
-  // iso() and label() throw std::bad_variant_access if this is the other kind.
+  // iso(), label() and file_mesh() throw std::bad_variant_access if the surface is of another kind.
   [[nodiscard]] double iso() const { return std::get<double>(of_); }
   [[nodiscard]] std::int64_t label() const { return static_cast<std::int64_t>(std::get<Label>(of_)); }
   [[nodiscard]] std::uint64_t file_mesh() const { return static_cast<std::uint64_t>(std::get<FileMesh>(of_)); }

@@ -1,4 +1,4 @@
-// Finds the iso values that a job asks for in the field that was read.
+// Finds, in the field that was read, the iso values that a job asks for.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +41,9 @@ struct ResolvedIso {
                                                             const field::ScalarField& field, bool empty_is_fine,
                                                             const Context& context);
 
-// Returns the values for particles, whose method gives the default. Fails with ErrorCode::usage for percentiles (they
-// depend on how far the field's bricks reach, not on the surface), for labels, and for IsoChoice::zero() if the method
-// makes no level set.
+// Returns one iso value for each choice, for particles: the default of `method` if the choice is no number. Fails with
+// ErrorCode::usage for percentiles (they depend on how far the field's bricks reach, not on the surface), for labels,
+// and for IsoChoice::zero() if the method makes no level set.
 [[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, points::Method method,
                                                             const std::string& label);
 

@@ -1,4 +1,4 @@
-// JSON of the values of other rooms, the same in every document that the program writes.
+// Converts values of other rooms (folders of src) to JSON that is the same in every document of the program.
 #pragma once
 
 #include <optional>
@@ -29,7 +29,7 @@ template <class T>
 [[nodiscard]] Json json_of(const field::Box& box);       // {"min": [x, y, z], "max": [x, y, z]}
 [[nodiscard]] Json json_of(const field::IndexBox& box);  // minimum and maximum; null if the box is empty
 [[nodiscard]] Json json_of(const field::Affine& map);    // three rows of four numbers: linear part, then offset
-// Returns kind, exit_code, reason (or null), message and `hint`, which is in the words of the program.
+// Returns kind, exit_code, reason (or null), message and `hint`, the error's hint as text.
 [[nodiscard]] Json json_of(const Error& error, const std::string& hint);
 [[nodiscard]] Json json_of_notes(const Notes& notes);  // [{"id": "open-mesh", "text": "..."}]
 [[nodiscard]] Json json_of(const StageTime& time);     // wall_seconds, cpu_seconds

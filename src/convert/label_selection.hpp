@@ -19,8 +19,8 @@ class LabelSelection {
   //   all            every label
   //   !TERM          not these labels, whatever the other terms say
   //
-  // If all terms exclude, the others are all labels. Returns nullopt for an empty term or a range that ends before it
-  // begins.
+  // If all terms begin with "!", the selection has all other labels. Returns nullopt for an empty term or a range that
+  // ends before it begins.
   [[nodiscard]] static std::optional<LabelSelection> parse(std::string_view text);
 
   // Returns whether the selection has the label. `name`: empty if the label has none. Remembers which terms matched.

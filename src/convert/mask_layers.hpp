@@ -1,11 +1,12 @@
 // Masks of one grid, one file each, as label maps. Mask k of a list, counted from 0, becomes the label k + 1.
 //
-// Masks without common voxels share a label map, a layer, so that the surfaces of neighbors meet without gaps. A mask
-// that shares a voxel with an earlier one goes into the first layer without such a mask, so no voxel of any mask is
-// lost. Each layer is a label map, as in a segmentation with layers (field::LabelName::layer).
+// Masks without common voxels share a label map, a layer, so that the surfaces of neighbors meet without gaps. Each
+// mask goes into the first layer in which it shares no voxel with an earlier mask, so no voxel of any mask is lost. A
+// mask that shares voxels with each of the first eight layers gets a layer of its own. Each layer is a label map, as in
+// a segmentation with layers (field::LabelName::layer).
 //
-// Memory does not grow with the number of masks: one mask, one layer, and a byte for each voxel while the layers are
-// chosen. Each mask is read once; those of other layers than the first are read again for their layer.
+// Memory does not grow with the number of masks: it holds one mask, one layer and, while the layers are chosen, a byte
+// for each voxel. Each mask is read once; masks of later layers are read again for their layer.
 #pragma once
 
 #include <cstdint>
@@ -29,9 +30,9 @@ class MaskLayers {
   // value inside, of any type; they may be scaled, but without an offset. Sends the report and the notes of each file,
   // and notes about masks without voxels and about overlaps.
   //
-  // Fails with ErrorCode::input if a mask has more values or is sparse, and if its shape or placement is not that of
-  // the first mask, up to a thousandth of a voxel. Fails with ErrorCode::usage for more than 65535 masks, and as
-  // read_volume() does.
+  // Fails with ErrorCode::input if a mask has more values or is sparse, and if its shape or placement differs from
+  // the first mask's by more than a thousandth of a voxel. Fails with ErrorCode::usage for more than 65535 masks,
+  // and as read_volume() does.
   [[nodiscard]] static Result<MaskLayers> read(std::vector<std::string> paths, const volume_io::ReadOptions& options,
                                                const Context& context, Events& events);
 
@@ -63,7 +64,7 @@ class MaskLayers {
   field::ScalarField grid_;                   // of all masks, without samples
   std::vector<field::LabelName> names_;       // of masks with voxels
   std::vector<std::string> empty_;            // names of the masks without voxels
-  std::vector<field::LabelFigures> figures_;  // of the same masks
+  std::vector<field::LabelFigures> figures_;  // of masks with voxels
   std::uint64_t faces_ = 0;
   std::int64_t count_ = 1;            // of the layers
   std::shared_ptr<const Map> first_;  // the samples of layer 0

@@ -20,9 +20,10 @@ struct MeshCollector {
   // Set by the caller: the meshes become a file of the job's format, so notes about the format apply.
   bool becomes_file = false;
 
-  // The surfaces of all outputs in order, finished as if they were written: placed, simplified, verified. With
-  // PieceChoice::split, one mesh for each body. Surfaces that EmptyPolicy::skip leaves out are missing, and no old file
-  // is removed. With several iso values, each mesh's name contains its own. The meshes keep their memory reservations.
+  // The surfaces of all outputs in order, finished as if they were written: placed, simplified, verified.
+  // With PieceChoice::split, one mesh for each body. Surfaces that EmptyPolicy::skip leaves out are missing,
+  // and no old file is removed. With several iso values, each mesh's name contains its iso value. The meshes
+  // keep their memory reservations.
   std::vector<mesh::Mesh> meshes = {};
   std::vector<SurfaceId> ids = {};    // of each mesh
   mesh_io::MeshPacking packing = {};  // how the meshes are to be packed

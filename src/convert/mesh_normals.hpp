@@ -17,8 +17,8 @@ constexpr double kCreaseDegrees = 30;
 // Returns whether the normals stage may duplicate vertices, to give each copy another normal.
 [[nodiscard]] bool copies_vertices(const ConversionJob& job);
 
-// Returns whether a surface extracted with these options and this result may be open. Boundary edges at the T-junctions
-// of VoxelFaces::rectangles do not count.
+// Returns whether a surface may be open, given the options `extracted` and the result `stats` of its extraction.
+// Boundary edges at the T-junctions of VoxelFaces::rectangles do not count.
 [[nodiscard]] bool may_be_open(const extract::ExtractStats& stats, const extract::ExtractOptions& extracted);
 
 }  // namespace isoextract::convert

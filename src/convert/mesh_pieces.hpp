@@ -1,4 +1,4 @@
-// Bodies of a surface: the vertex sites that tell bodies apart, and splitting a mesh into a mesh for each body.
+// Bodies of a surface: finds the original positions of relaxed vertices, and splits a mesh into one mesh for each body.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace isoextract::convert {
 
 struct Source;
 
-// Returns for each vertex of a surface net the voxel corner that it was relaxed from, relative to Mesh::origin: the
-// middle of its cell, which relaxation never leaves. With these sites, inside and outside of shells follow the samples,
-// even where relaxed parts touch.
+// Returns for each vertex of a surface net the voxel corner from which relaxation moved the vertex, relative to
+// Mesh::origin. The corner is the middle of a cell that the vertex never leaves. With these positions, inside and
+// outside of shells follow the samples, even where relaxed parts touch.
 //
 // Vertices on planes of source.clip keep their own position, because they come from no corner. Returns an empty result
 // unless SurfaceOptions::relaxes(). Fails as Context::reserve() does.

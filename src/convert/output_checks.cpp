@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "convert/attribute_volumes.hpp"
 #include "convert/mesh_pieces.hpp"
 #include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
@@ -91,8 +92,9 @@ void add_read_files(files::InputFileSet& read, const ConversionJob& job, const C
   const std::string& input = job.source.input;
   read.add(input, "is the input");
   if (job.label_names) read.add(job.label_names->path, "is the table of label names");
-  if (files::is_standard_input(input)) return;  // standard input has no other files
-  const auto inputs = list_source_files(job.source, context.beside());
+  const auto inputs = files::is_standard_input(input)  // has no files beside it
+                          ? attribute_files(job.source, context.beside())
+                          : list_source_files(job.source, context.beside());
   if (!inputs) return;
   for (const fs::path& file : *inputs) read.add(file, "holds the samples of the input");
 }

@@ -17,8 +17,8 @@ namespace isoextract::convert {
 // Returns the files that a job writes for one output: for glTF two, the model first.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format);
 
-// Removes the output's old files and returns their names, because an old mesh would pass for a result of this run. A
-// glTF data file stays unless the old model names it: it may belong to another model. Fails with ErrorCode::output.
+// Removes the output's old files, which would pass for results of this run, and returns their names. A glTF data file
+// stays unless the old model names it: it may belong to another model. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format, const Context& context);
 
@@ -33,11 +33,12 @@ namespace isoextract::convert {
 // Returns "a and b", or "a to z" for more than two names. `names` is not empty.
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
 
-// Returns the error of a conversion that ends, with the names of the files that it wrote before, which stay.
+// Adds to the error of a conversion how many files it wrote before, and the first and last name: these files stay. Does
+// not change an ErrorCode::cancelled.
 [[nodiscard]] Error with_kept_files(Error error, const std::vector<mesh_io::WrittenFile>& files);
 
-// Renames the output's old files (files::rename_old_file) instead of removing them, and returns the new names, because
-// an old mesh would pass for a result of this run. Files that are read and files in `spared` keep their names.
+// Renames the output's old files (files::rename_old_file), which would pass for results of this run, and returns the
+// new names. Files that are read and files in `spared` keep their names.
 //
 // If the name of `output` contains kPiecePlaceholder, renames the files of bodies from number 1 on, and stops as
 // remove_old_pieces() does. Fails with ErrorCode::output.
@@ -48,14 +49,15 @@ namespace isoextract::convert {
                                                                  const Context& context);
 
 // Adds the files that the job reads: the input, the files that hold its samples or attributes, and the table of label
-// names. If the input is standard input, adds only the table. If the input cannot be examined, does not fail: reading
-// the input fails later.
+// names. If the input is standard input, the first of these is the file that standard input comes from. If the input
+// cannot be examined, does not fail: reading the input fails later.
 void add_read_files(files::InputFileSet& read, const ConversionJob& job, const Context& context);
 // Adds a mesh file and its data files.
 void add_read_mesh(files::InputFileSet& read, const std::string& path, const Context& context);
 
-// Checks that `file`, which the job writes besides its meshes (its report, for example), is writable, and is neither
-// read nor one of the job's mesh files or a possible file of a body. Fails with ErrorCode::usage or ErrorCode::output.
+// Checks a file that the job writes besides its meshes, such as its report. Checks that `file` is
+// writable, that the job does not read it, and that no mesh or body of the job may be written to it. Fails
+// with ErrorCode::usage or ErrorCode::output.
 [[nodiscard]] Result<void> check_extra_output(const std::filesystem::path& file, const ConversionJob& job,
                                               const Context& context);
 

@@ -34,8 +34,8 @@ struct ParticleCount {
                                               const Context& context);
 
 // Returns the region of the job, in world coordinates: particles that do not contribute to the field there may be left
-// out. Returns nullopt if there is no region, and if the field needs all particles. It does so with resampling and with
-// voxel coordinates, because both depend on the extents of the whole field.
+// out. Returns nullopt if there is no region, or if the field needs all particles. Resampling and voxel coordinates
+// need all particles, because both depend on the extents of the whole field.
 [[nodiscard]] std::optional<field::Box> region_of_particles(const SourceOptions& options);
 
 // Returns "the condition 'type == 9' chooses none of 1000 particles".

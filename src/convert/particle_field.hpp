@@ -11,7 +11,8 @@ namespace isoextract::convert {
 
 // The spacing of the samples for spheres of unlike radii.
 struct SphereSpacing {
-  // In world units; unset if the options give the cell size, or if the particles have no radii of their own.
+  // In world units. Unset if the options give the cell size, if the field is resampled, or if the particles have no
+  // radii of their own.
   std::optional<double> spacing;
   Notes notes;  // about finer samples than usual, and about particles that the surface will leave out
 };

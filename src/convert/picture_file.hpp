@@ -23,8 +23,8 @@ namespace isoextract::convert {
 [[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
 
 // Gives the vertices of a file with several meshes the colors and opacities of their materials, multiplied by the
-// colors that they have, as glTF prescribes. Does nothing if no mesh has a material. Fails with
-// ErrorCode::out_of_memory if memory is short.
+// vertices' own colors, as glTF prescribes. Does nothing if no mesh has a material. Fails with ErrorCode::out_of_memory
+// if memory is short.
 [[nodiscard]] Result<void> color_by_materials(mesh_io::MeshFile& file, const Context& context);
 
 [[nodiscard]] render::UpAxis render_up_axis(UpAxis up);

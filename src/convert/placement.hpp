@@ -51,8 +51,8 @@ struct Placement {
   Space space = Space::world;
   UpAxis up = UpAxis::z;           // up axis of the input's world
   bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
-  bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); not both
-  double scale = 1;                // if the unit is kFileUnit, place_field() replaces it in its result
+  bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); never both turns
+  double scale = 1;                // place_field() finds the scale if the unit is kFileUnit
   std::string unit;                // unit of the input's world, or kFileUnit; empty if none was given
   // Unit of the output, which `scale` converts to; empty if `unit` is empty, or to keep the file's unit.
   std::string to_unit;
@@ -123,7 +123,7 @@ struct PlacedField {
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  // Faces of the requested box inside the region, at which surfaces are to be cut; in the coordinates of the box.
+  // Faces of the requested box at which surfaces are to be cut, in the coordinates of the box.
   std::vector<ClipPlane> cuts;
   Notes notes;  // about how the region was fitted to the samples
 };

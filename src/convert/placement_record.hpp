@@ -23,17 +23,17 @@ namespace isoextract::convert {
 // Returns the up axis in the output.
 [[nodiscard]] UpAxis output_up(const Placement& placement);
 
-// Returns `other`, turned so that the axis `up` points up in the output. compare uses it for a mesh of another program,
-// if `other` is the placement of a mesh that isoextract made of the same input.
+// Returns `other`, turned so that the axis `up` points up in the output. `isoextract compare` uses it for a mesh of
+// another program, if `other` is the placement of a mesh that isoextract made of the same input.
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Returns the placement of a mesh that was read from a file with the placement `before`, and then placed by `again`.
-// Combines both. If `before` has voxel coordinates, returns `before` when `again` changes nothing. Otherwise returns
-// `again`, which treats the file's voxel coordinates as world coordinates.
+// Combines the two placements. With voxel coordinates in `before`, instead returns `before` if `again` changes nothing,
+// else `again`, which treats the file's voxel coordinates as world coordinates.
 [[nodiscard]] ResolvedPlacement placed_again(const ResolvedPlacement& before, const ResolvedPlacement& again);
 
-// Returns the record. Returns an empty text if default_placement() of the format says the same and `attributes` has no
-// kinds to store. For STL, whose header has 80 bytes, the record omits values that follow from the others.
+// Returns the record. Returns an empty text if `resolved` equals default_placement() of the format and `attributes` has
+// no kinds to store. For STL, whose header has 80 bytes, the record omits values that follow from the others.
 [[nodiscard]] std::string write_placement_record(const ResolvedPlacement& resolved, mesh_io::MeshFormat format,
                                                  const std::vector<NamedKind>& attributes = {});
 

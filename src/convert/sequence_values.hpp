@@ -25,10 +25,11 @@ struct FoundRadius {
 // particle_io::read_particles() and choose_sphere_spacing() do.
 [[nodiscard]] Result<std::optional<double>> find_sphere_spacing(const SourceOptions& options, const Context& context);
 
-// Reads the attribute that gives the colors (ColorChoice::attribute), and returns the range of its finite values; of
-// several components, of their length. The values are those of all particles, or of all samples but the background of
-// sparse grids. Returns nothing if the input lacks the attribute, or if no value is finite. Reads the input as a
-// conversion does, and fails as its reader does.
+// Reads the attribute that gives the colors (ColorChoice::attribute), and returns the range of its finite values; for
+// several components, the range of their length. Takes the values of all chosen particles, or of all samples except the
+// background of sparse grids. Components with different sparse blocks give a range from 0 to a bound of the length.
+// Returns nothing if the input lacks the attribute, or if no value is finite. Reads the input as a conversion does, and
+// fails as its reader does.
 [[nodiscard]] Result<std::optional<edit::ValueRange>> find_color_range(const ConversionJob& job,
                                                                        const Context& context);
 

@@ -41,7 +41,7 @@ struct Source {
   bool empty = false;             // the input has no voxels, no particles or no triangles
   bool of_particles = false;
   std::string why_no_particles = {};  // set if the condition chose no particle, or if none lies near the region
-  bool region_is_empty = false;       // no particle lies near the region
+  bool region_is_empty = false;       // no particle lies in or near the region
   // Set with SourceOptions::away_from_zero: the field's kind as read, which set_inside_side(0) restores.
   std::optional<field::FieldKind> kind_at_zero;
   std::optional<AttributeSource> attributes;  // source of the vertex attributes; set if the job asks for attributes
@@ -53,8 +53,8 @@ struct Source {
   std::optional<ResolvedPlacement> from_world;  // of a mesh file: from the world of its original input to the output
   std::vector<NamedKind> mesh_kinds;            // of a mesh file: the kinds of its attributes
 
-  // Sets why_no_particles and region_is_empty: no particle lies in the region, or with `or_near`, in it or near it.
-  // Uses only `count.of`, the number of all particles.
+  // Records in why_no_particles and region_is_empty that no particle lies in `region`; with `or_near`, none near it
+  // either. Uses only `count.of`, the number of all particles.
   void set_empty_region(const ParticleCount& count, const field::Box& region, bool or_near = false);
 
   // Returns the reason why the input is empty, for messages.
@@ -84,7 +84,7 @@ struct Source {
 // Returns the figures of a box, or null.
 [[nodiscard]] Value box_figures(const std::optional<points::SimulationBox>& box);
 
-// Returns the figures of the moment of a frame, or null.
+// Returns the step and the time of a frame as figures, or null if it has neither.
 [[nodiscard]] Value frame_figures(const particle_io::FrameTime& frame);
 
 // How a source will be used.

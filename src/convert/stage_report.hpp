@@ -36,7 +36,7 @@ namespace isoextract::convert {
 // Keys of figures; the JSON report uses the same names.
 // clang-format off
 #define ISOEXTRACT_FIGURES(NAME) \
-  NAME(welded) NAME(without_area) NAME(duplicates) NAME(turned) NAME(contradictions) NAME(holes_filled) NAME(fill_triangles) NAME(holes_left) NAME(components_turned) NAME(verdict) \
+  NAME(welded) NAME(without_area) NAME(duplicates) NAME(turned) NAME(contradictions) NAME(holes_filled) NAME(fill_triangles) NAME(holes_left) NAME(vertices_split) NAME(unused_removed) NAME(components_turned) NAME(verdict) \
   NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) NAME(backends) \
   NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) NAME(bricks_inside) \
   NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) NAME(cap_vertices) NAME(cavities) NAME(cavity) \
@@ -169,7 +169,8 @@ struct OpenBoundary {
   std::uint64_t hole_cells = 0;   // cells left out because of NaN samples
 };
 
-// Defects that readers of the file find: those that weld vertices by position, and all readers if the input was a mesh.
+// Defects that readers of the file find: readers that weld vertices by position, or, if the input was
+// a mesh, all readers.
 struct WeldedDefects {
   std::uint64_t open_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
@@ -198,7 +199,7 @@ struct WrittenOutput {
   std::uint64_t bytes = 0;
   std::size_t files = 0;
   std::optional<std::uint64_t> open_edges;  // boundary edges of its meshes, if they were counted
-  WeldedDefects welded;                     // zeros, too, if readers of the format keep all vertices apart
+  WeldedDefects welded;                     // zeros also if readers of the format keep all vertices apart
 };
 
 struct StageReport {

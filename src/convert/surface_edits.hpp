@@ -141,8 +141,8 @@ struct SurfaceEdits {
   std::optional<HollowChoice> hollow;
   std::optional<SimplifyChoice> simplify;
   Touching touching = Touching::keep;
-  // Properties of each mesh, as its file stores it; else the conversion fails. With no_self_intersections, vertices of
-  // triangles that intersect move (edit/untangle.hpp).
+  // Properties that each mesh must have as its file stores it; else the conversion fails. With no_self_intersections,
+  // an edit first removes self-intersections (edit/untangle.hpp).
   std::vector<check::Requirement> require;
 
   [[nodiscard]] bool untangles() const {

@@ -34,9 +34,9 @@ struct VerificationRecord {
 // Returns the report about a surface of the field named `label`.
 [[nodiscard]] StageReport report_of(const VerificationRecord& record, const std::string& label);
 
-// Extracts the surface of `mesh` again with `second` and compares the two; does neither if why_not_comparable() gives a
-// reason, and records the reason. `first` made `mesh` by `method` with `options`, which ask for edge keys if the method
-// has them. Fails if the extraction or the comparison fails, but not if the surfaces differ.
+// Extracts the surface of `mesh` again with `second` and compares the two meshes. If why_not_comparable() gives a
+// reason, only records the reason. `first` made `mesh` by `method` with `options`, which ask for edge keys if the
+// method has them. Fails if the extraction or the comparison fails, but not if the surfaces differ.
 [[nodiscard]] Result<VerificationRecord> compare_backends(const field::ScalarField& field,
                                                           const extract::ExtractOptions& options,
                                                           const extract::MethodInfo& method, const mesh::Mesh& mesh,

@@ -54,8 +54,8 @@ struct ColorChoice {
   // One of the job's attributes; nullopt: each surface gets one color by its iso value.
   std::optional<std::string> attribute;
   edit::Colormap map = edit::Colormap::viridis;
-  // Values at the colormap's ends, in rising order. nullopt: the range of the finite values at the surface's vertices,
-  // or the range of all iso values of the grid.
+  // Values at the colormap's ends, in rising order. nullopt: the range of the attribute's finite values at the
+  // surface's vertices; without an attribute, the range of all iso values of the grid.
   std::optional<std::array<double, 2>> range;
 
   friend bool operator==(const ColorChoice&, const ColorChoice&) = default;

@@ -44,9 +44,9 @@ enum class WorkTopic {
   normals,
   normal_copies,
   error,
-  border_vertices,  // vertices where rectangles of voxel faces meet the side of another
+  border_vertices,  // vertices where a rectangle of voxel faces meets the side of another rectangle
   caps,
-  whole_mesh,  // in memory, because its parts went to the file at once
+  whole_mesh,  // a mesh in memory, left out because each part of it goes to the file at once
 };
 constexpr auto words_of(WorkTopic /*type*/) {
   return std::array{Word{WorkTopic::grids, "grids"},

@@ -243,8 +243,9 @@ class Simplifier {
     std::vector<Place> places = split(size);
     if (numbers_ + places.size() >= kNone) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: expected fewer than {} triangles in all rounds of simplification together, found {}",
-                              mesh_.name, kNone, numbers_ + places.size()),
+                  fmt::format("{}: the mesh is too large to simplify: its triangles, counted again in each round of "
+                              "simplification, add up to {}; the limit is {}",
+                              mesh_.name, numbers_ + places.size(), kNone - 1),
                   {Remedy::use, Setting::parts});
     }
     std::vector<std::size_t> first;  // start of each patch, and the end

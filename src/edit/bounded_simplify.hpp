@@ -10,9 +10,9 @@
 // Then one patch collapses the cheapest edges first, down to the target, and the final distance is measured.
 //
 // No triangles intersect that did not before (mesh/self_intersections.hpp). A collapse that would make triangles of its
-// patch intersect is refused (detail/intersection_guard.hpp). Collapses of different patches that together do so are
-// undone (detail/intersection_undo.hpp). Where triangles intersect already, the pairs do not become more. So a mesh
-// without intersections stays one, which printing needs.
+// patch intersect is refused (detail/intersection_guard.hpp). Collapses of different patches that together make
+// triangles intersect are undone (detail/intersection_undo.hpp). Where triangles intersect already, the number of
+// intersecting pairs does not grow. So a mesh without intersections stays one, which printing needs.
 //
 // Distances are bounded triangle by triangle as in mesh/distance_bound.hpp. The result does not depend on the number of
 // threads.

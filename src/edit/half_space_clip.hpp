@@ -41,9 +41,9 @@ struct ClipFigures {
 // Vertices within mesh::on_plane_tolerance() of a plane count as on it and stay. Vertices farther away, but within
 // ClipOptions::snap, move onto it. Vertices may lie outside `kept` by up to the larger of these distances times the
 // number of planes: a plane that cuts nothing moves no vertex, and later cuts may move a vertex again. Old vertices
-// keep their order, new ones follow with interpolated normals; triangles keep order and winding. Two meshes with the
-// same origin, on_plane_tolerance() and snap get bitwise the same new vertex on a shared edge; so do clips to the two
-// half-spaces of a plane. The result does not depend on the number of threads.
+// keep their order, new ones follow with interpolated normals; triangles keep order and winding. A new vertex on a
+// shared edge is bitwise equal in two meshes with the same origin, on_plane_tolerance() and snap. It is also equal in
+// the two clips to the half-spaces on either side of a plane. The result does not depend on the number of threads.
 //
 // With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the
 // half-space and come after all other triangles. Triangles in the plane that bound only the removed side are dropped.

@@ -25,6 +25,12 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
+std::uint64_t count_used_vertices(const mesh::Mesh& mesh) {
+  std::vector<bool> used(mesh.positions.size());
+  for (const glm::uvec3& triangle : mesh.triangles) used[triangle.x] = used[triangle.y] = used[triangle.z] = true;
+  return static_cast<std::uint64_t>(std::ranges::count(used, true));
+}
+
 // Keeps the triangles for which keep(t) is true.
 template <class Keep>
 void keep_triangles(mesh::Mesh& mesh, const Keep& keep) {
@@ -157,6 +163,7 @@ Result<RepairFigures> repair_reserved(mesh::Mesh& mesh, const RepairOptions& opt
   RepairFigures figures;
   mesh.normals = {};
   mesh.edges = {};
+  figures.unused_removed = mesh.positions.size() - count_used_vertices(mesh);
   figures.welded = weld(mesh);
   TRY(context.check());
   figures.without_area = TRY(remove_flat(mesh, context));
@@ -171,7 +178,9 @@ Result<RepairFigures> repair_reserved(mesh::Mesh& mesh, const RepairOptions& opt
   figures.fill_triangles = filled.triangles;
   figures.holes_left = filled.left;
   figures.holes_too_long = filled.too_long;
+  const std::uint64_t used = count_used_vertices(mesh);
   TRY(mesh::split_nonmanifold_vertices(mesh, mesh.name, context));
+  figures.vertices_split = mesh.positions.size() - used;
   figures.components_turned = TRY(face_by_nesting(mesh, context));
   return figures;
 }

@@ -40,6 +40,8 @@ struct RepairFigures {
   std::uint64_t fill_triangles = 0;
   std::uint64_t holes_left = 0;         // loops that stay open: holes_too_long, and the rims of sheets
   std::uint64_t holes_too_long = 0;     // loops of more than `most_hole_edges` edges
+  std::uint64_t vertices_split = 0;     // copies of vertices in step 5
+  std::uint64_t unused_removed = 0;     // vertices that had no triangle at the start
   std::uint64_t components_turned = 0;  // closed components with flipped winding in step 6
   StageTime time;
 };

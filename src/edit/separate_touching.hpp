@@ -3,13 +3,15 @@
 // Surface nets and voxels give each sheet its own vertices there, so the mesh is a 2-manifold by its indices. Programs
 // that weld vertices by position (all readers of STL) join the sheets again and find non-manifold edges and vertices.
 //
-// The triangles around a vertex form a cone, which has the other sheets at its position on one side. The vertex moves
-// to the other side, in a direction that lies on that side of all triangles of the cone. So the moved triangles stay
-// between the old ones and the sheet's own side, and cannot meet the other sheets. The cone of a vertex may be so bent
-// that it has no such direction, or it may have sheets on both sides: this vertex stays, and the others move away.
-// If two vertices at one position are bent, they move away from the triangles at the edges that the sheets share. If
-// they still have no direction, all but one move along the mean of their normals; triangles may then meet within the
-// distance. Directions are found in voxel coordinates, where the sheets are not stretched.
+// The triangles around a vertex form a cone. The other sheets that touch the vertex lie on one side of this cone. The
+// vertex moves to the other side, in a direction that lies on that side of all triangles of the cone. So the moved
+// triangles lie on the side of the old ones that faces away from the other sheets, and cannot meet these. The cone of a
+// vertex may be so bent that it has no such direction, or it may have sheets on both sides: this vertex stays, and the
+// others move away.
+// If two or more cones at one position have no such direction, each vertex moves away from only those of its triangles
+// that have an edge in common with another of these cones. If there is no such direction either, all vertices but one
+// move along the means of their normals; triangles may then intersect within the distance.
+// Directions are found in voxel coordinates, where the sheets are not stretched.
 #pragma once
 
 #include <cstdint>
@@ -30,11 +32,11 @@ struct SeparationFigures {
   double volume_after = 0;
 };
 
-// Moves each touching vertex by the distance `voxels`, in voxels, if float32 is fine enough there. Else moves it by
-// eight steps of float32 numbers at its world position, or not at all if these exceed 20 times the distance. The
-// columns of `voxel` are the edges of a voxel in the mesh's units; if they have no volume, a voxel is a cube as large
-// as the unit. Triangles, attributes and the order of vertices stay. Positions must be finite. The result does not
-// depend on the number of threads. Fails with ErrorCode::out_of_memory or cancelled.
+// Moves the touching vertices that have a direction (see above) by the distance `voxels`, in voxels, if float32 is fine
+// enough there. Else moves them by eight steps of float32 numbers at its world position, or not at all if these exceed
+// 20 times the distance. The columns of `voxel` are the edges of a voxel in the mesh's units; if they have no volume, a
+// voxel is a cube as large as the unit. Triangles, attributes and the order of vertices stay. Positions must be finite.
+// The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or cancelled.
 [[nodiscard]] Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double voxels,
                                                                    const glm::dmat3& voxel, const Context& context);
 

@@ -1,8 +1,8 @@
 // Smooths surfaces by low-pass filters of the vertex positions: removes noise and keeps the size of the shape.
 //
 // Positions are filtered as a signal on the mesh. Frequencies are the eigenvalues, 0 to 2, of I - W, where W is the
-// mean of a vertex's neighbors. A plain mean shrinks the shape; these filters keep frequencies below the limit of
-// the pass band and damp those above it.
+// mean of a vertex's neighbors. A plain mean shrinks the shape. Taubin and windowed sinc keep frequencies below the
+// limit of the pass band, and damp higher frequencies.
 //
 // - Taubin: G. Taubin, A signal processing approach to fair surface design. SIGGRAPH 1995. Each pass takes a step
 //   towards the mean by lambda and one away from it by mu, with 1/lambda + 1/mu = pass band. The transfer function is
@@ -16,7 +16,7 @@
 //   shrinks shapes of a few edge lengths. So closed components get their volume back, as M. Desbrun, M. Meyer, P.
 //   Schroeder, A. H. Barr do (Implicit fairing of irregular meshes using diffusion and curvature flow. SIGGRAPH 1999);
 //   here the vertices move along their normals by their weights. Components with vertices that may not move freely
-//   stay smaller, and those that would lose four fifths of their volume are not smoothed.
+//   stay smaller. Other components that would lose more than four fifths of their volume are not smoothed.
 #pragma once
 
 #include <array>
@@ -84,14 +84,14 @@ struct SmoothFigures {
 // Moves the vertices of `mesh`. Recomputes existing normals from the triangles, weighted by angle (G. Thuermer and C.
 // Wuethrich, Computing vertex normals from polygonal facets, 1998). SmoothMethod::weighted then averages each normal
 // with those of its neighbors in kNormalPasses passes, by the weight of the vertex: the triangles of a smoothed surface
-// are flat, while their normals still show the cells. Drops edge keys, as vertices leave their grid
-// edges; keeps triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the
-// number of threads. Vertices whose move would make triangles intersect that did not before move less, or not at all
-// (detail/untangled_moves.hpp). Fails if memory is short (about 65 bytes a vertex and 24 a triangle; weighted, with
-// normals: 97 and 36; and those of the search) or the context is cancelled.
+// are flat, while their normals still show the cells. Drops edge keys, as vertices leave their grid edges; keeps
+// triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the number of
+// threads. A vertex moves less, or not at all, if its move would make triangles intersect that did not before
+// (detail/untangled_moves.hpp). Fails if the context is cancelled, or if memory is short: about 65 bytes a vertex and
+// 24 a triangle (weighted, with normals: 97 and 36), plus the memory of the search for intersections.
 [[nodiscard]] Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
-// Returns the filter's gain at a frequency from 0 to 2; of SmoothMethod::weighted, that of weight 1.
+// Returns the filter's gain at a frequency from 0 to 2; for SmoothMethod::weighted, the gain at weight 1.
 [[nodiscard]] double smoothing_gain(const SmoothOptions& options, double frequency);
 
 }  // namespace isoextract::edit

@@ -31,9 +31,9 @@ struct ValueColors {
   std::uint64_t not_numbers = 0;  // vertices with a NaN value, which are gray
 };
 
-// Adds colors by an attribute that the mesh must have; of several components, by their length. Replaces colors that it
-// has. Without `range` uses the range of the finite values, 0 to 0 if there are none. Fails with
-// ErrorCode::out_of_memory if memory is short.
+// Colors the vertices by an attribute, which the mesh must have. An attribute of several components counts by its
+// length as a vector. Replaces the present colors. Without `range` uses the range of the finite values, 0 to 0 if there
+// are none. Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribute, Colormap map,
                                                   const std::optional<ValueRange>& range, ColorStorage storage,
                                                   const Context& context);
@@ -49,13 +49,13 @@ struct RangeColor {
   glm::dvec3 color{1.0};
 };
 
-// Colors ranges of vertices as color_uniformly() does; vertices outside them become white.
+// Colors ranges of vertices as color_uniformly() does; vertices outside all ranges become white.
 [[nodiscard]] Result<void> color_ranges(mesh::Mesh& mesh, std::span<const RangeColor> ranges, const Context& context);
 
-// Stores the colors that the vertices have (AttributeRole::color) in another way; `are_linear` says that they are
-// linear light now, else sRGB. Alpha stays; linear_u16 adds an alpha of 1 if there is none. Does nothing without
-// colors. Colors of srgb_u8 survive a way to linear_u16 and back. Fails with ErrorCode::out_of_memory if memory is
-// short.
+// Converts the vertex colors (AttributeRole::color) to `storage`. `are_linear` states whether the present colors are
+// linear light; otherwise they are sRGB. Alpha stays; linear_u16 adds an alpha of 1 if there is none. Does nothing
+// without colors. Conversion from srgb_u8 to linear_u16 and back changes no color. Fails with ErrorCode::out_of_memory
+// if memory is short.
 [[nodiscard]] Result<void> store_colors(mesh::Mesh& mesh, bool are_linear, ColorStorage storage,
                                         const Context& context);
 

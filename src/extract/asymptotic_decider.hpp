@@ -8,9 +8,10 @@
 // saddle of value iso keeps the inside corners of its face apart. The drawn topology is that of the field at an iso
 // value infinitesimally further inside, where no ties exist.
 //
-// Differences and products are long double, so that no sample of any type overflows or becomes zero. They are rounded
-// if depths need more than half of its digits. A saddle within rounding of iso may then fall on either side. The mesh
-// is closed all the same: both cells at a face compute the same products of the same four values.
+// Differences and products are long double, so that none overflows or underflows to zero, whatever the sample type.
+// Products are rounded if the depths need more than half of the digits of long double. A saddle within rounding of iso
+// may then fall on either side. The mesh is closed all the same: both cells at a face compute the same products of the
+// same four values.
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // Caps the surface at the faces of a box of samples: the inside part of every boundary square becomes triangles.
 //
 // A cap vertex stands at every inside sample of the box's faces. The other corners of cap polygons are vertices that
-// the surface already has on edges in these faces, so the cap is welded to the surface. Squares with alternating
-// corners are decided like the cells behind them (asymptotic_decider.hpp). For methods with edges across cell faces, a
+// the surface already has on edges in these faces, so the cap is welded to the surface. A square with alternating
+// corners uses the decision of the cell behind it (asymptotic_decider.hpp). For methods with edges across cell faces, a
 // square is split into the same two triangles as in its cell.
 #pragma once
 
@@ -187,7 +187,7 @@ template <class Missing>
 }
 
 // Returns whether any cell at the faces of the box draws triangles that reach the face. Cells with a missing sample
-// draw nothing. So the answer is true if a square has corners on both sides and the cell behind it misses no sample.
+// draw nothing. Returns true if a square has inside and outside corners, and the cell behind it has no missing sample.
 template <class Inside, class Missing>
 [[nodiscard]] bool draws_at_boundary(const field::IndexBox& box, const Inside& inside, const Missing& missing) {
   bool found = false;
@@ -199,8 +199,8 @@ template <class Inside, class Missing>
   return found;
 }
 
-// Returns the same for the squares next to one crossed edge only: the edge from `p` along `axis`, which lies in a face
-// of the box.
+// Returns whether a cell at the faces of the box draws triangles at one crossed edge. This edge goes from `p` along
+// `axis` and lies in a face of the box.
 template <class Missing>
 [[nodiscard]] bool draws_beside_edge(const field::IndexBox& box, const glm::ivec3& p, int axis,
                                      const Missing& missing) {

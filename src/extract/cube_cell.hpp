@@ -23,8 +23,7 @@ namespace isoextract::extract {
 inline constexpr std::array<std::array<std::uint8_t, 4>, 6> kCubeFaces{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
 
-// Returns the face that contains the edge between the two corners and is parallel to `axis`, another axis than the
-// edge's.
+// Returns the face that contains the edge between the two corners and is parallel to `axis` (not the edge's own axis).
 [[nodiscard]] constexpr unsigned cube_side_face(unsigned corner_a, unsigned corner_b, unsigned axis) {
   const unsigned along = corner_a ^ corner_b;
   const unsigned normal = 7U & ~along & ~(1U << axis);  // one bit

@@ -10,14 +10,14 @@
 namespace isoextract::extract {
 
 inline constexpr int kBrickRows = 8;                // a brick has 64x8x8 cells: 8x8 rows of one mask word each
-inline constexpr int kSlabSlices = kBrickRows + 1;  // slices of samples in the cells of a slab, a layer of bricks
+inline constexpr int kSlabSlices = kBrickRows + 1;  // slices of samples in a slab; a slab is a layer of bricks
 
 // Returns the box of samples to extract from. Fails with ErrorCode::input if an axis has more samples than an extractor
 // can number (2^30), or if the field or options.region contains no cell.
 [[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
                                                    const ExtractOptions& options);
 
-// Returns whether extraction releases the pages of slices that it has used: those of a large mapped file.
+// Returns whether extraction releases the memory pages of used slices: true for a large mapped file.
 [[nodiscard]] bool releases_slices(const field::DenseSamples& samples);
 
 template <class T>
@@ -44,7 +44,7 @@ template <class T>
 }
 // Compares the samples of `view` with the iso value; fills `masks` and the classification figures of `stats`. `low` is
 // the index of the view's first sample in the field. Returns the threshold of inside samples. Returns nullopt if no
-// number of the type is inside; the bits of `masks` are then invalid, and `stats` need not be filled. Fails with
+// number of the sample type is inside; the bits of `masks` are then invalid, and `stats` may be unfilled. Fails with
 // ErrorCode::input for NaN samples under NanPolicy::error.
 template <class T>
 [[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const field::ScalarField& field,

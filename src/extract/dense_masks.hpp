@@ -39,8 +39,8 @@ class DenseMasks {
  public:
   // `memory` is the reservation of bytes(dims) bytes.
   explicit DenseMasks(const glm::ivec3& dims, Reservation memory = {}) : DenseMasks(dims, dims.z, std::move(memory)) {}
-  // Makes masks with room for some of the slices (planes of equal z): those from the slice of move_to() on, 0 at first.
-  // `memory` is the reservation of bytes(dims) bytes with as many slices.
+  // Makes masks with room for `slices` slices (planes of equal z). The first of them is slice 0, or the slice
+  // given to move_to(). `memory` is the reservation of bytes({dims.x, dims.y, slices}) bytes.
   DenseMasks(const glm::ivec3& dims, int slices, Reservation memory)
       : dims_(dims),
         words_((dims.x + 63) / 64),
@@ -115,7 +115,7 @@ struct SliceSides {
   }
 };
 
-// Fills the masks of slice `k` of the view, whose dims the masks have.
+// Fills the masks of slice `k` of the view. The masks must have the dims of the view.
 template <class T>
 SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k);
 

@@ -46,9 +46,9 @@ namespace isoextract::extract {
   return std::isnan(low) ? high - here : here - low;
 }
 
-// Returns the derivative at the data boundary, toward the inside of the data, from the next two samples; from `near`
-// alone if `far` is NaN (also if the data ends there). Returns NaN if `here` or `near` is NaN, and infinity if
-// infinite samples leave the derivative undefined.
+// Returns the derivative at sample `here` of the data boundary, toward the inside of the data, from the next two
+// samples `near` and `far`. Ignores `far` if it is NaN; callers pass NaN if the data has no such sample. Returns NaN if
+// `here` or `near` is NaN, and infinity if infinite samples leave the derivative undefined.
 [[nodiscard]] inline double boundary_derivative(double here, double near, double far) {
   const double change = std::isnan(far) ? near - here : (4 * near - 3 * here - far) / 2;
   const bool of_infinities = std::isnan(change) && !std::isnan(here) && !std::isnan(near);
@@ -116,11 +116,13 @@ class OutputPlacement {
   bool reaches_too_far_;
 };
 
-// Returns the placement for `region`; `stored` is the box of all samples of `field`. Origin and margin are normally
-// those of `stored`, so that a region changes no position. In two cases they are those of the part of the region that
-// can have triangles. Positions on a face shared by two regions then differ by up to the larger margin. One: samples
-// lie so far from the origin (more than about 512 steps) that the margin for `stored` is visible, and
-// options.shared_origin is not set. Two: with options.cap, a region reaches more than one step beyond `stored`.
+// Returns the placement for `region`; `stored` is the box of all samples of `field`. Normally takes origin and margin
+// from `stored`, so that a region changes no position. Takes them from the part of the region that can have triangles
+// in two cases:
+// - samples lie so far from the origin (more than about 512 steps) that the margin for `stored` is visible, and
+//   options.shared_origin is not set;
+// - with options.cap, the region reaches more than one step beyond `stored`.
+// In these cases, positions on a face shared by two regions differ by up to the larger margin.
 [[nodiscard]] OutputPlacement output_placement(const field::ScalarField& field, const ExtractOptions& options,
                                                const field::IndexBox& stored, const field::IndexBox& region);
 

@@ -55,18 +55,18 @@ struct ExtractOptions {
   VoxelFaces voxel_faces = VoxelFaces::merged;      // for Method::voxels
   std::uint64_t relaxations = kDefaultRelaxations;  // for Method::surface_nets: rounds of smoothing; 0: none
   NanPolicy nan = NanPolicy::error;
-  // Extract only from the cells within this box of samples; where it extends beyond the data, the data end it.
+  // Extract only from the cells within this box of samples. The part of the box beyond dense data is ignored.
   std::optional<field::IndexBox> region;
   // All regions of one field use one mesh origin, so vertices on a shared face are equal bit for bit. Large fields lose
   // precision (edge_geometry.hpp). No effect on a region that, with `cap`, reaches more than one step beyond the data.
   bool shared_origin = false;
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
   // Receives the mesh part by part, once for each of MeshSink::passes(); null: no sink. Works on the CPU for mc and mt
-  // with dense samples, without edge keys. If samples are NaN, it also needs another policy than NanPolicy::hole, and
-  // no smooth normals. Otherwise, and if the sink declines (MeshSink::begin()), the mesh is Extraction::mesh. Several
-  // ranks can share the extraction (MeshSink::ranks()) in the same cases, without a cap or holes. Each then extracts a
-  // part of the samples; statistics are those of the whole surface. If the mesh must be whole, rank 0 extracts it
-  // alone, and the others fail with ErrorCode::cancelled.
+  // with dense samples, without edge keys. With NaN samples, it works only without NanPolicy::hole and without smooth
+  // normals. Otherwise, and if the sink declines (MeshSink::begin()), the mesh is Extraction::mesh. Several ranks can
+  // share the extraction (MeshSink::ranks()) in the same cases, without a cap or holes. Each then extracts a part of
+  // the samples; statistics are those of the whole surface. If the mesh must be whole, rank 0 extracts it alone, and
+  // the others fail with ErrorCode::cancelled.
   mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
@@ -77,7 +77,7 @@ struct DeviceStats {
   // Samples uploaded to the device: those of the bricks that the iso value crosses, and of the cells around them. A
   // sample that is uploaded twice counts twice.
   std::uint64_t samples_uploaded = 0;
-  std::uint64_t bytes_uploaded = 0;  // their size
+  std::uint64_t bytes_uploaded = 0;  // size of the uploaded samples
   // Only if samples stay on the device between extractions. A brick here has 8x8x8 samples.
   std::uint64_t samples_kept = 0;     // needed samples that were already on the device
   std::uint64_t bricks_uploaded = 0;  // needed bricks that were uploaded
@@ -99,14 +99,14 @@ struct ExtractStats {
   std::uint64_t places_visited = 0;      // sparse fields: positions of bricks that are not stored, but visited because
                                          // stored bricks or tiles touch them; bricks_visited does not count them
   std::uint64_t samples_classified = 0;  // samples that were classified, each once: dense samples in the region, all
-                                         // samples of stored blocks; of label maps, only the first label counts them
+                                         // samples of stored blocks; in a label map, only the first label counts them
   std::uint64_t nan_samples = 0;
   std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells with both a NaN corner and an inside corner, which therefore
                                  // lack triangles
-  // Both refer to the outermost samples: those at the data boundary, or on the region's faces. inside_at_boundary: some
-  // of them are inside, so a cap would have triangles. meets_boundary: some of them are inside and some outside, so the
-  // surface reaches the boundary; without a cap it is open there. Both are false for sparse data without a region,
-  // which the background surrounds.
+  // These two flags refer to the outermost samples: those at the data boundary, or on the region's faces.
+  // inside_at_boundary: some of them are inside, so a cap would have triangles. meets_boundary: some of them are inside
+  // and some outside, so the surface reaches the boundary; without a cap it is open there. The background surrounds
+  // sparse data, so without a region both flags are false.
   bool inside_at_boundary = false;
   bool meets_boundary = false;
   StageTime classify;
@@ -118,7 +118,7 @@ struct ExtractStats {
 struct Extraction {
   mesh::Mesh mesh;  // without vertices and triangles if a sink took them
   ExtractStats stats;
-  std::optional<mesh::MeshShape> taken = {};  // of the mesh that ExtractOptions::sink took
+  std::optional<mesh::MeshShape> taken = {};  // shape of the mesh that ExtractOptions::sink took
 };
 
 class Extractor {

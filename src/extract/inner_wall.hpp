@@ -1,13 +1,13 @@
 // Makes the inner wall of a hollow body: the surface inside a closed mesh at a fixed distance from it.
 //
-// The distance to the mesh is exact: that of the closest point of all triangles. A grid of cubic cells covers the
-// points near the inner wall, and marching cubes finds where the distance crosses the thickness. Each vertex then moves
-// along its grid edge to the point at this distance, but stays 0.001 of a cell away from the ends of the edge. Between
-// vertices the distance differs: for a point p of a triangle whose corners have the distance T, in a cell of side c,
-// sqrt(T^2 - c^2) <= distance(p) <= T + c. (Lower bound, if q is the point of the mesh closest to p:
-// |p - q|^2 is the mean of the corners' squared distances from q minus that of their squared distances from p, which is
-// at most c^2. Upper bound: a corner is at most c away.) Parts of the cavity that are thinner than a cell may be left
-// out.
+// The distance to the mesh is exact: it is measured to the closest point of all triangles. A grid of cubic cells covers
+// the points near the inner wall, and marching cubes finds where the distance crosses the thickness. Each vertex then
+// moves along its grid edge to the point at this distance, but stays 0.001 of a cell away from the ends of the edge.
+// Between vertices the distance differs: for a point p of a triangle whose corners have the distance T, in a cell of
+// side c, sqrt(T^2 - c^2) <= distance(p) <= T + c. Lower bound: let q be the point of the mesh closest to p, and M(x)
+// the mean of the corners' squared distances from x, weighted by the barycentric coordinates of p. Then
+// |p - q|^2 = M(q) - M(p), M(q) >= T^2 and M(p) <= c^2. Upper bound: a corner is at most c away from p. Parts of the
+// cavity that are thinner than a cell may be left out.
 #pragma once
 
 #include <cstdint>
@@ -38,15 +38,15 @@ struct WallFigures {
 
 struct InnerWall {
   mesh::Mesh mesh;                         // empty if no part is thick enough; has normals if the given mesh has
-  Buffer<std::uint32_t> nearest_vertices;  // for each vertex, a corner of the triangle of the given mesh closest to it
+  Buffer<std::uint32_t> nearest_vertices;  // for each vertex, a corner of the closest triangle of the given mesh
   WallFigures facts;
 };
 
-// Returns the inner wall of the closed, oriented mesh `outer`, with its origin. The wall follows all shells of the
-// mesh, also those around cavities. Its triangles face the new empty space. It is a closed oriented manifold and lies
-// in the material, where the winding number of `outer` is above 0. The result does not depend on the number of threads.
-// Fails with ErrorCode::input if the grid would have more than 2^24 cells along an axis, with ErrorCode::out_of_memory
-// or ErrorCode::cancelled. Throws std::bad_alloc.
+// Returns the inner wall of the closed, oriented mesh `outer`, with the mesh origin of `outer`. The wall follows all
+// shells of `outer`, also those around cavities. The triangles of the wall face the new empty space. The wall is a
+// closed oriented manifold and lies in the material, where the winding number of `outer` is above 0. The result does
+// not depend on the number of threads. Fails with ErrorCode::input if the grid would have more than 2^24 cells along an
+// axis, with ErrorCode::out_of_memory or ErrorCode::cancelled. Throws std::bad_alloc.
 [[nodiscard]] Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& options,
                                                 const Context& context);
 

@@ -53,30 +53,33 @@ void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap
 
 // Replaces unknown normals (OutputPlacement::placeholder_normal) by the mean of the normals of their triangles,
 // weighted by area. If that mean is zero up to rounding or the vertex has no triangle, its normal is the direction of
-// its edge toward the outside. Call it before append_cap(). Fails with ErrorCode::out_of_memory.
+// the grid edge that it lies on, from the inside sample to the outside one. Call it before append_cap(). Fails with
+// ErrorCode::out_of_memory.
 [[nodiscard]] Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
                                         const Context& context);
 
-// Writes the cap of `box` behind the surface, into the room that allocate_mesh() made.
+// Writes the cap of `box` into the arrays after the vertices and triangles of the surface, where allocate_mesh() left
+// room for it.
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const field::IndexBox& box,
                 const OutputPlacement& placement);
 
-// Returns the options and the sizes of a mesh that has only the arrays of a pass.
+// Returns `options`, without smooth_normals if the pass does not ask for normals.
 [[nodiscard]] ExtractOptions options_in(const mesh::PartPass& pass, ExtractOptions options);
+// Returns `sizes`, with 0 vertices or triangles if the pass asks for no array of them.
 [[nodiscard]] MeshSizes sizes_in(const mesh::PartPass& pass, const MeshSizes& sizes);
 
-// Hands a part to a sink: the first `sizes` of the arrays of `part`, and of them those of the pass. `first` are the
-// numbers of its first vertex and triangle. Fails as the sink does.
+// Hands the sink the arrays of `part` that the pass asks for, cut to the numbers of elements in `sizes`. `first` holds
+// the numbers of the part's first vertex and first triangle in the whole mesh. Fails as the sink does.
 [[nodiscard]] Result<void> deliver_part(mesh::MeshSink& sink, const mesh::PartPass& pass, const mesh::Mesh& part,
                                         const MeshSizes& first, const MeshSizes& sizes);
 
-// Offers a mesh to a sink: calls its begin(), with the vertices of the surface to which the cap refers. Fails with
-// ErrorCode::out_of_memory, and as the sink does.
+// Calls the sink's begin() with `shape` and, as far_vertices, the vertices of the surface that triangles of the cap
+// use. Returns whether the sink takes the mesh. Fails with ErrorCode::out_of_memory, and as the sink does.
 [[nodiscard]] Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface,
                                       const BoundaryCap& cap, const Context& context);
 
-// Hands the cap of `box` to a sink in a pass, as the part behind the surface. Fails with ErrorCode::out_of_memory, and
-// as the sink does.
+// Hands the cap of `box` to a sink in a pass, as the part that follows the surface. Fails with
+// ErrorCode::out_of_memory, and as the sink does.
 [[nodiscard]] Result<void> deliver_cap(mesh::MeshSink& sink, const mesh::PartPass& pass, const MeshSizes& surface,
                                        const BoundaryCap& cap, const field::IndexBox& box,
                                        const OutputPlacement& placement, const ExtractOptions& options,

@@ -6,7 +6,7 @@
 //
 // A new method adds itself to Method and gets a row here. It must meet the guarantees at the top of extractor.hpp, and
 // skip bricks that iso cannot cross. A method that works cell by cell has a case table (cell_tables.hpp): the top of
-// its file documents corner order and bit order with a drawing, and cites papers and equations. A test checks
+// the table's file documents corner order and bit order with a drawing, and cites papers and equations. A test checks
 // orientation and closure of every case. If the GPU draws the method, pipeline_of (src/gpu/detail/gpu_surface.cpp)
 // names its pipeline.
 //
@@ -43,8 +43,8 @@ struct MethodTraits {
   // vertices, unless NanPolicy::hole duplicates its vertex. Cap vertices lie at samples; their edge key has direction
   // 0. Methods without this trait have no edge keys.
   bool vertices_on_edges = true;
-  // These edges run along the axes only, so no diagonal divides the cell faces (Method::mt divides each into two
-  // triangles).
+  // Grid edges with vertices run along the axes only, so no diagonal divides the cell faces (Method::mt divides each
+  // into two triangles).
   bool axis_edges_only = true;
   // The surface follows the field between its samples, with an error of second order in the spacing. A vertex on an
   // edge lies at the linear crossing, at least the margin of edge_geometry.hpp away from the ends.
@@ -76,7 +76,7 @@ struct MethodInfo {
 [[nodiscard]] Result<Extraction> extract_voxels(const field::ScalarField& field, const ExtractOptions& options,
                                                 const Context& context);
 
-// Extracts the same faces with smoothed corners (detail/net_points.hpp).
+// Extracts the faces of extract_voxels() with smoothed corners (detail/net_points.hpp).
 [[nodiscard]] Result<Extraction> extract_surface_nets(const field::ScalarField& field, const ExtractOptions& options,
                                                       const Context& context);
 

@@ -12,8 +12,8 @@ void for_each_bit(std::uint64_t word, F&& f) {
   for (; word != 0; word &= word - 1) f(std::countr_zero(word));
 }
 
-// Returns the number of set bits (Warren: Hacker's Delight, 5-1). Unless the compiler may assume a popcount
-// instruction, std::popcount() is a library call, which slows the inner loops of label maps.
+// Returns the number of set bits (Warren: Hacker's Delight, 5-1). Unless GCC may assume a popcount instruction,
+// std::popcount() is a library call, which slows the inner loops of label maps.
 [[nodiscard]] constexpr int count_bits(std::uint64_t word) {
   word -= word >> 1 & 0x5555555555555555U;
   word = (word & 0x3333333333333333U) + (word >> 2 & 0x3333333333333333U);

@@ -1,7 +1,7 @@
 // Finds the places of a sparse grid that have no stored block but may own a part of the surface. A place is a box of
-// 8x8x8 samples whose origin is a multiple of 8 along each axis. A stored block, a tile or the background has its
-// values. It owns the cells whose lowest sample it contains. BlockBits has one bit for each of the 512 samples of a
-// place: 1 if the sample is inside.
+// 8x8x8 samples whose origin is a multiple of 8 along each axis. A stored block, a tile or the background has the
+// values of a place. A place owns the cells whose lowest sample it contains. BlockBits has one bit for each of the 512
+// samples of a place: 1 if the sample is inside.
 #pragma once
 
 #include <array>
@@ -43,10 +43,10 @@ void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
 // 512 bits in the order of the values of a block: bit 8 * y + z of word x.
 using BlockBits = std::array<std::uint64_t, 8>;
 
-// Returns an estimate of the bytes for the list of skins of the tiles of node size or larger
-// (SparseLookup::Node::kSize) whose side differs from the background's. The skin of a tile is the places whose cells
-// cross its faces: those just before its lower faces and those inside at its upper faces. The memory for the mesh at
-// the skins is not included.
+// Returns an estimate of the bytes that the list of tile skins takes, without the memory for the mesh at the skins.
+// Tiles have a skin if they are at least as large as a node (SparseLookup::Node::kSize), and not on the background's
+// side of iso. The skin of a tile consists of the places whose cells cross the tile's faces: those just before its
+// lower faces and those inside the tile at its upper faces.
 [[nodiscard]] std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideRule& rule,
                                             const field::ValueScale& scale);
 
@@ -63,8 +63,8 @@ struct ConstantSides {
   }
 };
 
-// Returns the most bytes that find_unstored_places() needs for places next to blocks and tiles smaller than a node,
-// without the skins of larger tiles. `nodes` is the number of nodes of the SparseLookup.
+// Returns the most bytes that find_unstored_places() needs for places next to blocks, and next to tiles that are
+// smaller than a node. The skins of larger tiles are not included. `nodes` is the number of nodes of the SparseLookup.
 [[nodiscard]] std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes);
 
 // Returns, sorted by x, y, z, the places without a stored block whose cells may have corners on both sides. The cells

@@ -1,5 +1,5 @@
-// Finds the places of sparse samples that the surface passes, and answers what each sample is: inside, its value, NaN.
-// Both backends start from here.
+// Finds the places of sparse samples that the surface passes. Looks up the value of a sample and whether it is inside.
+// Both the CPU and the GPU backend start from here.
 #pragma once
 
 #include <array>
@@ -15,18 +15,18 @@
 
 namespace isoextract::extract {
 
-// Returns the box of samples to extract from: the stored ones and one layer of background around them, which closes
-// every surface. Clips it to options.region; if the background is inside, returns all of the region instead. Returns an
-// empty box if nothing is stored. Fails with ErrorCode::input if voxels lie too far from index 0
-// (field::kMaxSparseIndex), or if options.region contains no cell.
+// Returns the box of samples to extract from: the stored samples and one layer of background around them, which closes
+// every surface. With options.region, returns the part of this box in the region, or all of the region if the
+// background is inside. Returns an empty box if nothing is stored. Fails with ErrorCode::input if voxels lie too far
+// from index 0 (field::kMaxSparseIndex), or if options.region contains no cell.
 [[nodiscard]] Result<field::IndexBox> sparse_region(const field::ScalarField& field,
                                                     const field::SparseSamples& samples, const ExtractOptions& options);
 
 // Returns the empty extraction of a field without stored samples.
 [[nodiscard]] Extraction empty_sparse_extraction();
 
-// Returns the box whose faces a cap closes: options.region, clipped. Returns nullopt without a region, because no
-// surface then leaves the box.
+// Returns the box whose faces a cap closes: `region`, which is the result of sparse_region(). Returns nullopt if
+// options.region is unset, because no surface then reaches these faces.
 [[nodiscard]] std::optional<field::IndexBox> sparse_cap_box(const field::IndexBox& region,
                                                             const ExtractOptions& options);
 
@@ -38,8 +38,8 @@ class SparseSites {
               const ExtractOptions& options, const Context& context);
 
   // Compares every sample with iso, then lists the sites. Under NanPolicy::error, fails with ErrorCode::input for NaN
-  // in the background, or in a block or tile that touches the region, even outside the region. Fails with
-  // ErrorCode::out_of_memory, and with ErrorCode::cancelled between the two steps.
+  // in the background, or in a block or tile that touches the region, even if the NaN lies outside the region. Fails
+  // with ErrorCode::out_of_memory, and with ErrorCode::cancelled between the two steps.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
   // Does only the comparison, for callers that need no sites. Sets the inside bits and the figures of `stats`. Fails as
@@ -55,7 +55,8 @@ class SparseSites {
   [[nodiscard]] std::size_t stored() const { return stored_sites_; }
   // Returns the number of the site with this origin, or -1.
   [[nodiscard]] std::int32_t site(const glm::ivec3& origin) const { return site_index_.find(origin); }
-  // Returns the sites that own the edges of the cells of `site`, itself first; -1 where there is none.
+  // Returns the sites that own the edges of the cells of `site`: first `site` itself, then the next bricks along the
+  // axes. Entry n lies direction_step(n) bricks away; it is -1 if this brick is no site.
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const {
     std::array<std::int32_t, 8> sites;
     for (int n = 0; n < 8; ++n)
@@ -66,14 +67,14 @@ class SparseSites {
   [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }  // valid after compare() or find()
   [[nodiscard]] bool has_holes() const { return has_holes_; }  // NaN samples were found under NanPolicy::hole
 
-  // Returns whether a sample is inside, or its value. Slow: for few samples only.
+  // Returns whether sample `p` is inside. Slow, as is value(): call them for few samples only.
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
     const int offset = field::block_offset(p);
     return ((*bits_of(lookup_->place(field::block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
   }
   [[nodiscard]] double value(const glm::ivec3& p) const;
 
-  // Returns the inside bits of a site and of the next samples around it.
+  // Returns the inside bits of a site and of the samples one step past its upper faces.
   [[nodiscard]] SitePlanes planes(std::size_t site) const { return planes_of(groups_[site]); }
 
   // Returns the crossed edges of one direction that the samples of the site own and that lie in the region, one bit a
@@ -82,13 +83,14 @@ class SparseSites {
     return crossed_edges_at(sites_[site], planes, direction);
   }
 
-  // Returns the cells that the surface crosses, in the region, by their lowest sample, which belongs to the site.
+  // Returns the cells in the region that the surface crosses and whose lowest sample belongs to the site. Each cell is
+  // the bit of its lowest sample.
   [[nodiscard]] BlockBits active_cells(std::size_t site, const SitePlanes& planes) const;
 
   // Returns the sides of the samples at the faces of the constructor's region: both if an edge in a face is crossed,
   // else the one side of all these samples. Returns neither side if options.region is unset.
   [[nodiscard]] BoundarySides boundary_sides() const;
-  // Returns whether any cell at these faces has triangles; cells with a NaN sample have none.
+  // Returns whether any cell at the faces of the constructor's region has triangles; cells with a NaN sample have none.
   [[nodiscard]] bool draws_at_boundary() const;
 
   // Runs f(i) for 0 <= i < count in parallel.

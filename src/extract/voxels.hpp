@@ -38,27 +38,27 @@ struct FoundLabel {
   std::uint64_t chunks = 0;  // chunks of 64x8x8 voxels that extract() visits; its time depends on their number only
 };
 
-// The voxels of each label of a label map, found in one pass over the samples. A label is the integer that the samples
-// hold, or field::ScalarField::label_ids for them.
+// The voxels of each label of a label map, found in one pass over the samples. A label is the integer that a sample
+// holds, or the entry of field::ScalarField::label_ids that this integer indexes.
 class LabelVoxels {
  public:
   // Finds the voxels of the chosen labels in options.region; options.iso must be finite, but has no effect. For surface
-  // nets it also finds the common smoothed corners of the faces of all labels, chosen or not, so that the choice
-  // changes no mesh. The object keeps its memory reserved as long as it lives. Floating-point samples are labels if all
-  // samples of the region, and the background and all tiles of a sparse field, are whole numbers of at most
-  // largest_label() (field/label_value.hpp) in absolute value. With NanPolicy::outside, NaN samples have no label.
+  // nets it also finds the smoothed corners that the labels share. It does so for all labels, chosen or not, so that
+  // the choice changes no mesh. The object keeps its memory reserved as long as it lives. Floating-point samples are
+  // labels if all samples of the region, and the background and all tiles of a sparse field, are whole numbers of at
+  // most largest_label() (field/label_value.hpp) in absolute value. With NanPolicy::outside, NaN samples have no label.
   // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
   // field. Fails with ErrorCode::input if a sample is no label, if the transform is singular or not finite, or if
-  // options.region contains no sample. Fails so, too, if surface nets have more corners than 32-bit indices can number.
-  // Fails with ErrorCode::out_of_memory or cancelled.
+  // options.region contains no sample. Fails with ErrorCode::input, too, if surface nets have more corners than 32-bit
+  // indices can number. Fails with ErrorCode::out_of_memory or cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 
   // Returns the chosen labels in the given order, found or not; for LabelChoice::all, the found labels in rising order.
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
 
-  // Returns the facts about a chosen label, or null if no sample has it. Labels that were not chosen give null, except
-  // with surface nets: there only LabelChoice::background and the background of a sparse field do.
+  // Returns the facts about a label, or null if no sample has it. Returns null for labels that were not chosen; surface
+  // nets have facts about them, too, except about LabelChoice::background and the background of a sparse field.
   [[nodiscard]] const FoundLabel* find(std::int64_t label) const;
 
   // Returns sentences about the samples to show to the user.

@@ -25,7 +25,8 @@ struct AnalyticField {
   // Returns the closed-form size. Returns nothing if there is no closed form, if iso has no surface, or if the surface
   // is not entirely inside the cube.
   std::optional<SurfaceSize> (*size)(double iso);
-  // Returns the length above iso of the segment from (x, y, -1) to (x, y, 1), in closed form. Null if there is none.
+  // Returns the length above iso of the segment from (x, y, -1) to (x, y, 1), in closed form. The pointer is null if
+  // there is no closed form.
   double (*inside_length_along_z)(double x, double y, double iso);
   // True: each such segment is above iso from z = -1 up to z = -1 + inside_length_along_z, and crosses the surface
   // there only.

@@ -34,7 +34,8 @@ inline constexpr int kMaxMedianWidth = 8;
 // Replaces each sample by the median of the samples at most `width` voxels away along each axis. So `width` (1 to
 // kMaxMedianWidth) is a radius; the box has 2 `width` + 1 samples a side. Of an even count, takes the lower of the two
 // middle samples. Ignores NaN and positions outside dense data. NaN samples stay NaN. The samples keep their type.
-// Treats sparse fields and fails as blur_gaussian() does.
+// Treats sparse fields as blur_gaussian() does. Fails with ErrorCode::usage if `width` is out of range, with
+// ErrorCode::out_of_memory, and if the context is cancelled.
 [[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context);
 
 }  // namespace isoextract::field

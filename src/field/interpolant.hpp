@@ -4,8 +4,8 @@
 // tricubic: the tensor product of Catmull-Rom splines (Catmull and Rom, "A class of local interpolating splines",
 // 1974). It equals the interpolant of Lekien and Marsden, "Tricubic interpolation in three dimensions", Int. J. Numer.
 // Meth. Engng 63, 2005, with central differences for all derivatives, also the mixed ones. At the boundary of dense
-// data it uses one-sided differences of the same order. Its gradient is continuous across cells, so a comparison shows
-// the error that the creases between trilinear cells cause.
+// data it uses one-sided differences of the same order. Its gradient is continuous across cells, so a comparison of
+// both interpolants shows the error that the creases between trilinear cells cause.
 #pragma once
 
 #include <array>
@@ -47,8 +47,8 @@ class Interpolant {
   // Returns the memory that an Interpolant of `field` takes to find sparse blocks.
   [[nodiscard]] static std::uint64_t bytes(const ScalarField& field);
 
-  // Returns the lowest sample of the cell whose polynomial applies at `index`; along an axis that is NaN, the first
-  // cell.
+  // Returns the lowest sample of the cell whose polynomial applies at `index`. Takes the first cell along an axis on
+  // which `index` is NaN.
   [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
 
   // Evaluates positions in index space, one after the other. Keeps the samples of the last cell, because consecutive

@@ -1,8 +1,8 @@
 // Judges whether the samples of a field are labels or a binary mask, and measures each label.
 //
-// A field can be one or the other if it is a density with an identity scale, no demo field, and has at least 512
-// samples, all of them labels (label_value.hpp) or NaN. NaN samples count nowhere. Sparse floating-point grids are
-// neither, because fog often has a single value.
+// A field can be a label map or a binary mask if it is a density with an identity scale, and no demo field. It must
+// have at least 512 samples, all of them labels (label_value.hpp) or NaN. NaN samples count nowhere. Sparse
+// floating-point grids are neither, because fog often has a single value.
 //
 // A binary mask has exactly two values; the background of a sparse grid is one of them. A label map has more, and:
 // - few values: at most 2^20, and at most one for each eight samples
@@ -45,25 +45,25 @@ struct LabelFigures {
 
 struct LabelMap {
   LabelMapKind kind = LabelMapKind::label_map;
-  // In ascending order; neither 0 nor the background of a sparse grid, which have no mesh. At least one.
+  // The labels with a mesh: all but 0 and the background of a sparse grid. In ascending order; at least one.
   std::vector<LabelFigures> labels;
   std::optional<LabelFigures> background;  // the label 0 of a dense field that has it
-  double equal_share = 0;                  // equal pairs of neighbors, of those that count
-  // Faces of voxels between a label and another value or the data boundary, once for each label beside it. Exact for
-  // dense fields; for sparse ones, which are measured block by block, an estimate.
+  double equal_share = 0;                  // share of equal pairs among the pairs of neighbors that count
+  // Faces of voxels between a label and another value or the data boundary, once for each label beside the face. Exact
+  // for dense fields. An estimate for sparse fields, which are measured block by block.
   std::uint64_t faces = 0;
 };
 
 // Returns the labels of a label map or mask, else nothing. One parallel pass over the samples, linear in their number
-// whatever the number of labels. In fields of more than 2^17 samples it first judges that many. It stops there if one
-// is no label, if there are too many values, or, with three or more values, if less than a quarter of the pairs are
-// equal. For 64-bit ids (ScalarField::label_ids) it judges by their indices, and returns the ids. Reserves no memory;
-// takes about 150 bytes a label and thread.
+// whatever the number of labels. In fields of more than 2^17 samples it first judges 2^17 of them. It returns nothing
+// then if one is no label or if they have too many values. With three or more values, it also returns nothing then if
+// less than a quarter of the pairs are equal. For 64-bit ids (ScalarField::label_ids) it judges by the indices of the
+// ids, and returns the ids. Reserves no memory; takes about 150 bytes a label and thread.
 [[nodiscard]] std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* progress = nullptr);
 
 // Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks
-// of a sparse field, not its tiles. The cost does not depend on the size of the field. Returns nothing if these samples
-// and the background of a sparse field have one value only.
+// of a sparse field, not its tiles. The cost does not depend on the size of the field. Returns nothing if the field is
+// neither a label map nor a mask, or if these samples and the background of a sparse field have one value only.
 [[nodiscard]] std::optional<LabelMapKind> guess_label_map(const ScalarField& field);
 
 }  // namespace isoextract::field

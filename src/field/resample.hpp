@@ -45,20 +45,20 @@ enum class NanHandling {
 // itself, so some samples there count less or not at all.
 //
 // The result is f64 for f64, u32 and i32 samples, which float cannot hold exactly, else f32. It resamples stored values
-// and keeps the value scale. Along an axis that does not get fewer samples, a new sample at the position of an old one
-// has exactly its value if the kernel passes through the samples. The first and last samples along any axis keep their
-// values along that axis. A dense field that already has the resolution shares its samples, in their own type, unless
-// the kernel is bspline.
+// and keeps the value scale. Kernels that pass through the samples keep old values exactly: along an axis that does not
+// get fewer samples, a new sample at the position of an old one has the old value. The first and last samples along any
+// axis keep their values along that axis. A dense field that already has the resolution shares its samples, in their
+// own type, unless the kernel is bspline.
 //
 // Samples of weight 0 are ignored. Except with cubic, a value lies between the smallest and the largest sample used,
 // even if their difference overflows. `nan` decides about NaN; an infinite sample gives that infinity, and both
 // infinities give NaN. Beside samples that are not finite, cubic and bspline interpolate linearly.
 //
 // With ResampleKernel::nearest and majority each new sample is one of the old samples, in their type, for any
-// resolution. majority takes the value with the most weight in the interval that a mean would average. Among values of
-// equal weight it takes that of the nearest sample, if it is one of them, else the least. Along axes that do not get
-// fewer samples it takes the nearest sample. NaN counts as a value that loses a tie, except that of the nearest sample;
-// with NanHandling::spread, NaN in the interval gives NaN.
+// resolution. majority takes the value with the most weight in the interval that a mean would average. In a tie, the
+// value of the nearest sample wins if it takes part, else the least value. Along axes that do not get fewer samples it
+// takes the nearest sample. NaN counts as a value; it loses a tie unless the nearest sample is NaN. With
+// NanHandling::spread, NaN in the interval gives NaN.
 //
 // A sparse field has no bounds. Its box here contains the active voxels and all stored values that differ from the
 // background, plus one voxel on each side; outside it and on its faces everything is background. The result is dense,

@@ -40,8 +40,8 @@ struct LabelName {
   std::int64_t label = 0;
   std::string name;
   std::optional<glm::dvec3> color;  // sRGB, each channel from 0 to 1; if the file recommends one
-  // The only volume with this label, if the volumes are layers of one label map: labels of different layers may
-  // overlap, and have the same number. Without layers: nullopt.
+  // The number of the volume that has this label, if the volumes are layers of one label map. Labels of different
+  // layers may overlap, and may have the same number. Without layers: nullopt.
   std::optional<std::int64_t> layer;
 
   friend bool operator==(const LabelName&, const LabelName&) = default;
@@ -72,9 +72,9 @@ struct ScalarField {
   ValueScale scale;
   Affine index_to_world;  // maps index (i, j, k) to the center of that sample
   Affine index_to_file;   // maps index (i, j, k) to the sample indices of the file (voxel coordinates); the identity
-                          // unless the field was resampled or coarsened
+                          // unless the reader cropped or shifted the samples, or the field was resampled or coarsened
   Samples samples;
-  std::vector<LabelName> labels;  // of a label map whose file names them, of all layers, in ascending order of label
+  std::vector<LabelName> labels;  // the labels that a label map's file names, of all layers, in ascending order
   LabelIdTable label_ids;         // if set, the samples are u32 indices (ReadOptions::label_ids)
   std::optional<double> time;     // of the volume, in units of time_unit; if the file states it
   std::string time_unit;          // "s", "days since 1950-01-01"; may be empty

@@ -43,8 +43,8 @@ enum class WithPercentiles { yes, no };
 [[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr,
                                                  WithPercentiles percentiles = WithPercentiles::yes);
 
-// The range of values that the surface can pass: the samples, and the background of a sparse field and its negative in
-// a level set that has samples of that value.
+// The range of values that the surface can pass. It covers the samples, the background of a sparse field and, if
+// FieldStatistics::far_inside, the negative of the background.
 struct SurfaceRange {
   double min = 0;
   double max = 0;
@@ -72,9 +72,9 @@ struct DefaultIso {
 };
 [[nodiscard]] std::optional<DefaultIso> default_iso(const ScalarField& field);
 
-// Suggests the iso value of default_iso(), else Otsu's threshold of the histogram. If there is only one value, suggests
-// that value, or halfway between it and another background. Suggests 0 if no sample is finite. `statistics` must be of
-// `field`; percentiles are not needed.
+// Suggests the iso value of default_iso(), else Otsu's threshold of the histogram. If all samples have one value,
+// suggests this value, or halfway between it and the background of a sparse field. Suggests 0 if no sample is finite.
+// `statistics` must be of `field`; percentiles are not needed.
 [[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
 
 // The iso values of skin and bone in a CT scan, in Hounsfield units.
@@ -86,8 +86,8 @@ struct CtIsos {
 // Returns the two thresholds of Otsu's method for three classes (multi-Otsu; Otsu 1979, section IV) of the histogram
 // from -1100 up: scanners write lower values outside their circle of view. Returns nothing if no two thresholds
 // separate three classes, and for fields that are no CT scans. A CT scan is a density with 16-bit integer samples and
-// values above 1000. Its air is the fullest bin of the histogram between -1200 and -500, which lies between -1100 and
-// -900 and has at least 1 % of the samples. `statistics` must be of `field`; percentiles are not needed.
+// values above 1000. In its histogram, the fullest bin between -1200 and -500 is air: it lies between -1100 and -900
+// and has at least 1 % of the samples. `statistics` must be of `field`; percentiles are not needed.
 [[nodiscard]] std::optional<CtIsos> suggest_ct_isos(const ScalarField& field, const FieldStatistics& statistics);
 
 }  // namespace isoextract::field

@@ -13,7 +13,7 @@ struct z_stream_s;
 
 namespace isoextract::files {
 
-// The file must outlive it.
+// The file must outlive this object.
 class CompressedInput {
  public:
   // The compressed bytes are [begin, end) of the file. `window_bits` selects the container format as in zlib's

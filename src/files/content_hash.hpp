@@ -28,8 +28,9 @@ struct ContentState {
 // meanwhile. The context does not count the bytes read.
 [[nodiscard]] Result<ContentState> hash_file(const std::filesystem::path& path, const Context& context);
 
-// Returns the file's size and modification time with the hash of these bytes only; without ranges as hash_file(). Reads
-// the bytes at every call. Fails as hash_file() does, also if a range exceeds the file.
+// Returns the file's size and modification time with the hash of the part's ranges only. Reads them at every call, and
+// does not check whether the file changes meanwhile. Fails as InputFile::open() and read_at() do, and with
+// ErrorCode::input if a range exceeds the file. Without ranges, does exactly what hash_file() does.
 [[nodiscard]] Result<ContentState> hash_part(const FilePart& part, const Context& context);
 
 // Hashes bytes incrementally.

@@ -22,8 +22,9 @@ struct FileVersion {
   std::int64_t modified = 0;  // nanoseconds since 1970
   std::int64_t changed = 0;   // time of the last change of the inode (ctime): no program can set it back
 
-  // Returns whether any later write will give a different version. A write right after this one may fall into the same
-  // clock tick, so returns false for 100 ms after the last change; for 2 s on file systems that store whole seconds.
+  // Returns whether any later write will give a different version. A write soon after the last one may fall into the
+  // same clock tick, so returns false for 100 ms after the last change; for 2 s on file systems that store whole
+  // seconds.
   [[nodiscard]] bool is_reliable() const;
 
   friend bool operator==(const FileVersion&, const FileVersion&) = default;

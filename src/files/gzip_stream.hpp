@@ -23,7 +23,8 @@ class GzipStream {
   // Returns the number of bytes written to `out`; it is smaller than out.size() only at the end of intact data. `out`
   // must be smaller than 4 GiB. Fails with ErrorCode::input if the data is damaged or cut off.
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
-  // Does the same, but if the data is cut off, returns the bytes up to there, and then 0. is_cut_off() becomes true.
+  // Inflates as inflate() does, but accepts data that is cut off: returns the number of bytes before the cut, and 0 in
+  // later calls. is_cut_off() becomes true.
   [[nodiscard]] Result<std::size_t> inflate_to_cut(std::span<std::byte> out);
   [[nodiscard]] bool is_cut_off() const { return is_cut_off_; }
 

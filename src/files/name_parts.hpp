@@ -13,12 +13,13 @@ struct NamePart {
   enum class Kind { text, number, word };
   Kind kind = Kind::text;
   std::string text;  // of Kind::text unescaped, else as written
-  std::string word;  // the text between the braces, for step without its width
-  int width = 0;     // of a number or of step: minimum number of digits; 0: any
+  std::string word;  // the text between the braces; of {step:04} only "step"
+  int width = 0;     // of a number or of {step}: minimum number of digits; 0: any
 };
 
-// Splits a name. Adjacent text is one part. {} and {frame} are numbers, any other text in braces is a word; braces that
-// contain one of { % # are text. Fails with ErrorCode::usage for widths of numbers as FramePattern::parse() does.
+// Splits a name. Adjacent text is one part. Numbers are written as frame_pattern.hpp states; any other text in braces
+// is a word. Braces around one of { % # are text, but a number between them counts. Fails with ErrorCode::usage for
+// widths as FramePattern::parse() does.
 [[nodiscard]] Result<std::vector<NamePart>> name_parts(std::string_view name);
 
 // Escapes text so that name_parts() returns it as text.

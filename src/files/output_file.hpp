@@ -55,9 +55,9 @@ class OutputFile {
 
   // Creates a regular file that other processes write as well, each a part of it. Rank 0 of several (base/ranks.hpp)
   // creates and commits it. The others join it by the name that shared_name() returns at rank 0. A process that joined
-  // makes the same calls as rank 0. There, write() and extend() only count bytes, which rank 0 writes; fill() writes
-  // the bytes that it is given; commit() closes the file; overwrite() and move_end() fail. All processes must see one
-  // file system, and rank 0 commits last.
+  // makes the same calls as rank 0. In the joined process, write() and extend() only count bytes, which rank 0 writes.
+  // fill() writes its bytes; commit() closes the file; overwrite() and move_end() fail. All processes must see one file
+  // system, and rank 0 commits last.
   [[nodiscard]] static Result<OutputFile> create_shared(const std::filesystem::path& path);
   [[nodiscard]] static Result<OutputFile> join(const std::filesystem::path& path, const std::string& shared_name);
   [[nodiscard]] std::string shared_name() const;
@@ -77,7 +77,7 @@ class OutputFile {
   // Makes room for `count` bytes at the end and returns the place of the first. Fill all of it with fill().
   [[nodiscard]] Result<std::uint64_t> extend(std::uint64_t count);
   // Writes into room that extend() made. Several threads may fill disjoint ranges at once. Do not commit after a
-  // failure: commit() does not know of it.
+  // failure: commit() does not know of the failure.
   [[nodiscard]] Result<void> fill(std::uint64_t place, std::span<const std::byte> bytes) const;
   // Replaces bytes at `place`; the whole range must have been written already.
   [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);

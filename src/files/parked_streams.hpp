@@ -18,7 +18,7 @@
 
 namespace isoextract::files {
 
-// A stream and the last bytes that it has inflated, as far as the reader has not read them.
+// A stream and the bytes that it has inflated and the reader has not read yet.
 struct ParkedStream {
   std::uint64_t position = 0;  // of the first unread byte in the content
   std::vector<std::byte> unread;
@@ -31,7 +31,7 @@ class ParkedStreams {
   explicit ParkedStreams(std::size_t most) : most_(most) {}
 
   void park(const FileVersion& version, ParkedStream stream);
-  // Returns a copy of the stream of this file that is nearest before `position`, or at it; nothing if there is none.
+  // Returns a copy of the file's parked stream that is nearest to `position` and not after it; nothing if none is.
   [[nodiscard]] std::optional<ParkedStream> find(const InputFile& file, const FileVersion& version,
                                                  std::uint64_t position) const;
 
@@ -46,7 +46,8 @@ class ParkedStreams {
   std::list<Entry> entries_;  // the one parked last is last
 };
 
-// Keeps at most `most` streams for the readers in a context and its parts made later, as long as this object lives.
+// Keeps at most `most` streams as long as this object lives: for readers in the context, and in contexts that are made
+// from it later.
 class StreamKeeper {
  public:
   StreamKeeper(const Context& context, std::size_t most);

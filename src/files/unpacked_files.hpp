@@ -69,7 +69,7 @@ void keep_unpacked(const InputFile& file, std::shared_ptr<const UnpackedFiles> u
 // tells the format: "a.nii.xz" is "a.nii". Case does not matter.
 [[nodiscard]] std::string name_without_packing(std::string name);
 
-// Returns a path by which this process and its children can open the file: its own, or one in /proc for standard input.
+// Returns a path by which this process and its children can open the file; for standard input, a path in /proc.
 [[nodiscard]] std::string openable_path(const InputFile& file);
 
 }  // namespace isoextract::files

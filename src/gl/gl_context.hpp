@@ -42,7 +42,7 @@ class GlContext {
   // reset the GPU. `doing` completes "while ..." in the message. The context must be current.
   [[nodiscard]] Result<void> check(const std::string& doing) const;
 
-  // Returns the driver's messages since the context was opened: errors, undefined behavior and severe ones, without
+  // Returns the driver's messages since the context was opened: errors, undefined behavior and severe messages, without
   // performance hints. Empty without `debug`.
   [[nodiscard]] const std::vector<std::string>& debug_messages() const;
 

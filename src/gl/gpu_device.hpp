@@ -17,7 +17,7 @@ struct GpuDevice {
   std::string vendor;
   std::string renderer;
   std::string version;                        // OpenGL version string of the driver
-  bool software = false;                      // drawn by the CPU: never faster than the CPU backend
+  bool software = false;                      // the CPU draws: never faster than the CPU backend
   std::optional<int> cuda_index;              // if the driver tells
   std::optional<std::uint64_t> memory_bytes;  // if the driver tells: total memory, or free memory if only that is known
   std::optional<Error> problem;               // reason if the device cannot be used; then only the index is valid
@@ -50,7 +50,7 @@ using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;
 // else with ErrorCode::unavailable and a list of the devices in the message.
 [[nodiscard]] Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const DeviceChoice& choice);
 
-// Returns the renderer, such as "llvmpipe (LLVM 15.0.6, 256 bits)", with " (cuda:0)" behind it if the CUDA index is
+// Returns the renderer, such as "llvmpipe (LLVM 15.0.6, 256 bits)", with " (cuda:0)" after it if the CUDA index is
 // known. Returns "not usable" for a device with a problem.
 [[nodiscard]] std::string describe(const GpuDevice& device);
 

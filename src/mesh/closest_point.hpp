@@ -19,8 +19,8 @@ namespace isoextract::mesh {
 //
 // Computes in double the foot of the perpendicular if it lies in the triangle, else the closest point on the sides. It
 // finds the region of the triangle's plane that the point is over (C. Ericson, Real-Time Collision Detection, 2005,
-// 5.1.5). Needles are different: rounding moves the foot along them, so it takes the closer of both. If the angle at a
-// is within 1e-8 radians of 0 or 180 degrees, the plane is lost, and only the sides count.
+// 5.1.5). In needles, rounding moves the foot along the needle, so the class takes the foot only if it is closer than
+// the sides. If the angle at a is within 1e-8 radians of 0 or 180 degrees, the plane is lost, and only the sides count.
 class ClosestPointTriangle {
  public:
   ClosestPointTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)

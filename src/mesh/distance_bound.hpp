@@ -1,8 +1,8 @@
 // Bounds the greatest distance of any point of a triangle from a surface by an interval, not only at samples.
 //
 // The given triangle is cut into convex polygons. The distance to a triangle b of the surface is a convex function, so
-// over a polygon it is greatest at a corner. The greatest distance of the polygon's corners to b therefore bounds that
-// of the whole polygon to the surface. If the bound is too wide, the polygon is cut along the sides of b (planes
+// over a polygon it is greatest at a corner. No point of the polygon is therefore farther from the surface than the
+// polygon's farthest corner is from b. If the bound is too wide, the polygon is cut along the sides of b (planes
 // through its edges, perpendicular to it), so that each part lies over one triangle: branch and bound. Compare Tang,
 // Lee, Kim: Interactive Hausdorff distance computation for general polygonal models. ACM Trans. Graph. 28(3), 2009, who
 // use the same convexity and split at midpoints.
@@ -24,9 +24,9 @@ struct DistanceLimits {
   double floor = 0;         // plus this width
   double enough = 0;        // upper ends up to this are always accepted
   double refuse = std::numeric_limits<double>::infinity();  // a greater lower end stops the search: upper is infinite
-  // Limits on the number of parts of one triangle and, roughly, on the number of visited leaves of the tree. (Where a
-  // surface is equally far everywhere, each part visits all leaves.) Beyond a limit, upper is infinite if `refuse` is
-  // finite. Otherwise the search divides no more parts, and the interval stays wider.
+  // The greatest number of parts of one triangle, and of visited leaves of the tree (estimated at every 64th part).
+  // Where a surface is equally far everywhere, each part visits all leaves. Beyond a limit, upper is infinite if
+  // `refuse` is finite. Otherwise the search divides no more parts, and the interval stays wider.
   std::size_t max_parts = std::size_t{1} << 22;
   std::size_t max_leaves = std::numeric_limits<std::size_t>::max();
 
@@ -42,14 +42,15 @@ struct TriangleBound {
   double upper = 0;       // an upper bound for all points of the triangle
   glm::dvec3 place{0.0};  // in the frame of the tree, like `nearest`
   glm::dvec3 nearest{0.0};
-  std::uint32_t slot = 0;   // of the tree: the triangle nearest to the centroid; the hint if that is near enough
+  std::uint32_t slot = 0;   // of the tree: `hint`, or the triangle nearest to the centroid if the search looked for it
   bool unfinished = false;  // stopped by `refuse` or a limit: the interval is valid but wider than requested
 };
 
 // Bounds the distance of a triangle from the surface in `tree`. `known` is a distance already found at another
 // triangle, or 0: an upper end up to limits.accepted_upper(known) is accepted, however wide the interval. `hint` is a
-// slot of the tree, preferably near. `others` are slots that may be near parts of the triangle; neither they nor the
-// hint may be within limits.enough of all of it. They save searches, but the lower end of the interval may be lower.
+// slot of the tree, preferably near. `others` are slots that may be near parts of the triangle. They save searches, but
+// the lower end of the interval may be lower. Pass them only if neither the hint nor any of them is within
+// limits.enough of the whole triangle: the search first cuts the triangle.
 //
 // Computes in double and ignores rounding: about 1e-16 of the coordinates, up to 1e-8 of the size of an almost
 // degenerate triangle.

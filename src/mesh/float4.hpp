@@ -18,7 +18,8 @@ using Float4 = float __attribute__((vector_size(16)));
 
 [[nodiscard]] inline Float4 splat4(float lane) { return Float4{lane, lane, lane, lane}; }
 
-// Returns the last three lanes first: reads the last of several vec3 without reading beyond it.
+// Moves the first lane after the other three. load4() from one float before a vec3, then last_three(), reads the last
+// vec3 of an array without reading beyond the array.
 [[nodiscard]] inline Float4 last_three(const Float4& v) { return Float4{v[1], v[2], v[3], v[0]}; }
 
 // Where a lane of one operand is NaN, these return the lane of b.

@@ -47,7 +47,7 @@ class GreatestDistanceSearch {
     return vertices * (sizeof(Corner) + 1) + triangles * (sizeof(double) + sizeof(Open) + sizeof(TriangleBound));
   }
 
-  // Step 1: measures the vertices of triangles that are not left out. Without any, the distance is 0.
+  // Step 1: measures the vertices of triangles that are not left out. If all triangles are left out, the distance is 0.
   void measure_corners();
   // Step 2, optional: adds a point of the triangles, in the frame of the tree. `hint` is a slot of the tree.
   void add_point(const glm::dvec3& p, std::uint32_t hint);

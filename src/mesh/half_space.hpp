@@ -15,8 +15,8 @@ struct HalfSpace {
 };
 
 // Returns the distance below which a vertex counts as on a cutting plane: a few rounding errors of float32 positions
-// whose greatest absolute coordinate is `farthest`. If a later plane cuts the triangles in a plane, the new vertices
-// may lie twice as far from that plane.
+// whose greatest absolute coordinate is `farthest`. If a second plane cuts triangles that lie in the first, the new
+// vertices may be up to twice this distance from the first plane.
 [[nodiscard]] inline double on_plane_tolerance(float farthest) {
   constexpr double kRoundings = 4;
   return kRoundings * 0x1p-23 * static_cast<double>(farthest);

@@ -1,16 +1,16 @@
 // Vertex normals from the adjacent triangles, for meshes whose triangles do not follow the field as extracted ones do:
 // where a cap meets the surface at an angle, and where triangles were removed.
 //
-// Edges of two triangles that are no creases connect the triangles around a vertex to groups. Each group has its own
-// normal and its own copy of the vertex, so that flat parts look flat. A group keeps the vertex's old normal if that
-// points against none of its triangles and, in a group with a plane number, is the plane's normal. In other groups, if
-// crease_degrees is set, the old normal must also be no farther from the group's mean than the group's farthest
-// triangle is, or than 1 degree.
+// Two triangles around a vertex are in one group if they share an edge that has no other triangle and is not a crease.
+// Each group has its own normal and its own copy of the vertex, so that flat parts look flat. A group keeps the
+// vertex's old normal if that points against none of its triangles. If the triangles have a plane number
+// (ShadingOptions::planes), it must also be the plane's normal. If they have none and crease_degrees is set, the old
+// normal must be close to the group's mean. The allowed angle is the largest one between the mean and a triangle of the
+// group, but at least 1 degree.
 //
-// Else the group gets the mean, weighted by area, so that large flat triangles decide (as in N. Max, "Weights for
-// computing vertex normals from facet normals", 1999, area weights are the least disturbed by slivers). If even the
-// mean points against a triangle, it is turned until it agrees with all of them. If that is impossible, the group is
-// split.
+// Else the group gets the mean, weighted by area, so that large flat triangles decide and slivers count little. If even
+// the mean points against a triangle, it is turned until it agrees with all of them. If that is impossible, the group
+// is split.
 #pragma once
 
 #include <cstdint>

@@ -3,7 +3,7 @@
 // All rays have one direction. The ray of a shell starts at its vertex that is farthest in this direction. The shell
 // lies inside every other shell that its ray crosses an odd number of times. The test is exact: a ray through an edge
 // or a corner is treated as if it were shifted a little, in the same way for all triangles. If the vertex lies on
-// another shell, the ray starts beside the vertex instead, in the material of its shell.
+// another shell, the ray starts beside the middle of a triangle at the vertex instead, on its material's side.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ enum class Facing : std::uint8_t { open, outward, inward };
 struct Surroundings {
   // The other closed components that this one lies inside, ascending.
   std::vector<std::uint32_t> around;
-  // For a component that faces inward and lies inside no closed one: the first open component that its ray meets.
+  // For a component that faces inward and lies inside no closed component: the first open component that its ray meets.
   std::uint32_t open = Components::kNone;
 
   // Returns whether the component lies in material: inside an odd number of closed shells, if all are oriented
@@ -33,7 +33,7 @@ struct Surroundings {
 
 struct ShellQuery {
   std::vector<Facing> facing{};  // of each component
-  bool test_outward = true;      // whether to test shells that face outward as well as inward
+  bool test_outward = true;      // whether to test outward shells, too; inward shells are always tested
   bool find_open = false;        // whether to find `Surroundings::open`
 };
 

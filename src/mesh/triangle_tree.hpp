@@ -1,8 +1,8 @@
 // A bounding volume hierarchy over the triangles of a mesh, to find the closest point of a surface.
 //
 // A BoxTree, split by the triangles' centroids. The boxes of long triangles that are not aligned with the axes overlap,
-// for example around a corner that very many share. Inner nodes then also store two slabs, directions in which their
-// triangles are thin.
+// for example around a corner that very many triangles share. Inner nodes then also store two slabs: pairs of parallel
+// planes that enclose their triangles tightly.
 #pragma once
 
 #include <array>
@@ -50,8 +50,8 @@ class TriangleTree {
   // Returns the closest point of one triangle.
   [[nodiscard]] Nearest nearest_on_triangle(std::uint32_t slot, const glm::dvec3& p) const;
 
-  // Returns the greatest squared distance of the points to one triangle; or, if that is above `enough_squared`, any of
-  // the squared distances above it.
+  // Returns the greatest squared distance of the points to one triangle. Stops at the first squared distance above
+  // `enough_squared` and returns that one.
   [[nodiscard]] double max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points,
                                             double enough_squared = std::numeric_limits<double>::infinity()) const;
 
@@ -61,11 +61,11 @@ class TriangleTree {
   [[nodiscard]] std::size_t size() const { return corners_.size(); }
   [[nodiscard]] bool has_slabs() const { return !slabs_.empty(); }
 
-  // Returns the number of leaves that may contain a closer point: the cost of searching at this squared distance.
+  // Returns the number of leaves that may contain a point closer to p than this squared distance: the cost of a search.
   [[nodiscard]] std::size_t count_leaves_within(const glm::dvec3& p, double squared) const;
 
  private:
-  // The points p with low <= dot(axis, p) <= high; the axis is at most of length 1.
+  // The points p with low <= dot(axis, p) <= high; the length of the axis is at most 1.
   struct Slab {
     std::array<std::int16_t, 3> axis{};  // in units of 1 / kAxisOne
     float low = 0;

@@ -27,7 +27,7 @@ inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 // A frame is shown until the next frame that was added, and the last one for 1 / frames_per_second seconds, so that the
 // animation loops evenly. A frame without triangles shows nothing during its time.
 // Missing frames of span() keep their time too: nothing is shown before the first frame that was added, and the last
-// one is shown until the end.
+// frame that was added is shown until the end.
 // The file stores the start of a frame as the largest float32 that is not after it, so that a player that computes the
 // time in double or float32 shows the frame from its start.
 //
@@ -54,8 +54,9 @@ class AnimationWriter {
   // Sets the time line to the frames `first` to `last`, whichever of them are added. Call before add().
   void span(std::int64_t first, std::int64_t last);
 
-  // Sets when each frame starts, in seconds, instead of by its number; the last one still ends 1 / frames_per_second
-  // later. `frames` and `starts` ascend and have the same size. Call before add(), only with these frames.
+  // Sets the start of each frame in seconds; without this call, the frame's number gives its start. The last frame
+  // still lasts 1 / frames_per_second. `frames` and `starts` ascend and have the same size. Call before add(), then add
+  // only these frames.
   void set_starts(std::span<const std::int64_t> frames, std::span<const double> starts);
 
   // Checks the options before any file is created. Fails with ErrorCode::usage if the format is not binary GLB, the
@@ -70,11 +71,12 @@ class AnimationWriter {
   // becomes the node's name; several surfaces become child nodes with the names of their meshes.
   // `packing` replaces options.packing for this frame. If it quantizes positions, its box must be set. mesh_packing.hpp
   // tells when frames share a lattice.
-  // `placement` replaces options.placement: the file stores that of the first frame, and a note tells if others differ.
+  // `placement` replaces options.placement: the file stores the placement of its first frame, and a note tells if later
+  // frames have another one.
   //
   // Refuses a frame with ErrorCode::output if its rounded coordinates would destroy triangles
-  // (write/coordinate_rounding.hpp), if it is larger than a file can be, or if float32 cannot tell its time from its
-  // neighbors'. Refuses a frame number that does not grow, and a missing box, with ErrorCode::usage. If packing or
+  // (write/coordinate_rounding.hpp), if the frame is larger than a file can be, or if float32 cannot tell its time from
+  // its neighbors'. Refuses a frame number that does not grow, and a missing box, with ErrorCode::usage. If packing or
   // reordering the frame fails (memory is short, a vertex is outside of the box), refuses it with that error.
   // Other frames can follow a refused one. After any other failure every later call fails alike; see has_failed().
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,

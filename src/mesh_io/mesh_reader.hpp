@@ -53,15 +53,17 @@ struct MeshPart : mesh::PartRange {
 
 struct MeshReadOptions {
   bool normals = false;
-  // For conversions: reads materials. Makes a part of each node and material of glTF and of each object of OBJ, also of
-  // a single one, called like its node. Adds a note about all data that a mesh cannot hold, such as textures.
+  // For conversions: reads materials of glTF. Makes a part for each node of glTF, or for each material in the node, and
+  // for each object of OBJ unless objects share vertices. Makes parts even if there is only one. A part has the name of
+  // its node or object; if a node has several materials, the name of the material follows. Adds a note about all data
+  // that a mesh cannot hold, such as textures.
   bool scene = false;
 };
 
 struct MeshFile {
   mesh::Mesh mesh;      // has the file's name; has no normals
   FileNormals normals;  // if requested and in the file; mesh.memory includes their bytes
-  // glTF: one per node that shows a mesh; empty if there is only one. MeshReadOptions::scene changes both.
+  // glTF: one per node that shows a mesh; empty if there is only one. MeshReadOptions::scene makes more parts.
   std::vector<MeshPart> parts;
   std::string_view format;        // "PLY, text"
   bool y_up = false;              // the format prescribes that y points up; other formats prescribe no up axis
@@ -72,10 +74,10 @@ struct MeshFile {
 };
 
 // Reads a mesh file. Finds the format by its magic bytes; formats without any (OBJ, STL, text glTF) by the extension.
-// If the name has no mesh extension, as standard input has none, it looks at the beginning of the content.
+// If the name has no mesh extension (standard input has none), the beginning of the content decides.
 // STL, and glTF without indices, store triangles without connectivity; so does Draco if no two triangles share a
 // vertex. Their corners are welded where coordinates are equal (-0 equals 0), whatever their attributes. A welded
-// vertex keeps the attributes of its first corner; for glTF, a note counts the corners with others.
+// vertex keeps the attributes of its first corner; for glTF, a note counts the corners that had other attributes.
 //
 // Fails with ErrorCode::input if the file cannot be read or is damaged, has coordinates that are not finite or indices
 // of missing vertices, or needs more memory than the context has left. Also fails with ErrorCode::input if a glTF
@@ -89,8 +91,7 @@ struct MeshFile {
 [[nodiscard]] bool holds_mesh(const std::filesystem::path& path, const Context& context);
 
 // Returns the format of a mesh file: by its magic bytes, else by the extension, or by the beginning of standard input.
-// Returns nullopt for other files, for a
-// PLY without faces, which holds particles, and for folders.
+// Returns nullopt for other files, for a PLY without faces, which holds particles, and for folders.
 [[nodiscard]] std::optional<MeshFormat> find_mesh_format(const std::filesystem::path& path, const Context& context);
 
 // Returns whether the first bytes of the file say that isoextract wrote it, without reading the mesh. Returns false for

@@ -52,7 +52,7 @@ struct ParticleFormatDescription {
   bool has_grids = false;                    // files may have several named sets, selected by ParticleReadOptions::grid
   bool needs_extension = false;              // only the extension of the file name identifies the format
   bool is_plugin = false;                    // a plug-in reads it
-  // The same members as of volume_io::FormatDescription:
+  // These members are as in volume_io::FormatDescription:
   std::string library = {};  // the reader's library: "HDF5"; empty for the program's own code
   std::string package = {};  // the Debian package that building the plug-in needs
   std::string plugin = {};   // path of the plug-in; empty if it is missing

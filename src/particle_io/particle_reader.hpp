@@ -22,7 +22,7 @@ namespace isoextract::particle_io {
 // - ErrorCode::unavailable if the format's plug-in is missing or incompatible.
 
 // Returns the format that the input would be read as: by ParticleReadOptions::format, by content, or by extension for
-// formats that content does not identify. Returns nothing if it does not appear to hold particles.
+// formats that content does not identify. Returns nothing if the input does not appear to hold particles.
 [[nodiscard]] Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
                                                                                 const ParticleReadOptions& options,
                                                                                 const Context& context);
@@ -31,18 +31,19 @@ namespace isoextract::particle_io {
 // frames, else (CSV, XYZ, LAMMPS, GROMACS, PDB) the file to its end.
 //
 // A text file that ends within a frame (an interrupted or running simulation) has the frames before it, with a note.
-// It is damaged if there are none, or if the options select the incomplete frame.
+// The functions fail as for a damaged file if the file has no whole frame, or if the options select the incomplete
+// frame.
 [[nodiscard]] Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
 
 // Returns the input with the bytes of the selected frame. Returns the whole file if the options select no frame, if the
-// frame depends on other bytes, or if the file is gzip. Reads the lines of the frame, and of the frames before if no
-// earlier call found where it begins.
+// frame depends on other bytes, or if the file is gzip. Reads the lines of the frame. Also reads the frames before,
+// unless an earlier call found where the frame begins.
 [[nodiscard]] Result<files::FilePart> find_frame_part(const std::string& input, const ParticleReadOptions& options,
                                                       const Context& context);
 
-// Returns the step and the time of the selected frame, or of the first. Reads up to its first particle, and the frames
-// before if no earlier call found where it begins.
+// Returns the step and the time of the selected frame, or of the first. Reads the frame up to its first particle. Also
+// reads the frames before, unless an earlier call found where the frame begins.
 [[nodiscard]] Result<FrameTime> find_frame_time(const std::string& input, const ParticleReadOptions& options,
                                                 const Context& context);
 

@@ -27,17 +27,17 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
                     Word{ParticleFileFormat::vtu, "vtu"}};
 }
 
-// Returns whether files of the format can hold words, and the simulation box. Where these functions return false,
-// write_particles() omits the words or the box. fit_to_file() removes the words that a file cannot hold for other
-// reasons.
+// stores_words() returns whether files of the format can hold words, and stores_box() whether they can hold the
+// simulation box. Where they return false, write_particles() omits the words or the box. fit_to_file() removes the
+// words that a file cannot hold for other reasons.
 [[nodiscard]] constexpr bool stores_words(ParticleFileFormat format) {
   return format == ParticleFileFormat::xyz || format == ParticleFileFormat::bgeo;
 }
 [[nodiscard]] constexpr bool stores_box(ParticleFileFormat format) { return format == ParticleFileFormat::xyz; }
 
-// Changes particles so that write_particles() can write them in the format. Renames attributes and words whose names it
-// refuses. Removes words if stores_words() is false, if they are ParticleWords::too_many, and for XYZ if one of them is
-// empty or has spaces. Returns a note about each change.
+// Changes particles so that write_particles() can write them in the format. Renames attributes and words whose names
+// write_particles() refuses. Removes words if stores_words() is false, if they are ParticleWords::too_many, and for XYZ
+// if one of them is empty or has spaces. Returns a note about each change.
 [[nodiscard]] Notes fit_to_file(points::ParticleSet& particles, ParticleFileFormat format);
 
 // Returns the format for a file's extension, ignoring case.

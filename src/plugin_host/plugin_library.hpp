@@ -42,8 +42,8 @@ struct PluginTable {
   std::string package;
 };
 
-// Returns the tables, which are the files name_start + ID + ".txt" in the folders, by folder and then by ID. Of several
-// with the same ID, only the first. An ID consists of a-z, 0-9, - and _; other files are ignored.
+// Returns the tables, which are the files name_start + ID + ".txt" in the folders, by folder and then by ID. Returns
+// only the first of several tables with one ID. An ID consists of a-z, 0-9, - and _; other files are ignored.
 [[nodiscard]] std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const std::string& name_start);
 
 // Calls the exported function of a plug-in, which returns a Plugin.
@@ -70,12 +70,12 @@ struct PluginKind {
 // The shared object of one plug-in.
 class PluginLibrary {
  public:
-  // `package` is the Debian package with which the plug-in is built, for messages; may be empty.
+  // `package` is the Debian package that building the plug-in needs, for messages; may be empty.
   PluginLibrary(PluginKind kind, std::string id, PluginFolders folders, std::string package = {});
 
   // Returns whether one of the folders has the plug-in's file.
   [[nodiscard]] bool is_there() const { return found({}).has_value(); }
-  // Returns the path of that file; empty if there is none.
+  // Returns the path of the plug-in's file; empty if no folder has it.
   [[nodiscard]] std::string path() const { return found({}).value_or(std::string()); }
 
   // Returns the result of the exported function after checking its version and id, in this process. Fails with

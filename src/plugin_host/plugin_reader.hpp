@@ -7,8 +7,8 @@
 
 namespace isoextract::plugin_host {
 
-// main() calls this before anything else. If this process was started to read files with a plug-in, does so and ends
-// the process with code 0. Otherwise returns nothing. Programs that do not call it read files in their own process.
+// main() calls this before anything else. If this process was started to read files with a plug-in, reads them and ends
+// the process with code 0. Otherwise returns nothing. Programs without this call read files in their own process.
 [[nodiscard]] std::optional<int> run_as_plugin_reader(std::span<char* const> arguments);
 
 // Makes plug-ins read in this process from now on, for trusted files. Call before reading the first file.

@@ -56,7 +56,7 @@ struct VolumeSelection {
 // Samples as given by a plug-in.
 struct SessionSamples {
   const isoextract_volume_samples* samples = nullptr;
-  const void* box = nullptr;          // the samples of a full box, aligned to 64 bytes
+  const void* box = nullptr;          // the samples of a dense grid, aligned to 64 bytes
   std::shared_ptr<const void> owner;  // keeps the samples and their reservation alive
 };
 

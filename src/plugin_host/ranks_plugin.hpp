@@ -13,20 +13,20 @@
 
 namespace isoextract::plugin_host {
 
-// The place of this process among those that a launcher started.
+// The place of this process among the processes that a launcher started.
 struct LaunchedRank {
   int rank = 0;
   int size = 1;
   std::string variable;  // the environment variable with the size: "OMPI_COMM_WORLD_SIZE"
 };
 
-// Returns nullopt if no launcher of MPI programs started this process, or only this one. Knows mpirun of Open MPI
-// (OMPI_COMM_WORLD_SIZE), launchers with PMI (PMI_SIZE), and srun with PMIx (PMIX_RANK, SLURM_STEP_NUM_TASKS). `get` is
-// std::getenv, or a replacement in tests.
+// Returns nullopt if no launcher of MPI programs started this process, or if the launcher started no other one. Knows
+// mpirun of Open MPI (OMPI_COMM_WORLD_SIZE), launchers with PMI (PMI_SIZE), and srun with PMIx (PMIX_RANK,
+// SLURM_STEP_NUM_TASKS). `get` is std::getenv, or a replacement in tests.
 [[nodiscard]] std::optional<LaunchedRank> launched_rank(const std::function<const char*(const char*)>& get);
 
-// Connects this process with the others. Waits for them. Fails with ErrorCode::unavailable if the plug-in is missing or
-// cannot connect as many ranks as the launcher started.
+// Connects this process with the other ranks and waits for them. Fails with ErrorCode::unavailable if the plug-in is
+// missing or cannot connect as many ranks as the launcher started.
 [[nodiscard]] Result<std::unique_ptr<RankLink>> join_ranks(const LaunchedRank& launched, PluginFolders folders);
 
 }  // namespace isoextract::plugin_host

@@ -14,9 +14,9 @@ namespace isoextract::plugin_host {
 enum class GzipFiles { keep, unpack };
 
 // Returns the path under which readers find an input: its own, unless its content is compressed or it is an archive. An
-// archive with several files becomes a folder, with one file that file. A zip file is an archive only if it is named
-// .zip, and holds no Zarr arrays, which have a reader of their own. The unpacked files are kept for as long as the
-// context lives. Returns the input itself if it is no file or cannot be opened: its reader reports that.
+// archive with several files becomes a folder; an archive with one file becomes that file. A zip file is an archive
+// only if it is named .zip, and holds no Zarr arrays, which have a reader of their own. The unpacked files are kept for
+// as long as the context lives. Returns the input itself if it is no file or cannot be opened: its reader reports that.
 //
 // Fails with ErrorCode::unavailable if the plug-in is missing, with ErrorCode::input for damaged data, and as
 // files::UnpackedFiles::make() does.

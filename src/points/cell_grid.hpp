@@ -2,11 +2,12 @@
 // memory grows with the number of points, however far apart they are.
 //
 // A spot is a position with its points: one point or, with Coinciding::merged, several coincident ones. In a cell with
-// more than 32 points, all points at one position share a spot; in other cells only if no other point of the cell has
-// an index between theirs. A search visits a million coincident points as one spot; memory and sorting still grow.
+// more than 32 points, all points at one position share a spot; in other cells, only points whose indices follow each
+// other within the cell. A search visits a million coincident points as one spot; memory and sorting time still grow
+// with their number.
 //
-// The order depends on the points alone: by cell (x, then y, then z), then by index; with Coinciding::merged, in cells
-// with more than 32 points by position before index.
+// The order depends on the points alone: by cell (x, then y, then z), then by index. With Coinciding::merged, cells
+// with more than 32 points are sorted by position, then by index.
 #pragma once
 
 #include <algorithm>

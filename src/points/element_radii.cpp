@@ -172,8 +172,8 @@ Result<std::string> set_element_radii(ParticleSet& particles, ElementRadii radii
   const auto source = find_elements(particles);
   if (!source && particles.size() > 0) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected the element of each particle in an attribute species, element or symbol, "
-                            "found none",
+                fmt::format("{}: expected an attribute 'species', 'element' or 'symbol' with the element of each "
+                            "particle, or 'name' with the names of atoms, found none",
                             particles.label),
                 {Remedy::give, Setting::radius});
   }

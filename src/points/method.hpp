@@ -23,7 +23,7 @@ struct MethodInfo {
   std::string_view id;     // "sph"
   std::string_view title;  // "SPH interpolation"
   std::string_view help;   // its line in the help
-  double iso = 0;          // default iso value; inside is above it, for a level set below it
+  double iso = 0;          // default iso value; inside is above it; below it for a level set
   double cell_size = 0;    // default spacing of the samples, in particle radii
   // make_field() computes density fields. Level sets are computed by OpenVDB (volume_io/grid_tools.hpp) from the result
   // of make_spheres().
@@ -33,9 +33,9 @@ struct MethodInfo {
 // In the order of the enum. Sources of the defaults:
 //
 // weight: the weight 0.1 and the iso value 0.15 come from Suravikin and Korobitsyn (docs/papers.md). A cell of 4 radii
-// is two particle distances wide, so liquid has eight particles per sample: samples within it are 0.8, and the surface
-// is where the sum falls to that of 1.5 particles. sph: splashsurf's documentation suggests this iso value and cell
-// size. spheres, smooth: a cell size of 0.5 makes the radius two samples long, which is above kMinSphereRadius.
+// is two particle distances wide, so liquid has eight particles per sample. Samples within it are 0.8, and the surface
+// is where the sum falls to the weight of 1.5 particles. sph: splashsurf's documentation suggests this iso value and
+// cell size. spheres, smooth: a cell size of 0.5 makes the radius two samples long, which is above kMinSphereRadius.
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::weight,
                .id = "weight",

@@ -50,7 +50,7 @@ struct FieldOptions {
   // mass to the cube of the radius; the other methods use the median radius for all. Lengths in radii refer to the
   // median.
   std::optional<double> radius;
-  // Radius without `radius` and without an attribute, in world units; default suggest_radius().
+  // Particle radius in world units if `radius` is unset and no attribute gives the radii; default suggest_radius().
   std::optional<double> suggested_radius;
   // Takes the place of the median radius of the attribute: for particles that are a part of a larger set.
   std::optional<double> median_radius;
@@ -114,8 +114,8 @@ struct ParticleField {
 // - if particles are too far apart or too far from 0 for the spacing,
 // - if the field needs 2^31 bricks or more,
 // - if a periodic box has too many samples, or kernels reach across it too many times,
-// - if the radius is so large that a particle has more than 32,768 neighbors on average; with unlike radii, within the
-//   reach of the largest one,
+// - if the radius is so large that a particle has more than 32,768 neighbors on average; with unlike radii, counted
+//   within the reach of the largest one,
 // - if a radius of the attribute is negative or not finite.
 // It fails with ErrorCode::out_of_memory if memory does not suffice.
 // It fails with ErrorCode::cancelled if the context is cancelled.

@@ -19,16 +19,16 @@ struct ParticleBounds {
   field::Box box;                           // of the finite positions; zero if there are none
   std::uint64_t finite = 0;                 // particles
   std::uint64_t not_finite = 0;             // particles with an infinite or NaN coordinate
-  std::optional<std::size_t> first_broken;  // index of the first of them
+  std::optional<std::size_t> first_broken;  // index of the first particle with such a coordinate
 };
 
 // The result is the same for any number of threads.
 [[nodiscard]] ParticleBounds measure_bounds(std::span<const glm::dvec3> positions);
 
-// Distances from particles to their nearest neighbor at a different position, in world units. In a periodic box,
-// images of particles are neighbors, too, and so they are for suggest_radius().
+// Distances from particles to their nearest neighbor at a different position, in world units. In a periodic box, images
+// of particles count as neighbors, here and in suggest_radius().
 struct NeighborDistances {
-  // Number of particles measured: of all up to 2^16, else of 2^16 evenly spaced by index, those at finite positions.
+  // Number of measured particles: all or, of more than 2^16, 2^16 evenly spaced by index. Skips non-finite positions.
   std::uint64_t asked = 0;
   double min = 0;
   double median = 0;

@@ -11,11 +11,12 @@
 
 namespace isoextract::points {
 
-// `region` is in world units. In a periodic box, a particle lies in the part of the region within the box if one of its
-// images does. In a box that is not upright, the smallest parallelepiped around that part, along the edges of the box,
-// stands for it. Particles whose position is not finite belong to every region, so that FieldOptions::bad applies.
+// `region` is in world units. In a periodic box, the region ends at the periodic faces, and a particle is inside if one
+// of its images is. In a box that is not upright, the smallest parallelepiped around the region, along the box's edges,
+// replaces the region. Particles at non-finite positions are in every region, so that FieldOptions::bad applies.
 
-// Both return how many particles they removed, and remove none if the region does not meet the periodic box.
+// keep_inside() and keep_region() return how many particles they removed, and remove none if the region does not meet
+// the periodic box.
 
 // Removes the particles outside the region. Fails as take_particles() does.
 [[nodiscard]] Result<std::uint64_t> keep_inside(ParticleSet& particles, const field::Box& region,
@@ -25,13 +26,13 @@ namespace isoextract::points {
 // it removed.
 [[nodiscard]] Result<std::uint64_t> keep_finite(ParticleSet& particles, NonFiniteParticles bad, const Context& context);
 
-// Removes the particles that neither the field in the region depends on, nor the attributes of a surface there
-// (sample_attributes() with FieldOptions::smoothing_length). Samples of the region, and those next to it that an
-// extraction and FieldOptions::margin need, stay the same apart from rounding.
+// Keeps the particles on which the field in the region depends, or the attributes of a surface in the region
+// (sample_attributes() with FieldOptions::smoothing_length). Removes the others. Samples of the region, and those next
+// to it that an extraction and FieldOptions::margin need, stay the same apart from rounding.
 //
-// Sets the lengths of `options` so that the particles left have the field of all. The radius is the one that suggests
-// itself for the particles inside the region; from an attribute, it is the median of their radii. If they give no
-// radius, all particles give it.
+// Also fixes the radius in `options`, so that the remaining particles give the field of all: sets median_radius if an
+// attribute gives the radii, else suggested_radius unless it is set. Takes the radius from the particles inside the
+// region, or from all particles if they give none. Leaves `options` unchanged if FieldOptions::radius is set.
 //
 // Fails as make_field() and make_spheres() do.
 [[nodiscard]] Result<std::uint64_t> keep_region(ParticleSet& particles, const field::Box& region, FieldOptions& options,

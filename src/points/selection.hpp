@@ -19,8 +19,8 @@ namespace isoextract::points {
 // threads. A set without particles needs no attributes.
 //
 // Fails with ErrorCode::input if an attribute does not exist, has the wrong number of components, or holds words where
-// the condition needs numbers or the reverse; the hint marks the place in the condition. Also fails with it for 2^32
-// particles or more, and as Context::reserve() and Context::check() do.
+// the condition needs numbers or the reverse; the hint marks the place in the condition. Also fails with
+// ErrorCode::input for 2^32 particles or more, and as Context::reserve() and Context::check() do.
 [[nodiscard]] Result<std::shared_ptr<ReservedBuffer<std::uint32_t>>> choose_particles(
     const ParticleSet& particles, const SelectionExpression& condition, const Context& context);
 

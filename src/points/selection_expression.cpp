@@ -458,8 +458,9 @@ std::optional<std::size_t> axis_of(const SelectionStep& name) {
 }
 
 std::string word_in_selection(std::string_view word) {
-  const char quote = word.find('\'') == std::string_view::npos ? '\'' : '"';
-  return fmt::format("{0}{1}{0}", quote, word);
+  constexpr std::string_view kQuotes = "'\"`";
+  const std::size_t usable = kQuotes.find_first_not_of(word);
+  return fmt::format("{0}{1}{0}", kQuotes[usable == std::string_view::npos ? 0 : usable], word);
 }
 
 }  // namespace isoextract::points

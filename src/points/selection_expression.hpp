@@ -70,14 +70,14 @@ struct SelectionStep {
 // An attribute that a condition may refer to.
 struct SelectionName {
   std::vector<std::string> names;  // the first one that exists counts
-  bool required = true;            // false: may be a word instead
+  bool required = true;            // false: the name may be a word instead
   std::string mark;                // SelectionExpression::mark() of its place
 };
 
 class SelectionExpression {
  public:
-  // Fails with ErrorCode::usage; the hint shows the place. Fails so as well for texts of more than
-  // kMaxSelectionBytes and for conditions nested deeper than kMaxSelectionDepth.
+  // Fails with ErrorCode::usage if the text is not a condition, is longer than kMaxSelectionBytes, or is nested deeper
+  // than kMaxSelectionDepth. The hint shows the place.
   [[nodiscard]] static Result<SelectionExpression> parse(std::string_view text);
 
   [[nodiscard]] const std::string& text() const { return text_; }
@@ -98,7 +98,7 @@ class SelectionExpression {
 // Returns 0, 1 or 2 if the step is the name of a coordinate.
 [[nodiscard]] std::optional<std::size_t> axis_of(const SelectionStep& name);
 
-// Writes conditions as text. word_in_selection() quotes a word.
+// Returns the word in quotes that it does not contain, as in the text of a condition. It must not contain all of ' " `.
 [[nodiscard]] std::string word_in_selection(std::string_view word);
 
 }  // namespace isoextract::points

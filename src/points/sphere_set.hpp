@@ -72,8 +72,8 @@ class SphereSet {
 // Spacings of the samples for spheres of unlike radii, in world units.
 struct SphereSpacings {
   double usual = 0;      // MethodInfo::cell_size times the median radius
-  double keeps_all = 0;  // the largest one that keeps all spheres of a radius above 0; may be above `usual`
-  // The largest one that keeps all spheres that usual / kMaxSphereRefinement keeps; at most `usual`.
+  double keeps_all = 0;  // the largest spacing that keeps all spheres of a radius above 0; may exceed `usual`
+  // The largest spacing, at most `usual`, that keeps all spheres that the spacing usual / kMaxSphereRefinement keeps.
   double keeps_most = 0;
 };
 
@@ -82,8 +82,8 @@ struct SphereSpacings {
 inline constexpr double kMaxSphereRefinement = 4;
 
 // Returns the spacings for radii from an attribute; ignores FieldOptions::cell_size and FieldOptions::spacing. Returns
-// nothing if FieldOptions::radius or no attribute gives the radii, or if their median is 0. Fails as make_spheres()
-// does for invalid options and radii.
+// nothing if FieldOptions::radius is set, if no attribute gives the radii, or if their median is 0. Fails as
+// make_spheres() does for invalid options and radii.
 [[nodiscard]] Result<std::optional<SphereSpacings>> find_sphere_spacings(const ParticleSet& particles,
                                                                          const FieldOptions& options,
                                                                          const Context& context);

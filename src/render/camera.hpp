@@ -115,14 +115,14 @@ constexpr auto words_of(UpAxis /*type*/) {
 // Extends the depth range from the near to the far plane by the range that frame_box() would choose for `box`.
 void enclose_box(Camera& camera, const field::Box& box);
 
-// Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest at which the corners of the box
-// fit into the picture, with a margin; it depends on the angles.
+// Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest distance at which the corners of
+// the box fit into the picture, with a margin; this distance depends on the angles.
 [[nodiscard]] Camera frame_box_closely(const field::Box& box, const ViewAngles& angles, UpAxis up,
                                        const PictureSize& size, double fovy = Camera::kDefaultFovy);
 
-// Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest at which the box fits into the
-// picture while it turns around the up axis. It depends on the elevation, not on the azimuth, and is never longer than
-// that of frame_box().
+// Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest distance at which the box fits
+// into the picture while it turns around the up axis. This distance depends on the elevation, not on the azimuth, and
+// is never longer than that of frame_box().
 [[nodiscard]] Camera frame_turn(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                 double fovy = Camera::kDefaultFovy);
 

@@ -18,8 +18,8 @@ inline constexpr glm::vec3 kTextColor{0.02F, 0.02F, 0.03F};
 [[nodiscard]] glm::ivec2 text_size(std::string_view text, int scale);
 
 // Draws text with its upper left corner at `at`, clipped to the picture. Glyphs exist for digits, letters (capitals are
-// drawn as small letters), blanks and . - + _ / ; other characters become a box. `color` is linear; text is opaque.
-// Depth and normals stay unchanged.
+// drawn as small letters), blanks and the characters in ".-+_/". Other characters become a box. `color` is linear; text
+// is opaque. Depth and normals stay unchanged.
 void draw_text(Picture& picture, glm::ivec2 at, std::string_view text, int scale, const glm::vec3& color);
 
 // Fills the pixels [min, max), clipped to the picture, with an opaque linear color. Depth and normals stay unchanged.

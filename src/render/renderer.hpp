@@ -15,9 +15,9 @@
 //    trilinearly. The table gives a color c and an extinction sigma. A part of the slab of length
 //    l * Volume::unit_length has opacity 1 - exp(-sigma * l).
 // 4. Front to back, transmittance T = 1 at first: each part of a slab and each fragment adds T * opacity * color and
-//    multiplies T by 1 - opacity. A fragment within a slab divides it in two parts, before and behind, which share the
-//    slab's sample; a fragment exactly where two slabs meet divides neither of them. Fragments beyond d1 or before d0
-//    need no sample.
+//    multiplies T by 1 - opacity. A fragment within a slab divides it in two parts, before and after the fragment,
+//    which share the slab's sample; a fragment exactly where two slabs meet divides neither of them. Fragments beyond
+//    d1 or before d0 need no sample.
 // 5. Alpha is 1 - T; the background comes last, with T.
 // 6. Early termination: once T < termination the ray adds no further samples, fragments or background, and counts as
 //    opaque. Without it only T = 0 ends a ray. No channel differs by more than termination times the largest color of
@@ -25,8 +25,8 @@
 // 7. Empty-space skipping skips a brick only if sigma is exactly 0 for all values between the least and the greatest
 //    sample of the brick, so no bit of the picture changes.
 //
-// This covers the six cases of the hybrid ray casting paper: the ray misses both; surface only; volume only; surface in
-// front; volume in front; surface inside.
+// This covers the six cases of the hybrid ray casting paper: the ray hits nothing; surface only; volume only; surface
+// in front; volume in front; surface inside.
 #pragma once
 
 #include <array>
@@ -65,7 +65,7 @@ struct RenderStatistics {
   std::uint64_t rays = 0;                // rays that hit the volume's box
   std::uint64_t samples = 0;             // samples taken
   std::uint64_t samples_skipped = 0;     // samples skipped in empty bricks
-  std::uint64_t samples_terminated = 0;  // samples behind the end of their ray (T = 0, or early termination)
+  std::uint64_t samples_terminated = 0;  // samples after the end of their ray (T = 0, or early termination)
   std::uint64_t bricks = 0;              // bricks of 8 x 8 x 8 cells
   std::uint64_t bricks_skipped = 0;      // bricks without visible samples
   std::uint64_t fragments = 0;           // surface fragments, whether visible or hidden by others
@@ -87,8 +87,8 @@ class Renderer {
   virtual ~Renderer() = default;
 
   // Draws a picture; reserves all memory from the context. Fails as check() does, with ErrorCode::out_of_memory if
-  // memory is short, with ErrorCode::unavailable if the device fails, and as Context::check().
-  // After draw(), the caller must check DenseSamples::lost(): reading samples of a mapped file may have failed.
+  // memory is short, with ErrorCode::unavailable if the device fails, and as Context::check() does. After draw(), the
+  // caller must check DenseSamples::lost(): reading samples of a mapped file may have failed.
   [[nodiscard]] virtual Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                               const Context& context) = 0;
 

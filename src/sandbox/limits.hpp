@@ -6,8 +6,9 @@
 namespace isoextract::sandbox {
 
 struct Limits {
-  std::uint64_t memory = 0;   // bytes it may allocate, besides its libraries, thread stacks and 48 MiB
-  std::uint64_t seconds = 0;  // of wall-clock time (Worker ends it) and, multiplied by `threads`, of processor time
+  std::uint64_t memory = 0;  // bytes it may allocate; libraries, thread stacks and a reserve of 48 MiB do not count
+  // Limit of wall-clock time, after which Worker ends the process. The limit of processor time is seconds * threads.
+  std::uint64_t seconds = 0;
   std::uint64_t threads = 1;  // of oneTBB
 };
 

@@ -9,7 +9,7 @@
 
 namespace isoextract::sandbox {
 
-// The work of a child. Its creator loads the libraries.
+// The work of a child. The function that returns it has loaded the libraries.
 struct ChildWork {
   std::string greeting;          // sent to the parent once; if the child cannot work: the reason
   std::function<void(int)> run;  // runs one worker, which communicates through the given socket; empty if the child
@@ -28,8 +28,8 @@ struct ChildWork {
 [[nodiscard]] bool can_start_children();
 
 // Returns argv for starting "/proc/self/exe" as a child: this process's argv[0], the word that marks a child, then
-// `further`. If a loader runs the program, as in the portable folder, that file is the loader; then the loader's own
-// words and the program's file follow argv[0].
+// `further`. If a loader runs the program, as in the portable folder, "/proc/self/exe" is the loader. The loader's own
+// words and the program's file then follow argv[0].
 [[nodiscard]] std::vector<std::string> command_line_with(const std::vector<std::string>& further);
 
 }  // namespace isoextract::sandbox

@@ -57,7 +57,7 @@ class Worker {
   // Stops reading messages and waits for the worker to end. Afterwards the worker can no longer access shared memory.
   const WorkerEnd& finish();
   [[nodiscard]] const WorkerEnd& ending() const { return *ending_; }
-  // Returns the beginning of what the worker has printed.
+  // Returns the beginning of the worker's output.
   [[nodiscard]] const std::string& output() const { return output_; }
 
  private:

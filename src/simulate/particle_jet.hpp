@@ -56,9 +56,9 @@ struct JetFigures {
 class ParticleJet {
  public:
   // Fails with ErrorCode::usage for options that are not finite or out of range, and for a tank too small for nozzle or
-  // particles. Fails likewise for a tank wider than 2^20 spacings, if a layer of the nozzle has more than `count`
-  // particles, or if a frame could take more than kMostSteps steps. Fails as Context::reserve() does if memory is
-  // short.
+  // particles. Also fails with ErrorCode::usage if the tank is wider than 2^20 spacings, if a layer of the nozzle has
+  // more than `count` particles, or if a frame could take more than kMostSteps steps. Fails as Context::reserve() does
+  // if memory is short.
   [[nodiscard]] static Result<ParticleJet> make(const JetOptions& options, const Context& context);
 
   ParticleJet(ParticleJet&&) noexcept;
@@ -70,7 +70,7 @@ class ParticleJet {
   [[nodiscard]] Result<void> advance(const Context& context);
 
   // Returns the particles in the tank, in the order in which they left the nozzle. Attributes: `velocity` (3
-  // components), `age` (time since then), `id` (0 for the first particle). Fails as Context::reserve() does.
+  // components), `age` (since it left the nozzle), `id` (0 for the first particle). Fails as Context::reserve() does.
   [[nodiscard]] Result<points::ParticleSet> particles(const Context& context) const;
 
   // Returns the radius of a particle that is in use.

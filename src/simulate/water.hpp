@@ -16,8 +16,8 @@
 // left, right, back and front, each on the grid that the previous one changed. A step visits the cells with x in
 // the outer and y in the inner loop. The own level is T + W + E towards right and front, T + W - E towards the back.
 // Towards the left it is T + W + E in the test but T + W - E in the flow. So if E > 0, a flow to the left can be
-// negative: it takes water from the left neighbor even if that has none, and its depth falls below 0. (The last line of
-// the listing, the front neighbor's "+ flow", is lost at the end of a page.)
+// negative: it takes water from the left neighbor even if the neighbor has none, so that the neighbor's depth falls
+// below 0. (The last line of the listing, the front neighbor's "+ flow", is lost at the end of a page.)
 //
 // WaterRule::conservative implements what the listing evidently intends: own levels are T + W - E towards left and
 // back, T + W + E towards right and front. Seen from both sides of a face, the driving difference is the same number
@@ -92,7 +92,7 @@ struct WaterExtremes {
   double least_depth = 0;
   double max_depth = 0;
   double most_energy = 0;    // absolute value
-  double highest_water = 0;  // terrain plus water of cells with water above 0, at least 0; 0 without such cells
+  double highest_water = 0;  // terrain plus water, at least 0; counts cells with water above 0 only
   double highest_land = 0;
   std::uint64_t below_zero = 0;  // cells with a negative depth
   bool finite = true;            // false: the other members are meaningless
@@ -102,8 +102,9 @@ class WaterAutomaton {
  public:
   // Copies `terrain` and `depth` (empty: dry); element x + size.x * y is cell (x, y). Sources act before the flows of a
   // step, drains after them. Fails with ErrorCode::usage if a side is not from 1 to kMaxGridSize (terrain.hpp), if the
-  // spans have another length, or if a height or depth is not finite or a depth is negative. Fails likewise for options
-  // out of range and taps outside the grid or with a rate not above 0. Also fails as MemoryBudget::reserve() does.
+  // spans have another length, or if a height or depth is not finite or a depth is negative. Also fails with
+  // ErrorCode::usage for options out of range, and for taps outside the grid or with a rate not above 0. Also fails as
+  // MemoryBudget::reserve() does.
   [[nodiscard]] static Result<WaterAutomaton> create(glm::ivec2 size, std::span<const double> terrain,
                                                      std::span<const double> depth, WaterOptions options,
                                                      const Context& context);

@@ -24,8 +24,8 @@ namespace isoextract::volume_io {
 enum class SphereMethod {
   spheres,  // union of the particles' spheres
   // Spheres around the weighted mean of nearby particles: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH
-  // 2005, section 5. Without the bodies that this mean makes between particles (plugins/openvdb/
-  // openvdb_smooth_spheres.hpp): every body contains a sample of a sphere.
+  // 2005, section 5. Without the bodies that the mean makes between particles: every body contains a sample of a sphere
+  // (see plugins/openvdb/openvdb_smooth_spheres.hpp).
   smooth,
 };
 
@@ -73,7 +73,7 @@ inline constexpr int kMaxFilterWidth = 64;
                                                           int width, int iterations, const Context& context);
 
 // Returns the level set on another lattice, sparse, in f32: the signed distance from its surface in world units. Near
-// the surface this is the linear interpolant of the field, else the distance from the meshed surface
+// the surface, the values are the linear interpolant of the field; farther away, the distance from the meshed surface
 // (openvdb::tools::levelSetRebuild). The values are negative inside, and +- half_band voxels beyond the narrow band.
 // `half_band` (2 to 1000) is the band's width on either side, in new voxels.
 // `old_from_new` maps new to old indices: a scale per axis, above 0, and an offset. The axes must be perpendicular and

@@ -15,8 +15,8 @@ namespace isoextract::volume_io {
 [[nodiscard]] Result<bool> has_vdb_points(const files::InputFile& file, const std::optional<std::string>& grid);
 
 // Fails with ErrorCode::input if the header is damaged, and if the file cannot be read. OpenVDB does not validate its
-// input; this finds grid positions beyond the end of a truncated file. Accepts unknown headers, which OpenVDB may
-// support.
+// input; this function finds grid positions beyond the end of a truncated file. Accepts unknown headers: OpenVDB may
+// support them.
 [[nodiscard]] Result<void> check_vdb_header(const files::InputFile& file);
 
 }  // namespace isoextract::volume_io

@@ -104,7 +104,7 @@ struct GridInfo {
   bool vectors_in_voxels = false;                // of a vector grid: vectors are in index space, in voxels
   std::vector<field::LabelName> labels;          // as in ScalarField
   std::vector<double> volume_times;              // of each volume; empty if the file states none
-  std::string time_unit;                         // as in ScalarField, as are the following
+  std::string time_unit;                         // as in ScalarField, also length_unit and world_space
   std::string length_unit;
   std::string world_space;
   std::string component_names;    // in order, separated by spaces; may be empty
@@ -144,7 +144,7 @@ struct FormatDescription {
   bool takes_slices = false;    // single pictures: a pattern or folder of them is one volume (detail/slice_stack.hpp)
   std::string library = {};     // the reader's library: "GDCM"; empty for the program's own code
   std::string package = {};     // the Debian package that building the plug-in needs
-  std::string plugin = {};      // path of the plug-in that reads the format; empty if it needs none or has none
+  std::string plugin = {};      // path of the plug-in that reads the format; empty if none is needed or found
   bool is_plugin = false;
 };
 

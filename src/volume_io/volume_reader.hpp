@@ -14,8 +14,8 @@
 
 namespace isoextract::volume_io {
 
-// Returns the position of the colon in FILE:/PATH, which names a grid of a file: FILE exists, and no file is named like
-// the whole. Every function here takes such inputs.
+// Returns the position of the colon in FILE:/PATH, which names a grid of a file: FILE exists, and no file has the whole
+// input as its name. Every function here takes such inputs.
 [[nodiscard]] std::optional<std::size_t> find_inner_path(const std::string& input);
 
 // Returns whether the folder is an input, such as a Zarr array or a series of DICOM files, instead of a folder of
@@ -23,7 +23,7 @@ namespace isoextract::volume_io {
 [[nodiscard]] bool is_volume_folder(const std::filesystem::path& path, const Context& context);
 
 // Returns whether the input is a pattern or folder of single pictures, which are the slices of one volume: images of
-// the same format, at least two. Files of volumes are a sequence. Opens at most two of the files.
+// the same format, at least two. Files that hold volumes are a sequence, not a stack. Opens at most two of the files.
 [[nodiscard]] bool is_slice_stack(const std::string& input, const Context& context);
 
 // Returns whether the file's extension is that of a format of single pictures, ignoring case.
@@ -48,7 +48,7 @@ namespace isoextract::volume_io {
                                                        const Context& context);
 
 // Returns the label of the grid selected by ReadOptions::grid, which must be set; for a grid that a plug-in reads, the
-// given name. Fails as read_volume() if there is no such grid or several. Never reads samples.
+// given name. Fails as read_volume() does if no grid or several grids match. Never reads samples.
 [[nodiscard]] Result<std::string> grid_label(const std::string& input, const ReadOptions& options,
                                              const Context& context);
 

@@ -30,8 +30,8 @@ constexpr auto words_of(VolumeFileFormat /*type*/) {
 // Returns the format for a file's extension, ignoring case.
 [[nodiscard]] std::optional<VolumeFileFormat> volume_file_format_by_path(const std::filesystem::path& path);
 
-// Returns whether files of this format can store samples of this type: vdb as floats, nrrd and vti all but 16-bit
-// floats.
+// Returns whether files of this format can store samples of this type. npy, raw and vdb (as floats) store all types,
+// nrrd and vti all but 16-bit floats.
 [[nodiscard]] bool can_store(VolumeFileFormat format, field::SampleType type);
 
 // Writes one field or, for vdb, several. Except for vdb, samples must be dense and without a value scale; they

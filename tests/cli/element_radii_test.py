@@ -111,7 +111,7 @@ class ElementRadiiTest(ProgramTest):
                           "particle 1, and 2 of 3 particles without such an element", "--radius")
         self.convert("a.xyz", "--radii", "element", "--species", "O", "-o", "out.ply")
         self.write("a.csv", "x,y,z\n0,0,0\n1,0,0\n")
-        self.assert_fails(2, self.run_program("a.csv", "--radii", "element", "-o", "out.ply"), "species, element or symbol")
+        self.assert_fails(2, self.run_program("a.csv", "--radii", "element", "-o", "out.ply"), "expected an attribute 'species', 'element' or 'symbol'")
         self.assert_fails(1, self.run_program("a.xyz", "--radii", "element", "--radius", "1", "-o", "out.ply"), "--radii", "--radius")
 
 

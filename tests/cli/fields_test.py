@@ -335,7 +335,7 @@ class FieldFileTest(FieldsTest):
         run = self.run_program(SPHERE, "--cap", "--iso", "0", "--smooth", "3", "--center", "-o", "a.vdb")
         self.assert_fails(1, run, "--iso, --cap, --smooth, --center need a surface", "leave --iso, --cap, --smooth, --")
         self.assert_fails(1, self.run_program(SPHERE, "--nan", "hole", "-o", "a.vdb"), "--nan hole")
-        self.assert_fails(1, self.run_program(SPHERE, "-o", "a_{iso}.vdb"), "a field has no iso value")
+        self.assert_fails(1, self.run_program(SPHERE, "-o", "a_{iso}.vdb"), "{iso} is the iso value of a surface, but the output is the field itself")
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.abc"), ".vdb, .nrrd, .npy or .vti for the field")
         self.assertEqual(self.files(), [])
 

@@ -288,6 +288,14 @@ class StandardInputTest(ProgramTest):
             self.assert_fails(1, self.run_program("-", "--iso", "0", "-o", "v.ply", stdin=file), "this is the input")
         self.assertEqual(path.read_bytes(), npy(ZYX, samples(1)))
 
+    def test_files_of_attributes_are_not_overwritten(self):
+        path = self.folder / "t.ply"
+        path.write_bytes(npy(ZYX, samples(1)))
+        with subprocess.Popen(["cat", path], stdout=subprocess.PIPE) as pipe:
+            run = self.run_program("-", "--iso", "0", "--attribute", "t=t.ply", "-o", "t.ply", stdin=pipe.stdout)
+        self.assert_fails(1, run, "t.ply: this holds the samples of the input; it is not overwritten")
+        self.assertEqual(path.read_bytes(), npy(ZYX, samples(1)))
+
     def test_a_file_of_that_name(self):
         (self.folder / "-").write_bytes(npy(ZYX, samples(1)))
         self.convert("./-", "--iso", "0", "-o", "out.ply")

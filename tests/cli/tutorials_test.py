@@ -2,6 +2,7 @@
 
 `sh` blocks run in bash, where each command must end with 0, or with N where its line ends with `# exit code N`. `python` blocks
 that follow one another are one program. The files that commands write by name must be there at the end of the page.
+`text` blocks show what the last `sh` block before them prints: lines of it, in order, where `...` stands for anything.
 """
 
 import os
@@ -30,9 +31,9 @@ def python_with(modules):
 
 
 def blocks_of(page):
-    """(language, text) of the blocks that run, with consecutive Python blocks joined."""
+    """(language, text) of the blocks that run or show output, with consecutive Python blocks joined."""
     blocks = []
-    for language, text in re.findall(r"^```(sh|python)\n(.*?)^```$", (SOURCE / page).read_text(), re.MULTILINE | re.DOTALL):
+    for language, text in re.findall(r"^```(sh|python|text)\n(.*?)^```$", (SOURCE / page).read_text(), re.MULTILINE | re.DOTALL):
         if blocks and language == "python" == blocks[-1][0]:
             text = blocks.pop()[1] + text
         blocks.append((language, text))
@@ -42,6 +43,20 @@ def blocks_of(page):
 def with_exit_codes(text):
     """Replaces `command  # exit code N` by a test of that exit code."""
     return re.sub(r"^(.*\S)\s+# exit code (\d+)$", r"code=0; \1 || code=$?; test $code = \2", text, flags=re.MULTILINE)
+
+
+def first_line_not_printed(shown, printed):
+    """The first line of a `text` block that is not in the output after those before it, or None. Times, memory and jobs
+    may be those of another machine."""
+    def without_measured(text):
+        return re.sub(r"\d+(\.\d+)? (s|frames/s|MiB|at a time)\b", r"# \2", text)
+
+    lines = iter(without_measured(printed).splitlines())
+    for line in shown.splitlines():
+        pattern = re.escape(without_measured(line)).replace(re.escape("..."), ".*")
+        if line.strip() != "..." and not any(re.fullmatch(pattern, found) for found in lines):
+            return line
+    return None
 
 
 def outputs_of(text):
@@ -76,13 +91,20 @@ class TutorialsTest(ProgramTest):
         environment = {**os.environ, "PATH": f"{self.folder / 'bin'}:{os.environ['PATH']}"}
         blocks = blocks_of(page)
         self.assertTrue(blocks, page)
+        printed = None  # by the last `sh` block
         for language, block in blocks:
+            if language == "text":
+                if printed is not None:
+                    self.assertIsNone(first_line_not_printed(block, printed), f"{page} shows this line; printed was:\n{printed}")
+                continue
             program = ["python3", "-c", block]
             if language == "sh":
                 program = ["bash", "-e", "-o", "pipefail", "-c", with_exit_codes(block)]
             run = subprocess.run(program, cwd=self.folder, env=environment, capture_output=True, text=True, check=False,
                                  timeout=SECONDS)
             self.assertEqual(run.returncode, 0, f"{page}:\n{block}\n{run.stdout[-2000:]}\n{run.stderr[-2000:]}")
+            if language == "sh":
+                printed = run.stdout
         for name in (name for language, block in blocks if language == "sh" for name in outputs_of(block)):
             self.assertTrue(any(path.stat().st_size > 0 for path in self.folder.glob(name)), f"{page}: {name}")
 
@@ -95,6 +117,12 @@ class TutorialsTest(ProgramTest):
                 for path in self.folder.iterdir():
                     if path.name not in ("samples", "docs", "bin"):
                         shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+    def test_shown_lines_are_lines_of_the_output_in_order(self):
+        printed = "a 1: 2 KiB; 0.05 s\nb\nc 12 of 3\n"
+        self.assertIsNone(first_line_not_printed("a 1: 2 KiB; 0.41 s\n...\nc ... of 3\n", printed))
+        self.assertEqual(first_line_not_printed("a 1: 3 KiB; 0.05 s\n", printed), "a 1: 3 KiB; 0.05 s")
+        self.assertEqual(first_line_not_printed("b\na 1: 2 KiB; 0.05 s\n", printed), "a 1: 2 KiB; 0.05 s")
 
     def test_exit_codes_are_read_from_the_line(self):
         self.assertEqual(with_exit_codes("a\nb x   # exit code 6\n"), "a\ncode=0; b x || code=$?; test $code = 6\n")

@@ -169,8 +169,9 @@ struct EditFlags : OptionSet {
       parse_repair,
       "Repair a mesh file, before all other edits. Welds vertices of equal positions on boundary edges. Drops "
       "duplicate triangles and those without area. Gives neighbors one winding. Fills holes of up to EDGES edges "
-      "(default: 100; 0: none). Faces closed shells outward, and cavities inward. Reports the count of each step, then "
-      "what 'check' finds.",
+      "(default: 100; 0: none). Faces closed shells outward, and cavities inward. Reports what each step did, then "
+      "what "
+      "'check' finds.",
       About::surface | About::edit,
       IfLeftOut{"100"}};
   Value<convert::MinComponentSize> least{

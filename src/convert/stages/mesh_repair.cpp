@@ -29,6 +29,14 @@ std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& cho
     steps.push_back(fmt::format("filled {} with {}", counted(facts.holes_filled, "hole"),
                                 counted(facts.fill_triangles, "triangle")));
   }
+  if (facts.vertices_split > 0) {
+    const bool one = facts.vertices_split == 1;
+    steps.push_back(fmt::format("added {} of vertices where sheets touch",
+                                one ? "1 copy" : std::to_string(facts.vertices_split) + " copies"));
+  }
+  if (facts.unused_removed > 0) {
+    steps.push_back(fmt::format("removed {} without a triangle", counted(facts.unused_removed, "point")));
+  }
   if (facts.components_turned > 0) {
     steps.push_back(fmt::format("flipped the winding of {}", counted(facts.components_turned, "component")));
   }
@@ -77,6 +85,8 @@ Result<StageReport> repair_surface(Surface& surface, const StageContext& stage) 
                     {Key::holes_filled, facts.holes_filled},
                     {Key::fill_triangles, facts.fill_triangles},
                     {Key::holes_left, facts.holes_left},
+                    {Key::vertices_split, facts.vertices_split},
+                    {Key::unused_removed, facts.unused_removed},
                     {Key::components_turned, facts.components_turned},
                     {Key::verdict, verdict}},
                    facts.time);

@@ -73,7 +73,7 @@ Result<void> set_placement(field::ScalarField& field, const Frame& frame, const 
   const field::Affine& affine = placed;
   if (!affine.is_invertible()) {
     return fail(ErrorCode::input,
-                field.source + ": the axes of the volume are linearly dependent or not finite in the world",
+                field.source + ": in world coordinates, the axes of the volume are linearly dependent, or not finite",
                 {Remedy::give, Setting::spacing_and_origin});
   }
   field.index_to_world = affine;

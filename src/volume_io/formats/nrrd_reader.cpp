@@ -260,11 +260,9 @@ Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const N
   }
   if (dimension >= 1 && dimension < nrrd.dim && expected == found) return {};
   if (dimension < 1 || dimension > nrrd.dim) {
-    return fail(
-        ErrorCode::input,
-        fmt::format(
-            "{}: expected 1 to {} as the dimension of the data files (the number after LIST or the pattern), found {}",
-            file, nrrd.dim, dimension));
+    return fail(ErrorCode::input, fmt::format("{}: expected 1 to {} as the dimension of the data files (the last "
+                                              "number of the field 'data file'), found {}",
+                                              file, nrrd.dim, dimension));
   }
   if (dimension == nrrd.dim) {
     return fail(

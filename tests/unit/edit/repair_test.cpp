@@ -50,6 +50,26 @@ TEST(Repair, LeavesASoundMeshAsItIs) {
   const RepairFigures done = expect_box(mesh_of(corners({0, 0, 0}, {1, 2, 3}), outward()));
   EXPECT_EQ(
       done.welded + done.without_area + done.duplicates + done.turned + done.holes_filled + done.components_turned, 0U);
+  EXPECT_EQ(done.vertices_split + done.unused_removed, 0U);
+}
+
+TEST(Repair, CountsCopiesOfVerticesAndUnusedOnes) {
+  // Two boxes with a common corner, and a vertex without a triangle between their vertices.
+  std::vector<glm::vec3> positions = corners({0, 0, 0}, {1, 1, 1});
+  std::vector<glm::uvec3> triangles = outward();
+  positions.emplace_back(9, 9, 9);
+  const std::vector<glm::vec3> second = corners({1, 1, 1}, {2, 2, 2});
+  for (const glm::uvec3& t : outward()) {
+    triangles.push_back({t.x == 0 ? 7 : t.x + 8, t.y == 0 ? 7 : t.y + 8, t.z == 0 ? 7 : t.z + 8});
+  }
+  positions.insert(positions.end(), second.begin() + 1, second.end());
+  mesh::Mesh mesh = mesh_of(positions, triangles);
+  const auto figures = repair(mesh, {}, Context());
+  ASSERT_TRUE(figures);
+  EXPECT_EQ(figures->vertices_split, 1U);
+  EXPECT_EQ(figures->unused_removed, 1U);
+  EXPECT_EQ(mesh.positions.size(), 16U);
+  EXPECT_TRUE(check::check_mesh(mesh, Context())->topology.is_closed_oriented_manifold());
 }
 
 TEST(Repair, WeldsTriangleSoup) {

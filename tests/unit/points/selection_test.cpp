@@ -313,4 +313,12 @@ TEST(Selection, TakesParticlesWithTheirAttributes) {
 }
 
 }  // namespace
+TEST(Selection, QuotesWordsThatContainQuotes) {
+  for (const std::string& word : std::vector<std::string>{"O", "O5'", "O\"", "a'b\"c"}) {
+    const std::string condition = "species == " + word_in_selection(word);
+    EXPECT_TRUE(SelectionExpression::parse(condition)) << condition;
+  }
+  EXPECT_EQ(word_in_selection("a'b\"c"), "`a'b\"c`");
+}
+
 }  // namespace isoextract::points
