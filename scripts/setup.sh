@@ -9,7 +9,7 @@
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
-#   scripts/setup.sh viewers    what scripts/check_in_viewers.py needs: Blender and MeshLab
+#   scripts/setup.sh viewers    what scripts/check_in_viewers.py and scripts/compare_verdicts.py need: Blender, MeshLab, slicers
 #   scripts/setup.sh cluster    what scripts/cluster/try_slurm needs: Slurm, and GNU parallel
 set -euo pipefail
 
@@ -46,11 +46,11 @@ declare -A plugin_packages=(
 )
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
-measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage)
+measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage python3-scipy admesh prusa-slicer meshlab xvfb xauth)
 
 # Not part of scripts/test: too large.
 blender_packages=(blender python3 python3-numpy)
-viewers_packages=("${blender_packages[@]}" meshlab xvfb xauth)
+viewers_packages=("${blender_packages[@]}" python3-scipy meshlab xvfb xauth admesh prusa-slicer)
 cluster_packages=(slurm-wlm munge parallel)
 
 say() { printf 'setup: %s\n' "$*" >&2; }

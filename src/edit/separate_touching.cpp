@@ -87,6 +87,10 @@ class Separation {
         ways[i] = cones[i].way_off(signs[i], least_slope, cones);
         if (!ways[i]) ways[i] = cones[i].way_off(signs[i], kLastSlope);
       }
+    }
+    bool one_stays = false;
+    for (std::size_t i = 0; i < cones.size(); ++i) {
+      if (!ways[i] && std::exchange(one_stays, true)) ways[i] = cones[i].mean_way(signs[i] != 0 ? signs[i] : -1);
       if (ways[i]) together[i].to = glm::vec3(glm::dvec3(together[i].to) + voxel_ * (move * *ways[i]));
     }
   }

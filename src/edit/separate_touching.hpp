@@ -9,7 +9,8 @@
 // vertex may be so bent that it has no such direction, or it may have sheets on both sides: this vertex stays, and the
 // others move away.
 // If two or more cones at one position have no such direction, each vertex moves away from only those of its triangles
-// that have an edge in common with another of these cones.
+// that have an edge in common with another of these cones. If there is no such direction either, all vertices but one
+// move along the means of their normals; triangles may then intersect within the distance.
 // Directions are found in voxel coordinates, where the sheets are not stretched.
 #pragma once
 

@@ -103,6 +103,20 @@ class TouchingTest(ProgramTest):
                     else:
                         self.assertIn("intersections none", found)
 
+    def test_sheets_without_a_way_off_move_apart_too(self):
+        """Relaxed next to other labels, two sheets share an edge and are too bent to move off all of their triangles."""
+        planes = ("2024400 0100040 1100000 1111100 0111110 0110200 0202210",
+                  "4040020 2024440 0111240 0100010 1110110 0111010 0200110",
+                  "0002220 4444220 0244440 1111240 0010020 1110010 1111110",
+                  "0022000 2222200 4444220 4444440 1222240 1111120 0010010",
+                  "0101000 2220200 2222020 0442220 4440440 1024000 1111240")
+        rows = [plane.split() for plane in planes]
+        self.write_raw("bent.raw", (7, 7, 5), lambda x, y, z: int(rows[z][y][x]), "B")
+        source = ("bent.raw", "--dims", "7,7,5", "--dtype", "u8", "--labels", "1")
+        self.assertEqual(defects(self.stl(*source)), (0, 0))
+        self.assertIn("; closed;", self.last.err)
+        self.assertEqual(self.run_program("check", "out.stl", "--require", "closed,manifold,oriented").code, 0)
+
     def test_grids_with_long_voxels_and_far_origins(self):
         source = self.write("noise.raw", 9, self.noise(30))
         for place in (("--spacing", "0.2,0.7,5"), ("--origin", "3000,-2000,500"), ("--spacing", "1e-6"),

@@ -109,4 +109,9 @@ std::optional<glm::dvec3> VertexCone::way_off(double sign, double least_slope,
   return slope >= least_slope ? std::optional(unit) : std::nullopt;
 }
 
+std::optional<glm::dvec3> VertexCone::mean_way(double sign) const {
+  const double length = glm::length(normal_);
+  return length > 0 ? std::optional(sign * normal_ / length) : std::nullopt;
+}
+
 }  // namespace isoextract::edit

@@ -33,6 +33,9 @@ class VertexCone {
   [[nodiscard]] std::optional<glm::dvec3> way_off(double sign, double least_slope,
                                                   std::span<const VertexCone> others = {}) const;
 
+  // Returns the direction of the mean normal, outward if `sign` is 1, inward if -1; null if the normals cancel.
+  [[nodiscard]] std::optional<glm::dvec3> mean_way(double sign) const;
+
  private:
   struct Sector {
     glm::dvec3 first;  // unit directions of its edges

@@ -1,0 +1,52 @@
+"""STL files of unlike kinds: what admesh, PrusaSlicer, MeshLab and `isoextract check` say about them."""
+
+from measuring import programs, record
+from measuring.tables import number, table
+
+NAME = "verdicts"
+TITLE = "STL files in admesh, PrusaSlicer, MeshLab and check"
+
+
+def measure(setting):
+    file = setting.folder / "verdicts.json"
+    # By its first line, because SciPy is that of Debian's Python.
+    programs.run([record.ROOT / "scripts" / "compare_verdicts.py", "--isoextract", setting.isoextract, "--data", setting.data,
+                  "--json", file])
+    return record.read(file)
+
+
+def cell(verdict):
+    """The verdict of a program; number of parts and volume of a closed mesh."""
+    if verdict["words"] != "closed":
+        return verdict["words"]
+    return f"closed, {number(verdict['parts'])}, {verdict['volume']:.6g}"
+
+
+def verdict_table(rows):
+    return table(["file", "triangles:", *rows[0]["verdicts"], ""],
+                 [[f"`{row['file']}`", number(row["triangles"]), *map(cell, row["verdicts"].values()),
+                   ("agree" if row["agree"] else "disagree") + ("" if row["as_expected"] else ": UNEXPECTED")]
+                  for row in rows])
+
+
+def page(measured):
+    rows = measured["figures"]["rows"]
+    return f"""Is the mesh of an STL file closed? Three programs that weld vertices by position, and `isoextract check --weld`, say so about
+{len(rows)} files of unlike kinds. `open.stl`, `keep.stl` and `broken.stl` are counterexamples. A cell has the verdict, and for a
+closed mesh its number of parts and its volume.
+
+{verdict_table(rows)}
+
+`scripts/compare_verdicts.py` makes this table and fails if the programs disagree, or if another file than these three is not closed.
+It also makes the inputs `label.npy`, `cells.npy` and `broken.stl` of the commands below.
+They agree if all find the mesh closed, with equal numbers of parts and volumes within 0.01 %, or if none does, with equal numbers of
+open edges where these are the only defects.
+
+- **Volumes** of admesh and PrusaSlicer are sums of float32 numbers; those of MeshLab and `check` are sums of doubles.
+- **An edge of four triangles** (`keep.stl`) is two edges for admesh and PrusaSlicer, which pair its triangles in the order of the
+  file. Pairs of triangles of different sheets then look reversed, or stay open. MeshLab and `check` count the edge once.
+- **A missing and a doubled triangle** (`broken.stl`) leave three open edges and three edges of three triangles. admesh and
+  PrusaSlicer count all six as open. `repaired.stl` is the same mesh after `--repair`.
+- admesh fills holes before it counts what is reversed, so the table leaves these counts out for open meshes.
+- None of the three looks for self-intersections; [`check`](../check.md) does.
+"""
