@@ -17,6 +17,7 @@ import numpy as np
 
 LABELS = (1, 2, 3, 4, 5)
 LIMITS = (20, 60, 90, 110, 140)
+OFF_CENTER = 0.137  # of a ball, along each axis, so that it is not symmetrical
 
 
 def head(path):
@@ -29,7 +30,7 @@ def head(path):
 
 def ball(radius):
     side = 2 * radius + 8
-    z, y, x = np.mgrid[:side, :side, :side] - (side - 1) / 2 + 0.137
+    z, y, x = np.mgrid[:side, :side, :side] - (side - 1) / 2 + OFF_CENTER
     return (x * x + y * y + z * z < radius * radius).astype(np.uint8)
 
 
