@@ -20,6 +20,8 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkFiltersCore import vtkWindowedSincPolyDataFilter
 from vtkmodules.vtkFiltersGeneral import vtkDiscreteFlyingEdges3D
 
+import label_maps
+
 
 def nets(image, rounds):
     """Returns the surface nets; `rounds` of smoothing, or VTK's default number."""
@@ -36,19 +38,19 @@ def nets(image, rounds):
     return net.GetOutput()
 
 
-def edges(image, rounds, band):
-    """Returns the surface of flying edges, smoothed by a windowed sinc filter."""
+def edges(image, band):
+    """Returns the surface of flying edges; with a pass band, smoothed by a windowed sinc filter as 3D Slicer sets it."""
     surface = vtkDiscreteFlyingEdges3D()
     surface.SetInputData(image)
     surface.SetValue(0, 1)
     surface.ComputeNormalsOff()
     surface.ComputeGradientsOff()
     surface.Update()
-    if rounds == 0:
+    if band is None:
         return surface.GetOutput()
     smooth = vtkWindowedSincPolyDataFilter()
     smooth.SetInputData(surface.GetOutput())
-    smooth.SetNumberOfIterations(rounds)
+    smooth.SetNumberOfIterations(20)
     smooth.SetPassBand(band)
     smooth.NormalizeCoordinatesOn()
     smooth.BoundarySmoothingOff()
@@ -62,9 +64,9 @@ WAYS = {
     "nets-0": lambda image: nets(image, 0),
     "nets": lambda image: nets(image, None),
     "nets-100": lambda image: nets(image, 100),
-    "edges": lambda image: edges(image, 0, 0),
-    "edges-sinc-20": lambda image: edges(image, 20, 0.1),
-    "edges-sinc-40": lambda image: edges(image, 40, 0.01),  # as 3D Slicer's default smoothing
+    "edges": lambda image: edges(image, None),
+    "edges-sinc-0.1": lambda image: edges(image, 0.1),
+    "edges-sinc-0.01": lambda image: edges(image, 0.01),
 }
 
 
@@ -78,16 +80,9 @@ def image_of(mask):
     return image
 
 
-def write_ply(surface, path):
-    """Writes a mesh as `label_maps.read_ply` reads it."""
-    points = numpy_support.vtk_to_numpy(surface.GetPoints().GetData()).astype("<f4")
-    corners = numpy_support.vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
-    faces = np.empty(len(corners), [("count", "u1"), ("corners", "<i4", 3)])
-    faces["count"], faces["corners"] = 3, corners
-    with open(path, "wb") as file:
-        file.write(f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\n"
-                   f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n".encode())
-        file.write(points.tobytes() + faces.tobytes())
+def write(surface, path):
+    points = numpy_support.vtk_to_numpy(surface.GetPoints().GetData())
+    label_maps.write_ply(path, points, numpy_support.vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3))
 
 
 def timed(image, way, path):
@@ -100,7 +95,7 @@ def timed(image, way, path):
         surface = WAYS[way](image)
         os.write(writable, struct.pack("2d", 1000 * (time.perf_counter() - begin), 1000 * (time.process_time() - used)))
         if path:
-            write_ply(surface, path)
+            write(surface, path)
         os._exit(0)
     os.close(writable)
     with os.fdopen(readable, "rb") as pipe:

@@ -1,9 +1,11 @@
 """Masks for the measurement of their surfaces, and how good a surface is. Run by Python with NumPy, SciPy and VTK:
 
     mask_quality.py ball RADIUS MASK.npy        a ball
-    mask_quality.py mask FIELD LIMIT MASK.npy   the samples of a field above a limit; .nrrd, .vti or .mhd
+    mask_quality.py mask FIELD LIMIT MASK.npy [SIZE]
+        the samples of a field above a limit; .nrrd, .vti or .mhd; of the middle SIZE samples along each axis
     mask_quality.py surface MASK.npy MESH.ply [RADIUS]
         figures of a mesh as JSON; with RADIUS, the distance is that to the ball
+    mask_quality.py shift MESH.ply X OUT.ply    moves a mesh along x
 """
 
 import json
@@ -41,9 +43,9 @@ def read_by_vtk(path):
     return numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape(image.GetDimensions()[::-1])
 
 
-def above(field, limit):
-    """Returns the mask of the samples above a limit, cut to its bounds with a margin."""
-    inside = field > limit
+def above(field, limit, size):
+    """Returns the mask of the middle samples of a field above a limit, cut to its bounds with a margin."""
+    inside = field[tuple(slice(max((side - size) // 2, 0), (side + size) // 2) for side in field.shape)] > limit
     ranges = [np.flatnonzero(inside.any(axis=tuple({0, 1, 2} - {axis}))) for axis in range(3)]
     cut = inside[tuple(slice(found[0], found[-1] + 1) for found in ranges)]
     return np.pad(cut, MARGIN).astype(np.uint8)
@@ -166,9 +168,13 @@ def main(what, *arguments):
     if what == "ball":
         np.save(arguments[1], label_maps.ball(int(arguments[0])))
     elif what == "mask":
-        mask = above((read_nrrd if arguments[0].endswith(".nrrd") else read_by_vtk)(arguments[0]), float(arguments[1]))
+        field = (read_nrrd if arguments[0].endswith(".nrrd") else read_by_vtk)(arguments[0])
+        mask = above(field, float(arguments[1]), int(arguments[3]) if arguments[3:] else max(field.shape))
         np.save(arguments[2], mask)
         print(json.dumps({"size": mask.shape[::-1], "voxels": int(mask.sum()), "bodies": bodies(mask)}))
+    elif what == "shift":
+        points, triangles = label_maps.read_ply(arguments[0])
+        label_maps.write_ply(arguments[2], points + (float(arguments[1]), 0, 0), triangles)
     else:
         mask = np.load(arguments[0])
         print(json.dumps(figures(mask, *label_maps.read_ply(arguments[1]), *map(float, arguments[2:]))))

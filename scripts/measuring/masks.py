@@ -1,5 +1,6 @@
 """Surfaces of masks: terraces, volume, distance and time, by method and option, beside VTK's."""
 
+import hashlib
 import json
 from concurrent.futures import ThreadPoolExecutor
 
@@ -14,11 +15,11 @@ NEWER_VTK = record.ROOT / "build" / "newer_vtk"
 RADIUS = 20
 FIRST = "ball"
 
-# The name of a mask, its file, and the limit: samples above it are inside.
+# The name of a mask, its file, and the limit: samples above it are inside. Two heads are cut to their middle, to save time.
 SCANS = (
     ("tooth", "med/tooth.nhdr", 500),
-    ("head", "med/ch2.nii.gz", 60),
-    ("patient", "med/MR.nii.gz", 120),
+    ("head", "med/ch2.nii.gz", 60, 128),
+    ("patient", "med/MR.nii.gz", 120, 128),
     ("brain", "med/FLAIR.nrrd", 60),
     ("small head", "med/HeadMRVolume.mhd", 60),
     ("chest", "med/LIDC2.vti", 130),
@@ -27,7 +28,9 @@ SCANS = (
     ("smoke", "vdb/smoke.vdb", 0.5),
     ("vase", "sim/vase_1comp.vti", 60),
 )
-QUICK = ("enzyme", "orbital")
+QUICK = ("tooth", "enzyme")
+PICTURE = "masks.png"
+PICTURED = "tooth"
 
 NETS = ("--method", "surface-nets")
 CUBES = ("--method", "mc", "--iso", "0.5")
@@ -40,9 +43,10 @@ PEERS = (
     ("vtkSurfaceNets3D", "nets"),
     ("vtkSurfaceNets3D, 100 iterations", "nets-100"),
     ("vtkDiscreteFlyingEdges3D", "edges"),
-    ("vtkDiscreteFlyingEdges3D, sinc filter 20, 0.1", "edges-sinc-20"),
-    ("vtkDiscreteFlyingEdges3D, sinc filter 40, 0.01", "edges-sinc-40"),
+    ("vtkDiscreteFlyingEdges3D, sinc filter 0.1", "edges-sinc-0.1"),
+    ("vtkDiscreteFlyingEdges3D, sinc filter 0.01", "edges-sinc-0.01"),
 )
+SHOWN = (OURS.index(CUBES), OURS.index(NETS), len(OURS) + 1)  # of all ways
 STAGES = (*programs.EXTRACTION, "filter", "smooth")  # from samples in memory to a mesh in memory
 
 
@@ -50,13 +54,13 @@ def quality(*arguments):
     return json.loads(programs.run([PYTHON, HERE / "mask_quality.py", *arguments]) or "null")
 
 
-def mask_of(setting, name, file, limit):
+def mask_of(setting, name, file, limit, *cut):
     """Makes the mask of a scan; returns its path and what it is."""
     field, path = setting.data / file, setting.folder / "mask.npy"
     if field.suffix not in (".vti", ".mhd"):  # which need the program's plug-in for VTK, or VTK
         field = setting.folder / "field.nrrd"
         programs.run([setting.isoextract, setting.data / file, "-o", field, "-q"])
-    return path, {"name": name, "file": file, "limit": limit, **quality("mask", field, limit, path)}
+    return path, {"name": name, "file": file, "limit": limit, **quality("mask", field, limit, path, *cut)}
 
 
 def milliseconds(report, clock):
@@ -84,36 +88,60 @@ def peer(path, title, way, rounds, mesh, versions):
     return {"way": title, "ms": found["ms"], "cpu_ms": found["cpu_ms"]}
 
 
-def rows_of(setting, path, rounds, radius, versions):
-    """Returns the rows of a mask. Nothing else runs beside what is timed; figures of meshes are made after that."""
+def meshes_of(setting, path, rounds, versions):
+    """Returns the meshes of a mask and their rows, still without what the meshes are like."""
     meshes = [setting.folder / f"mesh_{n}.ply" for n in range(len(OURS) + len(PEERS))]
     rows = [ours(setting, path, options, rounds, mesh) for options, mesh in zip(OURS, meshes)]
     rows += [peer(path, *of_peer, rounds, mesh, versions) for of_peer, mesh in zip(PEERS, meshes[len(OURS):])]
+    return meshes, rows
+
+
+def judged(path, meshes, rows, radius):
+    """Returns the rows with what their meshes are like. Runs on all cores, so nothing is timed meanwhile."""
     with ThreadPoolExecutor(record.cores()) as pool:
-        found = list(pool.map(lambda mesh: quality("surface", path, mesh, *radius), meshes))
-    return [{**row, **of_mesh} for row, of_mesh in zip(rows, found)]
+        found = pool.map(lambda mesh: quality("surface", path, mesh, *radius), meshes)
+        return [{**row, **of_mesh} for row, of_mesh in zip(rows, found)]
+
+
+def picture(setting, meshes, width):
+    """Draws the meshes of SHOWN side by side; returns name and hash of the picture."""
+    shown = [setting.folder / f"shown_{place}.ply" for place in range(len(SHOWN))]
+    for place, (way, mesh) in enumerate(zip(SHOWN, shown)):
+        quality("shift", meshes[way], place * width, mesh)
+    path = setting.out / PICTURE
+    programs.run([setting.isoextract, "render", *shown, "--shading", "flat", "--camera", f"0,15,{2.5 * width:g}", "--size", "960x400",
+                  "--background", "eaecf0", "--backend", "cpu", "-o", path, "-q"])
+    return {"file": PICTURE, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
 
 
 def measure(setting):
     programs.run([HERE / "newer_vtk", "unpack", NEWER_VTK])
     measured = record.Record(NAME, setting.isoextract, setting.quick)
     rounds = 2 if setting.quick else 5
-    versions, masks = {}, []
+    versions, figures = {}, {"rounds": rounds, "masks": []}
     ball = setting.folder / "ball.npy"
     quality("ball", RADIUS, ball)
-    for name, *scan in ((FIRST, None, None), *SCANS):
+    for name, *scan in ((FIRST,), *SCANS):
         if setting.quick and name not in (FIRST, *QUICK):
             continue
         path, mask = (ball, {"name": name}) if name == FIRST else mask_of(setting, name, *scan)
-        radius = [RADIUS] if name == FIRST else []
-        masks.append({**mask, "rows": rows_of(setting, path, rounds, radius, versions)})
+        meshes, rows = meshes_of(setting, path, rounds, versions)
+        if name == PICTURED:
+            figures["picture"] = picture(setting, meshes, mask["size"][0])
+        figures["masks"].append({**mask, "rows": judged(path, meshes, rows, [RADIUS] if name == FIRST else [])})
     commands = [f"mask_quality.py ball {RADIUS} mask.npy", "isoextract tooth.nhdr -o field.nrrd",
                 "mask_quality.py mask field.nrrd 500 mask.npy",
                 *(f"isoextract mask.npy {' '.join(options)} -o mesh.ply --report report.json" for options in OURS),
                 "newer_vtk unpack build/newer_vtk",
                 *(f"newer_vtk python build/newer_vtk mask_peers.py mask.npy {way} {rounds} mesh.ply" for _, way in PEERS),
-                "mask_quality.py surface mask.npy mesh.ply"]
-    return measured.finish([record.cores()], versions, commands, {"rounds": rounds, "masks": masks})
+                "mask_quality.py surface mask.npy mesh.ply",
+                "isoextract render shown_0.ply shown_1.ply shown_2.ply --shading flat -o masks.png"]
+    return measured.finish([record.cores()], versions, commands, figures)
+
+
+def files(measured):
+    """Returns what lies beside the record: its name and hash."""
+    return [measured["figures"]["picture"]]
 
 
 def changed(value):
@@ -187,9 +215,9 @@ def page(measured):
 NumPy computes the first four from the written mesh, without code of the program. Lengths are in voxels, whatever the spacing of the scan.
 
 Rows with `--` are isoextract's, the others VTK's with its default settings. VTK has surface nets since version 9.3;
-`scripts/measuring/newer_vtk` unpacks a newer VTK than Debian 12 has. "Sinc filter" is `vtkWindowedSincPolyDataFilter` with its number of
-iterations and its pass band; 40 and 0.01 are those of 3D Slicer for a smoothing of 0.5. Both programs use all cores. VTK makes a surface of a few voxels
-before the clock starts, so its times are without loading libraries and starting threads. Those of isoextract are with the start of threads.
+`scripts/measuring/newer_vtk` unpacks a newer VTK than Debian 12 has. "Sinc filter" is `vtkWindowedSincPolyDataFilter` with 20 iterations
+and this pass band; 3D Slicer uses 0.01 where its smoothing factor is 0.5. Both programs use all cores. VTK makes a surface of a few voxels
+before the clock starts, so its times are without loading libraries and starting threads. isoextract's times are with the start of threads.
 
 ## A ball
 
@@ -199,16 +227,21 @@ A ball with a radius of {RADIUS} voxels. Distances are those to the ball itself,
 
 ## Ten scans
 
-Each mask has the samples of a file above a limit, with all noise. A body is a set of voxels that are connected through faces.
+Each mask has the samples of a file above a limit, with all noise; of two heads, only those in the middle. A body is a set of voxels
+that are connected through faces.
 
 {sizes}
+
+Of the tooth, {", ".join(ball["rows"][way]["way"] for way in SHOWN)}, from left to right:
+
+![The surface of a tooth in three ways]({figures["picture"]["file"]})
 
 All masks together:
 
 {summary(scans)}
 
-The last step of `--method surface-nets` gives each component the volume of its voxels. The report counts the components
-whose volume changed by more than 5 % all the same, because other voxels left no room. The largest change of a component is beside that number.
+The last step of `--method surface-nets` gives each component the volume of its voxels. The report counts the components whose
+volume changed by more than 5 % all the same, because other voxels left no room. The largest change of a component is beside that number.
 
 {components(scans)}
 
