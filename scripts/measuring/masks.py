@@ -241,7 +241,7 @@ All masks together:
 {summary(scans)}
 
 The last step of `--method surface-nets` gives each component the volume of its voxels. The report counts the components whose
-volume changed by more than 5 % all the same, because other voxels left no room. The largest change of a component is beside that number.
+volume changed by more than 0.1 % all the same, because other voxels left no room. Beside that number is the largest change of a component.
 
 {components(scans)}
 
