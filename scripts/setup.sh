@@ -45,8 +45,11 @@ declare -A plugin_packages=(
   [zarr]="libminizip-dev libblosc-dev libzstd-dev liblz4-dev libbz2-dev liblzma-dev"
 )
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
-# Building the random fields needs the packages of the tests' CMake files.
-measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage python3-scipy admesh prusa-slicer meshlab xvfb xauth)
+# Building the random fields needs the packages of the tests' CMake files. mmdebstrap is for scripts/measuring/newer_vtk.
+measure_packages=(
+  gnuplot-nox libgtest-dev python3-numpy python3-scipy python3-vtk9 python3-skimage mmdebstrap
+  admesh prusa-slicer meshlab xvfb xauth
+)
 
 # Not part of scripts/test: too large.
 blender_packages=(blender python3 python3-numpy)

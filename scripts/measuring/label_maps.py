@@ -7,7 +7,6 @@
     label_maps.py meet FILE.npy PATTERN      of PLY files by label: the triangles that two of them have in common
 """
 
-import gzip
 import json
 import struct
 import sys
@@ -17,9 +16,12 @@ import numpy as np
 
 LABELS = (1, 2, 3, 4, 5)
 LIMITS = (20, 60, 90, 110, 140)
+OFF_CENTER = 0.137  # of a ball, along each axis, so that it is not symmetrical
 
 
 def head(path):
+    import gzip  # here, because that of Python 3.14 would find compression.py of this folder
+
     data = gzip.open(path).read()
     dims = struct.unpack_from("<3h", data, 42)
     start = int(struct.unpack_from("<f", data, 108)[0])
@@ -29,7 +31,7 @@ def head(path):
 
 def ball(radius):
     side = 2 * radius + 8
-    z, y, x = np.mgrid[:side, :side, :side] - (side - 1) / 2 + 0.137
+    z, y, x = np.mgrid[:side, :side, :side] - (side - 1) / 2 + OFF_CENTER
     return (x * x + y * y + z * z < radius * radius).astype(np.uint8)
 
 
@@ -90,6 +92,16 @@ def read_ply(path):
     points = np.frombuffer(data, "<f4", 3 * vertices, start).reshape(-1, 3)
     record = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
     return points, np.frombuffer(data, record, faces, start + points.nbytes)["corners"]
+
+
+def write_ply(path, points, triangles):
+    """Writes points and triangles as read_ply reads them."""
+    record = np.empty(len(triangles), [("count", "u1"), ("corners", "<i4", 3)])
+    record["count"], record["corners"] = 3, triangles
+    header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\n"
+              f"property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n")
+    with open(path, "wb") as file:
+        file.write(header.encode() + points.astype("<f4").tobytes() + record.tobytes())
 
 
 def meet(labels, pattern):

@@ -148,7 +148,7 @@ row, of which the first is cold.
 
 The values of `ch2.nii.gz`, a head by MRI of 181 x 217 x 181 voxels, between 20, 60, 90, 110, 140 and above: noise and all. VTK's
 surfaces are of one label after the other; its last row smooths them with 20 iterations and a pass band of 0.1. That filter moves
-the surface of each label by itself. VTK 9.1 has no `vtkSurfaceNets3D` yet.
+the surface of each label by itself. VTK 9.1 has no `vtkSurfaceNets3D` yet: [Surfaces of masks](masks.md) has that of a newer VTK.
 
 {times}
 

@@ -2,13 +2,13 @@
 
 import hashlib
 
-from measuring import (commands, compression, error, gpu, labels, particle_methods, particles, record, render, sequences,
+from measuring import (commands, compression, error, gpu, labels, masks, particle_methods, particles, record, render, sequences,
                        simplify, speed, stability, threads, topology, verdicts, voxels)
 from measuring.tables import table
 
 MEASUREMENTS = {module.NAME: module for module in (speed, commands, threads, gpu, error, topology, stability, simplify,
                                                    sequences, compression, particles, particle_methods, render, voxels,
-                                                   labels, verdicts)}
+                                                   labels, masks, verdicts)}
 
 QUICK = """
 > These figures are of a trial run with small inputs. They show that the script works, and nothing else.

@@ -16,6 +16,10 @@ isoextract_house_test(pages_lead_somewhere ${CMAKE_CURRENT_LIST_DIR}/pages_test.
 isoextract_house_test(a_build_tells_how_far_it_is ${CMAKE_CURRENT_LIST_DIR}/build_progress_test.py ${PROJECT_SOURCE_DIR})
 isoextract_house_test(measurements_are_what_their_json_gives
   ${CMAKE_CURRENT_LIST_DIR}/measure_test.py ${PROJECT_SOURCE_DIR})
+# Debian's Python has NumPy; another one may not.
+add_test(NAME house.figures_of_masks_are_right
+  COMMAND /usr/bin/python3 -B ${CMAKE_CURRENT_LIST_DIR}/mask_quality_test.py ${PROJECT_SOURCE_DIR})
+set_tests_properties(house.figures_of_masks_are_right PROPERTIES LABELS house)
 
 # Not under the sanitizers: it says nothing there and is slow to compile.
 if(NOT ISOEXTRACT_SANITIZE)
