@@ -1,9 +1,9 @@
-// Finds a point near a position where an interpolant is 0, along the gradient.
+// Finds a point where an interpolant is 0, near a given position. Searches along the gradient.
 //
 // At a point with value r, the first-order distance is |r| / |grad f|. The gradient is taken in the mesh's coordinates:
 // it is a covector, mapped by the inverse transpose of the transform. This distance is the first guess of a search
 // along the gradient's line, up to one voxel; where the line leaves dense data, the search follows the data boundary.
-// If it finds nothing, or a point more than twice as far as the guess, the search also goes towards the cell corners of
+// If it finds nothing, or a point more than twice as far as the guess, the search also goes toward the cell corners of
 // opposite sign. The point found is on the surface and in the data, but need not be the nearest.
 #pragma once
 
@@ -41,7 +41,7 @@ class GradientSearch {
   }
 
   // Searches from `position`, which may be outside the data; the surface ends with the data. Returns nothing if a
-  // sample beside it is not finite.
+  // sample used there is not finite.
   std::optional<Found> operator()(const glm::dvec3& position) {
     const glm::dvec3 index = glm::clamp(position, low_, high_);
     const glm::dvec3 shift = index - position;
@@ -58,7 +58,7 @@ class GradientSearch {
   static constexpr double kReach = 1;  // voxels
 
   struct FirstOrder {
-    glm::dvec3 direction{0.0};    // unit step in index space along the world's gradient, towards the surface
+    glm::dvec3 direction{0.0};    // unit step in index space along the world's gradient, toward the surface
     double distance = kInfinity;  // in voxels; infinite if the gradient is zero
   };
 
@@ -113,7 +113,7 @@ class GradientSearch {
     return std::max(nearest, 0.0);
   }
 
-  // Searches along `step`; if that leaves the data before it meets the surface, along the face from there.
+  // Searches along `step`. If the line leaves the data before it meets the surface, continues along the data boundary.
   std::optional<glm::dvec3> search_in_data(const glm::dvec3& index, const glm::dvec3& step, double residual,
                                            double guess) {
     const double out = distance_to_boundary(index, step);
@@ -136,7 +136,8 @@ class GradientSearch {
     return distance ? std::optional(exit_point + *distance * slide - index) : std::nullopt;
   }
 
-  // Searches towards the cell corners on the other side, where a crossing must lie. Keeps the nearest.
+  // Searches toward each cell corner on the other side of the surface, because a crossing lies on the way. Sets
+  // `nearest` to a point found if that is nearer.
   void search_to_corners(const glm::dvec3& index, double residual, std::optional<glm::dvec3>& nearest) {
     glm::dvec3 cell = glm::floor(index);
     if (last_cell_) cell = glm::clamp(cell, glm::dvec3(0), glm::dvec3(*last_cell_));
@@ -151,9 +152,9 @@ class GradientSearch {
     }
   }
 
-  // Returns the distance to the first change of sign from `index` along the unit vector `step`: first tried just beyond
-  // the guess, then in steps of an eighth of `reach`. Returns nothing if there is none within `limit`, or a sample is
-  // not finite.
+  // Returns the distance to the first change of sign from `index` along the unit vector `step`. Tries 1.25 times the
+  // guess first, but at most an eighth of `reach`; then goes on in steps of an eighth. Returns nothing if no change is
+  // within `limit`, or a sample is not finite.
   std::optional<double> search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess,
                                double reach, double limit) {
     const auto at = [&](double s) { return field_(index + s * step).value; };

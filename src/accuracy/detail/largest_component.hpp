@@ -1,4 +1,4 @@
-// The size of a gradient before it is scaled; its square may leave the range of double.
+// Measures the size of a gradient without squares, which may leave the range of double.
 #pragma once
 
 #include <algorithm>

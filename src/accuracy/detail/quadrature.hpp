@@ -34,7 +34,7 @@ inline constexpr std::array<TrianglePoint, 7> kTrianglePoints = [] {
   return points;
 }();
 
-// Triangles with longer sides, in voxels, are divided. Those of marching cubes are not.
+// The longest side, in voxels, of a triangle that is not divided. Triangles of marching cubes have no longer sides.
 inline constexpr double kLongestSide = 1.75;
 
 // A part of a triangle.

@@ -30,12 +30,12 @@ class SubdividedSurface {
   [[nodiscard]] static Result<SubdividedSurface> make(field::Interpolant::Cursor& field, const field::IndexBox& cells,
                                                       const Subdivision& how);
 
-  // Returns about the memory of a surface with this many cells along an axis, its tree included. `triangles` is the
-  // number for whole cells. The caller reserves it.
+  // Returns the approximate memory of a surface and its tree, in a cube of `cells` cells along each axis. `triangles`
+  // is the number of triangles if cells are not divided. The caller reserves this memory.
   [[nodiscard]] static std::uint64_t bytes(int cells, int parts, std::uint64_t triangles);
 
   [[nodiscard]] const mesh::Mesh& mesh() const { return mesh_; }
-  // Builds the tree on first use, so not from several threads at a time. Requires triangles.
+  // Builds the tree on first use, so several threads must not call this at a time. Requires triangles.
   [[nodiscard]] const mesh::TriangleTree& tree();
 
   // Maps between index space and the coordinate frame of the positions and the tree.

@@ -1,4 +1,5 @@
-// Finds surface points: from a point near the surface onto it, and along it to the foot of a point.
+// Finds points of a surface: one near a given point (land), and the foot of a given point (approach), which is the
+// surface point nearest to it.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace isoextract::accuracy {
 template <class Function>
 class FootFinder {
  public:
-  // `linear` maps steps to the coordinates in which distances are measured. Outside the box there is no surface.
+  // `linear` maps steps to the coordinates in which distances are measured. The surface ends at `low` and `high`.
   FootFinder(Function function, double iso, const glm::dmat3& linear, const glm::dvec3& low, const glm::dvec3& high)
       : function_(std::move(function)), iso_(iso), linear_(linear), low_(low), high_(high) {
     const glm::dmat3 inverse = glm::inverse(linear);
@@ -49,7 +50,7 @@ class FootFinder {
     return moved <= kAcceptable * reach ? std::optional(point) : std::nullopt;
   }
 
-  // Slides from `start` along the surface towards the point nearest to `p`; each step is at most `reach` long. Returns
+  // Slides from `start` along the surface toward the point nearest to `p`; each step is at most `reach` long. Returns
   // the last point, which is never farther from `p` than `start`.
   [[nodiscard]] glm::dvec3 approach(const glm::dvec3& p, const glm::dvec3& start, double reach) {
     constexpr int kMaxSteps = 8;

@@ -30,15 +30,16 @@ struct SurfaceToMeshSums {
 
 class SurfaceToMesh {
  public:
-  // `tree` contains `mesh`, which `placed` shows in index space; `clipped` are the half-spaces it was clipped to.
+  // `tree` contains the triangles of `mesh`. `placed` is the mesh in index space. `clipped` are the half-spaces that
+  // the mesh was clipped to.
   SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
                 std::span<const mesh::HalfSpace> clipped);
 
-  // Adds the distances of the triangles of `surface` whose centers `counts` accepts: at their vertices and at their
-  // centers, moved onto the isosurface, weighted by area. Points outside `clipped` do not count. Between these points,
-  // at_most bounds the distance of each triangle's part within `clipped`. That is the distance to one triangle of the
-  // mesh, which is greatest at a corner of the part, or the distance through the triangle's nearest corner. The move of
-  // the center stands for the curvature of the isosurface: it is an estimate.
+  // Adds the distances of the triangles of `surface` whose centers `counts` accepts, weighted by area. Measures at the
+  // vertices, and at the centers after moving them onto the isosurface. Points outside `clipped` do not count. Between
+  // these points, at_most bounds the distance of each triangle's part within `clipped`. The bound is the smaller of
+  // two. One is the distance to one triangle of the mesh, which is greatest at a corner of the part. The other is the
+  // largest distance at a vertex plus the way to the nearest vertex. Adds the move of the center, for curvature.
   void measure(const SubdividedSurface& surface, FieldFootFinder& foot, double reach,
                const std::function<bool(const glm::dvec3& index)>& counts, SurfaceToMeshSums& sums) const;
 
@@ -50,7 +51,7 @@ class SurfaceToMesh {
     bool used = false;
   };
 
-  // Sets `polygon` to the part of a triangle of the tree's frame that is within the half-spaces. `before` is scratch.
+  // Sets `polygon` to the part of `triangle` within the half-spaces, in the tree's frame. `before` is scratch memory.
   void clip(const std::array<glm::dvec3, 3>& triangle, std::vector<glm::dvec3>& polygon,
             std::vector<glm::dvec3>& before) const;
   [[nodiscard]] glm::dvec3 to_tree(const glm::dvec3& index) const { return linear_ * index + offset_; }

@@ -1,5 +1,5 @@
-// Writes the frames of a batch into one animated GLB, each when its turn comes. Records in the manifest what the file
-// was made from: all frames or none.
+// Writes the frames of a batch into one animated GLB, each when its turn comes. The manifest records all frames of the
+// animation or none.
 #pragma once
 
 #include <cstddef>
@@ -52,7 +52,7 @@ class Animation final : public FrameReceiver {
 // ordered.
 [[nodiscard]] std::string missing_frames_note(const BatchJob& batch, std::span<const std::int64_t> missing);
 
-// Returns the key that records a whole animation in the manifest, from the hash of its batch.
+// Returns the manifest key of a whole animation. `batch` is the hash of its batch.
 [[nodiscard]] std::string animation_key(const std::string& batch);
 
 // Records in the manifest what the animation was made from. `frames` are the records of all its frames, in order. If
@@ -60,8 +60,8 @@ class Animation final : public FrameReceiver {
 [[nodiscard]] Result<void> record_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
                                             const mesh_io::MeshWriteResult& written);
 
-// Returns the records of all frames if the manifest has the batch's animation and its files and all inputs are
-// unchanged (find_changed_file()). The outputs of each record are the animation's files.
+// Returns the records of all frames if the manifest has the batch's animation, and no file of the animation and no
+// input has changed (find_changed_file()); else nullopt. The outputs of each record are the animation's files.
 [[nodiscard]] std::optional<std::vector<FrameRecord>> find_animation_record(const Manifest& manifest,
                                                                             const BatchJob& batch);
 

@@ -33,7 +33,7 @@ struct DecimalOrder {
 enum class FractionKind {
   whole_numbers,  // whole numbers: all of one length, or without leading zeros and consecutive: 8, 9, 10
   fractions,      // fractions: 25, 5, 75
-  // Several lengths, and one ends in 0, or the steps are equal except for gaps: 5, 10, 25; 5, 25, 45; 98, 99, 101.
+  // Lengths differ; one number ends in 0, or steps are equal except for gaps: 5, 10, 25; 5, 25, 45; 98, 99, 101.
   unclear,
 };
 [[nodiscard]] FractionKind judge_fractions(std::span<const std::string_view> digits);

@@ -11,8 +11,8 @@ namespace isoextract::batch {
 // several threads without a lock.
 //
 // Frames start in order. A frame that ran out of memory beside others runs again alone: at the end if frames are handed
-// over in any order. With `in_order`, converted frames wait for their turn and hold memory, so it runs again at once.
-// All later unfinished frames are then turned away: they free their memory and run again after it.
+// over in any order. With `in_order`, converted frames wait for their turn and hold memory, so the failed frame runs
+// again at once. The queue then turns away all later running frames: they free their memory and run again later.
 class FrameQueue {
  public:
   FrameQueue(std::size_t count, bool in_order) : count_(count), in_order_(in_order) {}
@@ -37,7 +37,7 @@ class FrameQueue {
     later,  // an earlier frame has not ended
     turned_away,
   };
-  // Returns the turn of a started frame, with `in_order`. At least one running frame is not told `later`.
+  // Returns the turn of a started frame, with `in_order`. For at least one running frame, the turn is not `later`.
   [[nodiscard]] Turn turn(std::size_t place) const;
 
   // Returns the number of frames that have not started or have to run again.

@@ -1,5 +1,5 @@
 // The frames of a batch on several ranks (base/ranks.hpp). Rank 0 hands them out as ranks come free, and converts
-// frames itself; the other ranks send what came of theirs. Only rank 0 writes the manifest.
+// frames itself; the other ranks send the results of their frames. Only rank 0 writes the manifest.
 #pragma once
 
 #include <atomic>
@@ -31,19 +31,20 @@ struct FinishedFrame {
   std::optional<FrameRecord> record = {};   // for the manifest
   std::vector<std::string> set_aside = {};  // new names of old meshes
   Notes notes = {};                         // of the conversion
-  Notes field_notes = {};                   // notes about fields that no frame before had
+  Notes field_notes = {};                   // notes about fields that no earlier frame had
   bool empty_picture = false;
 };
 
 [[nodiscard]] std::string packed(const FinishedFrame& finished);
-// Returns nullopt for other bytes.
+// Returns nullopt if packed() did not make these bytes.
 [[nodiscard]] std::optional<FinishedFrame> unpacked_frame(std::string_view bytes);
 
 // The frames as rank 0 hands them out. A thread answers the other ranks.
 class FrameDesk final : public FrameSource {
  public:
-  // `begin` is called with the index in the list of each frame that another rank gets; if it returns false, no more
-  // frames are handed out. `accept` is called with what comes of it. Both are called on the thread.
+  // FrameDesk calls `begin` with the list index of each frame before another rank gets the frame. If `begin` returns
+  // false, the desk hands out no more frames. FrameDesk calls `accept` with the result of each such frame. Both calls
+  // come from the thread that answers the ranks.
   using Begin = std::function<bool(std::size_t place)>;
   using Accept = std::function<void(FinishedFrame)>;
   FrameDesk(Ranks& ranks, std::size_t count, Begin begin, Accept accept);
@@ -52,8 +53,8 @@ class FrameDesk final : public FrameSource {
   std::optional<std::size_t> next() override;
   // Hands out no more frames.
   void stop() { stops_ = true; }
-  // Waits until the other ranks have no more frames, and returns how many seconds each worked. Fails with
-  // ErrorCode::unavailable.
+  // Waits until all other ranks have ended, and returns how many seconds each worked. Fails with ErrorCode::unavailable
+  // if a message is damaged or cannot be exchanged.
   [[nodiscard]] Result<std::map<int, double>> finish();
 
  private:
@@ -66,7 +67,7 @@ class FrameDesk final : public FrameSource {
   Accept accept_;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> stops_{false};
-  std::map<int, double> done_;    // the seconds of ranks that have ended; only for the thread until it ends
+  std::map<int, double> done_;    // seconds worked by ranks that have ended; only thread_ uses it until thread_ ends
   std::optional<Error> failure_;  // of the thread; valid once it has ended
   std::jthread thread_;
 };
@@ -77,7 +78,7 @@ class FramesOfDesk final : public FrameSource {
   explicit FramesOfDesk(Ranks& ranks) : ranks_(ranks) {}
 
   std::optional<std::size_t> next() override;
-  // Sends what came of a frame. Returns false if that failed.
+  // Sends the result of a frame to rank 0. Returns false if sending fails.
   [[nodiscard]] bool tell(const FinishedFrame& finished);
   // Tells rank 0 that this rank ends. Fails if a message could not be sent or received.
   [[nodiscard]] Result<void> finish(double seconds);

@@ -33,7 +33,7 @@ struct Sequence {
 // different sequences.
 //
 // A minus sign is part of a number unless all names have it after a letter or digit. More than kMaxFrameDigits digits
-// are no number. Numbers may repeat (f_1, f_01). A single name has the number trailing_number().
+// are no number. Numbers may repeat (f_1, f_01). A single name has the number trailing_number(), or else 1.
 [[nodiscard]] std::vector<Sequence> sequences_of(std::span<const std::string> names);
 
 // Returns the last number in the file name, not in its extension: 42 for shot_3/sim_042.vdb. Returns nullopt if there

@@ -15,16 +15,17 @@ struct ReferenceSize {
 
 // Returns the closed form if the field has one. Otherwise integrates along columns; `iso` must be finite.
 //
-// Columns are lines parallel to each axis a through the centers of a square grid. Roots of value = iso are bracketed on
-// each line and solved for. A surface integral is the sum over all axes and columns of w_a / |n_a| times the integrand
-// and the area of a square, for any weights w that sum to 1. Here w_a = n_a^8 / (n_x^8 + n_y^8 + n_z^8), with the unit
-// normal n. This is smooth even where the surface folds over a column, so the midpoint rule converges with an order
-// above 4. Columns are doubled from 96 along an axis until the area changes by at most 5e-4 of itself, and at most to
-// 384.
+// Columns are lines parallel to each axis a through the centers of the squares of a grid. Roots of value = iso are
+// bracketed on each line and solved for. A surface integral is the sum over all axes and columns of w_a / |n_a| times
+// the integrand and the area of a square, for any weights w that sum to 1. Here w_a = n_a^8 / (n_x^8 + n_y^8 + n_z^8),
+// with the unit normal n. This weight divided by |n_a| is smooth even where the surface folds over a column, so the
+// midpoint rule converges with an order above 4. The number of columns along an axis starts at 96 and doubles until the
+// area changes by at most 5e-4 of itself, but not beyond 384.
 //
-// The volume is the integral of AnalyticField::inside_length_along_z, or follows from the divergence theorem: a third
-// of the integral of p . n over the surface and over the part of the cube's faces above iso. The area of a graph over z
-// is integrated as such. These closed-form columns are 1,023, then 2,047 along an axis.
+// Fields with AnalyticField::inside_length_along_z use the closed form of each column along z, with 1,023 and then
+// 2,047 columns along an axis. The integral of its length is the volume; graphs over z get their area from these
+// columns, too. For other fields, the volume follows from the divergence theorem: a third of the integral of p . n over
+// the surface and over the part of the cube's faces above iso.
 [[nodiscard]] ReferenceSize find_reference_size(const field::AnalyticField& field, double iso,
                                                 Progress* progress = nullptr);
 

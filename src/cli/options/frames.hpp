@@ -1,4 +1,4 @@
-// The options of batches. Each option of BatchFlags turns a conversion into a batch.
+// The options of batches. Each option of BatchFlags turns a conversion into a batch, except with --masks.
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@
 
 namespace isoextract::cli {
 
-// The options of every command, and of the program, that ask for help.
+// The options that ask for help. Every command has them, and so does the program without a command.
 struct HelpOptions : OptionSet {
   explicit HelpOptions(OptionSet& command) : OptionSet(command, OptionGroup::run) {}
 

@@ -109,8 +109,7 @@ struct SurfaceFlags : OptionSet {
 
 // The options of labels, which take the place of iso values.
 struct LabelFlags : OptionSet {
-  // The options that a command takes: `samples` those that choose labels by the samples, `names` also the table of
-  // names, but not --background, `all` all of them.
+  // The options that a command takes: all but --label-names (`samples`), all but --background (`names`), or all.
   enum class Taken { samples, names, all };
 
   LabelFlags(OptionSet& command, Taken taken);

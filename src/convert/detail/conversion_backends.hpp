@@ -23,7 +23,8 @@ class ConversionBackends {
   // GPU is reported at once. Fails as open_backend() does.
   [[nodiscard]] Result<void> open();
 
-  // Falls back to the CPU, with a note, if automatic chose a GPU that cannot do the work; never when verifying.
+  // Falls back to the CPU, with a note, if Backend::automatic chose a GPU and `error` is ErrorCode::unavailable. Never
+  // does so when verifying. Returns whether it fell back.
   bool fall_back_to_cpu(const Error& error);
 
   // Returns null before open(), and for jobs that extract nothing.

@@ -28,23 +28,23 @@ struct ChosenLabels {
   }
 };
 
-// Chooses among the labels of `found`, which was searched for those that `asked` asks for. Labels with fewer than
-// `least` voxels are too small; listed labels without a voxel are not, so that their missing surface is reported.
-// `source` starts the notes. Fails with ErrorCode::no_surface if a number or a name of the choice is that of no label,
-// unless `empty` allows it; ranges and patterns without a label are notes.
+// Chooses among the labels of `found`, the result of a search for the labels in `asked`. Labels with fewer than `least`
+// voxels are too small. Listed labels without any voxel do not count as too small, so that their missing surface is
+// reported. `source` starts the notes. Fails with ErrorCode::no_surface if no label has a chosen number or name, unless
+// `empty` allows it. Ranges and patterns without a label only get notes.
 [[nodiscard]] Result<ChosenLabels> choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
                                                  const LabelAppearance& looks, std::uint64_t least, EmptyPolicy empty,
                                                  const std::string& source);
 
-// Fails with ErrorCode::usage if the job splits the labels of one name into files of bodies, and several labels have
-// that name: the files of the second would replace those of the first.
+// Checks outputs that write the bodies of the label with a given name to a file each. Fails with ErrorCode::usage if
+// several labels have this name: the files of the second would replace those of the first.
 [[nodiscard]] Result<void> check_piece_names(const ConversionJob& job, const ChosenLabels& chosen,
                                              const LabelAppearance& looks, const std::string& source);
 
 // Surfaces that are made at the same time.
 struct LabelGroup {
   std::size_t size = 0;   // at least 1, if surfaces are left
-  bool is_small = false;  // all of them together take little memory, so the group before may still be there
+  bool is_small = false;  // the surfaces take little memory, so the previous group may still be in memory
 };
 
 // Returns the next group: one surface, or the first few of small labels. On one thread, each surface is a group that is

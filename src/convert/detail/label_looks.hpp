@@ -23,7 +23,8 @@ class LabelAppearance {
   [[nodiscard]] static Result<LabelAppearance> open(const ConversionJob& job, const field::ScalarField& field,
                                                     std::optional<std::int64_t> layer, const Context& context);
 
-  // Returns the label's name, with the number if several labels share it; else the field's name and the number.
+  // Returns the label's name, with its number if several labels share the name. For a label without a name, returns the
+  // name `field` and the number.
   [[nodiscard]] std::string name(const std::string& field, std::int64_t label) const;
 
   // Returns the name that the table or the file gives the label, or an empty text.
@@ -32,18 +33,19 @@ class LabelAppearance {
   // Adds names of labels that no sample has, such as those of empty masks.
   void add_names_without_voxels(const std::vector<std::string>& names);
 
-  // Returns the names that the table or the file gives labels, of all layers, and the added ones.
+  // Returns all names: of labels of all layers, from the table or the file, and names added for labels without voxels.
   [[nodiscard]] std::vector<std::string> names() const;
-  // Returns the labels with names of other layers than this one.
+  // Returns the named labels of all layers but this one.
   [[nodiscard]] std::vector<field::LabelName> of_other_layers() const;
 
-  // Returns a note about the labels with names, of this layer, that are not among those `found` in the samples: of the
-  // region if `in_region`. Returns nothing if there are none. The background does not count. `source` starts the text.
+  // Returns a note about named labels of this layer that are not among `found`, the labels in the samples. `in_region`:
+  // the samples are only those of a region. The background does not count. `source` starts the text. Returns nothing if
+  // no label is missing, or if the names come from a table.
   [[nodiscard]] std::optional<Note> note_of_missing(const std::string& source, const std::vector<std::int64_t>& found,
                                                     std::int64_t background, bool in_region) const;
 
-  // Sets the label's color, from its names or a default: in glTF as a material, in PLY as vertex colors if the
-  // labels have names. Does nothing for other formats, or if the job colors by something else. Fails with
+  // Sets the label's color, from the table or the file or else a default color: in glTF as a material, in PLY as vertex
+  // colors if the labels have names. Does nothing for other formats, or if the job colors by something else. Fails with
   // ErrorCode::out_of_memory.
   [[nodiscard]] Result<void> color(const ConversionJob& job, std::int64_t label, mesh::Mesh& mesh,
                                    const Context& context) const;
@@ -52,12 +54,12 @@ class LabelAppearance {
   [[nodiscard]] const field::LabelName* find(std::int64_t label) const;
   [[nodiscard]] bool is_here(const field::LabelName& entry) const { return !entry.layer || entry.layer == layer_; }
 
-  // Sets the index of the names. Names of 100,000 labels are looked up once for each label.
+  // Fills by_label_ and shared_by_, because searching labels_ for each of 100,000 labels would be slow.
   void index();
 
   std::vector<field::LabelName> labels_;                    // with names, of all layers
   std::unordered_map<std::int64_t, std::size_t> by_label_;  // index in labels_ of the first entry of this layer
-  std::unordered_map<std::string, std::size_t> shared_by_;  // number of entries with a name, of all layers
+  std::unordered_map<std::string, std::size_t> shared_by_;  // number of entries with each name, in all layers
   std::vector<std::string> without_voxels_;                 // the added names
   std::optional<std::int64_t> layer_;
   bool has_table_ = false;  // a table may name any number of labels besides those of the map

@@ -1,4 +1,4 @@
-// Labels of a map of which a coarser grid has no sample.
+// Finds labels of a map that a coarser grid loses, because none of its samples has them.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,8 @@
 
 namespace isoextract::convert {
 
-// Notes and reports the labels of `map`, except `background`, that `grid` lacks. For jobs that ask for all labels.
+// Notes and reports the labels of `map`, except `background`, that `grid` lacks. Call it only if the job asks for all
+// of its labels.
 void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& grid, std::int64_t background,
                       const Context& context, Events& events);
 

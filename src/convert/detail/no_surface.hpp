@@ -23,16 +23,16 @@ namespace isoextract::convert {
 [[nodiscard]] Result<void> leave_out_empty(const Source& source, const ConversionJob& job, const OutputFileJob& output,
                                            const Context& context, Events& events);
 
-// Returns the error for an empty source, for a label map of whose `labels` labels none is left, or for one that has
-// none besides the background.
+// Returns the error for a label map without a label to extract. The source is empty, the map has only the background
+// (`labels` is 0), or the choice includes none of its `labels` labels.
 [[nodiscard]] Error no_label(const Source& source, std::int64_t background, std::size_t labels);
 
 // Returns the note that an output was not written because of no_label(); `besides` says what else happened to it.
 [[nodiscard]] Note note_of_no_label(const Error& none, const OutputFileJob& output, const std::string& besides);
 
-// Returns the error for a surface without triangles. Examines all samples, unless the source is empty, the surface is a
-// label's (`are_labels`), or clipping left nothing of it. `cut_away` then has its bounds before clipping, in output
-// coordinates.
+// Returns the error for a surface without triangles. If clipping left nothing of the surface, `cut_away` has its bounds
+// before clipping, in output coordinates. Examines all samples, except for an empty source, for a label (`are_labels`),
+// or with `cut_away`.
 [[nodiscard]] Error no_surface(const ConversionJob& job, const Source& source, const ResolvedIso& asked,
                                bool are_labels, const std::optional<mesh::Bounds>& cut_away);
 

@@ -11,9 +11,9 @@
 
 namespace isoextract::convert {
 
-// Reads the particles with all attributes, applies condition, stride, radii of elements, box and region, and writes
-// those left to one output of `job`, completely or not at all. Without a particle, does as leave_out_empty() says and
-// returns nullopt, unless the job writes empty files. Positions are those of the input, or unwrapped ones.
+// Reads the particles with all attributes, applies condition, stride, radii of elements, box and region, and writes the
+// remaining particles to one output of `job`, completely or not at all. If no particle remains, calls leave_out_empty()
+// and returns nullopt, unless the job writes empty files. Positions are those of the input, or unwrapped ones.
 //
 // Reports how many particles were left out, and notes what the file does not state: words, the box, the unit of length,
 // and names that the format does not allow. Fails with ErrorCode::usage if the input is a volume, and as

@@ -16,7 +16,8 @@ namespace isoextract::convert {
 
 [[nodiscard]] StageReport report_of_placing(const PlacedField& placed, const field::ScalarField& field);
 
-// Notes that a glTF file has the lengths of a file with another unit than meters. Requested units are not noted.
+// Notes that the lengths of a glTF file are in the input file's unit, if that is not the meter. Adds no note if the job
+// requests a unit.
 void tell_other_unit(const Placement& placement, const field::ScalarField& field, const std::string& label,
                      Events& events);
 

@@ -19,8 +19,8 @@ class Recorder final : public Events {
   void note(const Note& note) override;
   void end(const StageReport& report) override;
 
-  // Call before reading a grid, in jobs with several grids. If the grid was read before, drops all notes, and of
-  // reports keeps only the times, until end_reading(), because they were reported the first time.
+  // Call before reading a grid, in jobs with several grids. If the grid was read before, its notes and reports exist.
+  // Until end_reading(), drops all notes. Keeps only the times of reports, and StageReport::did of the reading stages.
   void begin_grid(const std::optional<std::string>& grid);
   void end_reading() { again_ = false; }
   // Returns the label of the current grid; empty if the job has only one.

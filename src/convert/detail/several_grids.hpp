@@ -29,13 +29,13 @@ namespace isoextract::convert {
 
 // Returns the iso values of a grid, over all outputs that contain its surfaces.
 [[nodiscard]] std::vector<IsoChoice> isos_of(const ConversionJob& job, const std::optional<std::string>& grid);
-// Returns the index in isos_of() of the first iso value of one output, which contains surfaces of the grid.
+// Returns the index in isos_of() of the first iso value of `output`, which must contain surfaces of the grid.
 [[nodiscard]] std::size_t first_iso_of(const ConversionJob& job, std::size_t output,
                                        const std::optional<std::string>& grid);
 
-// Returns the volumes of a grid to extract from, in order: SourceOptions::read.volume; if it is unset and all `isos`
-// are labels, the layers of a label map whose labels overlap (field::LabelName::layer). Fails as
-// volume_io::list_grids() does. Reads no samples.
+// Returns the volumes of a grid to extract from, in order. Usually this is SourceOptions::read.volume alone. If that is
+// unset and all `isos` are labels, returns the layers of a label map with overlapping labels (field::LabelName::layer).
+// Fails as volume_io::list_grids() does. Reads no samples.
 [[nodiscard]] Result<std::vector<std::optional<std::int64_t>>> volumes_of(const SourceOptions& source,
                                                                           const std::vector<IsoChoice>& isos,
                                                                           const Context& context);
@@ -45,8 +45,8 @@ namespace isoextract::convert {
                                                                 std::int64_t background);
 
 // Returns the surfaces to extract from a field, each once: the iso values in `asked`, or the chosen `labels` if not
-// null. Of a list of labels and a field that is one of several layers, only those that the file names for this layer;
-// the first layer also has those that the file names for none.
+// null. If `asked` lists labels and the field is one of several layers, returns only the labels that the file names for
+// this layer. The first layer also gets the labels that the file names for no layer.
 [[nodiscard]] std::vector<ResolvedIso> surfaces_of(const field::ScalarField& field, std::span<const ResolvedIso> asked,
                                                    const std::vector<std::int64_t>* labels,
                                                    std::optional<std::int64_t> layer);

@@ -26,7 +26,7 @@ struct SkippedSurfaces {
 
 [[nodiscard]] inline bool is_nothing(const SkippedSurfaces& skipped) { return skipped.reasons.empty(); }
 
-// Returns the surfaces of `asked` that are not among `written`.
+// Returns the surfaces of `asked` that are not among `written`, with the reasons that `lost` states.
 [[nodiscard]] SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
                                                std::span<const SurfaceId> written, std::span<const LostSurface> lost,
                                                bool are_labels);
@@ -34,8 +34,8 @@ struct SkippedSurfaces {
 // Returns the note; `consequence` says what happened to the file.
 [[nodiscard]] std::string note_of(const SkippedSurfaces& skipped, const std::string& consequence);
 
-// Returns a note for each iso value that equals an earlier one (repeats_value()). Values found in the field can
-// coincide, which the user could not foresee; two equal given numbers get no note.
+// Returns a note for each iso value that equals an earlier one, unless the user gave both as numbers (repeats_value()):
+// the user cannot foresee which values found in the field coincide. Labels get no note.
 [[nodiscard]] Notes repeated_notes(const std::string& label, std::span<const ResolvedIso> asked,
                                    const std::string& path);
 

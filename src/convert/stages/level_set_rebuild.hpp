@@ -13,10 +13,12 @@
 namespace isoextract::convert {
 
 // Returns the level set `field` at the resolution that `options` ask for, and reports it. The result has a narrow band
-// of three new voxels on either side, where interpolated samples keep the width of the old band. A voxel size is exact.
+// of three new voxels on either side; interpolation would keep the width of the old band. A requested voxel size is
+// exact. Returns a copy of `field` if it has that resolution already.
 //
 // Returns nothing if the caller has to interpolate:
-// - if `field` is no narrow band by its own file: a density, dense samples, or a kind that the user chose
+// - if its file does not state a narrow-band level set: a density, dense samples, or a kind that the user chose
+// - if the options ask for fewer than two samples along an axis
 // - with a note, if OpenVDB makes no such level set: the new voxels are not cubic, or the axes are not perpendicular
 // - with a note, if the options fix other samples: a kernel, or a resolution for a file of dense samples
 //

@@ -8,7 +8,7 @@
 
 namespace isoextract::convert {
 
-// Returns the half-spaces of `planes` in the mesh's coordinates; `planes` are in the coordinates of placement.space.
+// Returns the half-spaces of `planes` in the mesh's coordinates; `planes` are in the coordinates of `space`.
 [[nodiscard]] std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field,
                                                           const field::Affine& output_from_index, Space space,
                                                           const std::vector<ClipPlane>& planes);

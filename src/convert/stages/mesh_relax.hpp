@@ -1,4 +1,4 @@
-// Changes of volume by relaxing surface nets, which keeps volumes where the cells of the vertices allow it.
+// Notes changes of volume by relaxing surface nets. Relaxing keeps volumes where the cells of the vertices allow it.
 #pragma once
 
 #include <optional>

@@ -16,15 +16,15 @@ namespace isoextract::convert {
 // Returns "0.1voxel" or "0.5world".
 [[nodiscard]] std::string simplify_bound_text(const SimplifyBound& bound);
 
-// The surface of a label before its simplification, and what its report goes to.
+// A label's surface that waits for its simplification, and the receiver of its report.
 struct HeldLabel {
   Surface* surface;
   Events* events;
 };
 
 // Simplifies the surfaces of labels together (edit/label_net.hpp), as the job asks. A number of triangles is that of
-// all labels; a triangle that two labels have in common counts once. Each label gets a report, with its share of the
-// time by its triangles; sentences and notes about all of them are in that of the first. Fails as the algorithm does.
+// all labels; a triangle that two labels have in common counts once. Each label gets a report, with time in proportion
+// to its triangles. The first report has the sentences and notes about all labels. Fails as edit::LabelNet does.
 [[nodiscard]] Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageContext& stage);
 
 }  // namespace isoextract::convert

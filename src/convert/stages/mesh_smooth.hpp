@@ -1,4 +1,4 @@
-// The box that stages which move vertices keep caps on.
+// Finds the box on whose faces the caps must stay when a stage moves vertices.
 #pragma once
 
 #include <optional>

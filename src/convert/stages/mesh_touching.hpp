@@ -15,9 +15,9 @@ namespace isoextract::convert {
 // Returns the positions as a format of float32 world coordinates stores them.
 [[nodiscard]] Buffer<glm::vec3> written_positions(const mesh::Mesh& mesh);
 
-// Returns the topology that a reader of the job's file finds, who welds vertices by their float32 positions in the
-// file. Returns nullopt if readers of this format keep the vertices apart, or if no two vertices have one position.
-// Fails with ErrorCode::out_of_memory.
+// Returns the topology of the surface after a reader of the job's file has welded vertices by their float32 positions.
+// Returns nullopt if readers of this format keep the vertices apart, or if all vertices have different positions
+// already. Fails with ErrorCode::out_of_memory.
 [[nodiscard]] Result<std::optional<mesh::Topology>> topology_as_read(const Surface& surface, const ConversionJob& job,
                                                                      const Context& context);
 

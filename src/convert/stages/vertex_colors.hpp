@@ -1,4 +1,4 @@
-// Materials of whole surfaces from their iso values. color_surface() is the stage that colors vertices, too.
+// Makes materials of whole surfaces from their iso values. The stage color_surface() sets them, and colors vertices.
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ struct SurfaceList {
 // Returns the material of surface `id`, one of `all`: its color and opacity. The color comes from the iso value's place
 // in the job's range, or else between the least and greatest of `all`. `kind` tells which surfaces are outer ones,
 // which may be translucent (ConversionJob::opacity). `open` makes the material double-sided, because the inside may be
-// visible. Returns nullopt if the job sets neither and `open` is false.
+// visible. Returns nullopt if the job neither colors by iso value nor sets an opacity, and `open` is false.
 [[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const SurfaceList& all,
                                                         const SurfaceId& id, field::FieldKind kind, bool open = false);
 

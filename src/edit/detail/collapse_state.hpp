@@ -1,12 +1,13 @@
 // A mesh while its edges are collapsed. Triangles keep their numbers, so that each collapse can be looked up and
 // undone.
 //
-// A collapse moves one vertex onto a neighbor. It removes the two triangles between them (one at a boundary edge); the
-// other triangles of the vertex get the neighbor as their corner. A collapse can be undone once all later collapses
-// that changed one of its triangles are undone. This order is that of a multi-triangulation (De Floriani, Magillo,
-// Puppo: Efficient implementation of multi-triangulations. IEEE Visualization 1998). Any set of collapses that includes
-// all collapses it depends on gives a mesh with the components and the Euler number of the original. The reason: a
-// collapse adds and removes only edges at its two vertices, so the link condition of the other collapses still holds.
+// A collapse moves one vertex onto a neighbor. It removes the two triangles that have both vertices (one triangle at a
+// boundary edge); the other triangles of the vertex get the neighbor as their corner. A collapse can be undone once all
+// later collapses that changed one of its triangles are undone. This order is that of a multi-triangulation (De
+// Floriani, Magillo, Puppo: Efficient implementation of multi-triangulations. IEEE Visualization 1998). Any set of
+// collapses that includes all collapses it depends on gives a mesh with the components and the Euler number of the
+// original. The reason: a collapse adds and removes only edges at its two vertices, so the link condition of the other
+// collapses still holds.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +44,8 @@ struct CollapseState {
   std::vector<glm::uvec3> corners;
   std::vector<char> gone;
   std::vector<std::uint32_t> changed_by;  // the last collapse that changed the triangle, or kNone
-  // The removed vertices (samples) nearest to each triangle, as linked lists that end with kNone.
+  // The samples of each triangle: removed vertices that have this triangle as their nearest. Linked lists hold them and
+  // end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
   std::vector<char> tangled;          // 1: the triangle intersected another one when it was changed
@@ -80,7 +82,7 @@ struct CollapseLog {
   std::uint32_t first = 0;
   std::uint32_t removed = 0;  // triangles
   std::uint64_t refused = 0;  // collapses that would have made triangles intersect
-  // Largest squared distance of points of new triangles, and of removed vertices, between the two surfaces.
+  // Largest squared distance to the other surface, of removed vertices and of points of new triangles.
   double farthest_squared = 0;
   std::vector<Collapse> collapses;
   std::vector<Record> records;

@@ -53,8 +53,8 @@ inline constexpr std::uint64_t kMeasureTriangleBytes =
     mesh::GreatestDistanceSearch::bytes(0, 1) + sizeof(glm::uvec3) + 2;
 inline constexpr std::uint64_t kMeasureVertexBytes = mesh::GreatestDistanceSearch::bytes(1, 0);
 
-// Measures the distance and undoes nothing. The interval is at most 2 % of the distance plus the float32 resolution
-// wide, except where a triangle would have to be cut into millions of parts.
+// Measures the distance and undoes nothing. The width of the interval is at most 2 % of the distance plus the float32
+// resolution, except where a triangle would have to be cut into millions of parts.
 [[nodiscard]] Result<Proof> measure_distance(const CollapseState& state, const Context& context);
 
 }  // namespace isoextract::edit

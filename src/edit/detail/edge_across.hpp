@@ -23,8 +23,8 @@ inline std::optional<mesh::Corner> find_corner_across(const mesh::Mesh& mesh, co
   return found;
 }
 
-// Returns the change with the largest gain among change_at(triangle, corner) of a pair, each of which may be nothing;
-// the first of equal ones.
+// Returns the change with the largest gain among change_at(triangle, corner) for all corners of the two triangles; the
+// first of equal changes. Each change_at() may return nothing.
 template <class ChangeAt>
 auto best_of_pair(const std::array<std::uint32_t, 2>& pair, const ChangeAt& change_at) {
   decltype(change_at(pair[0], 0)) best;

@@ -6,13 +6,13 @@
 //   metrics. SIGGRAPH 1997), which is cheap: it decides when a vertex's points are measured. A triangle keeps only its
 //   farthest samples.
 // - Topology: a vertex collapses only if the link condition holds (Dey, Edelsbrunner, Guha, Nekhayev: Topology
-//   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Vertices of
-//   curves, which are boundary loops or where sheets meet, collapse along their curve; its ends stay. Planes through
-//   boundary edges, at right angles to their triangles, are part of the quadrics.
+//   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Curves are
+//   boundary loops and lines where sheets meet. A vertex of a curve collapses along its curve; the ends of curves stay.
+//   Planes through boundary edges, at right angles to their triangles, are part of the quadrics.
 // - Intersections: a collapse must not make triangles of the patch intersect (intersection_guard.hpp).
 //
-// The limits hardly change the order: they only make a second target be tried, and `proven` rejects single collapses.
-// Sample points prove nothing; distance_proof.hpp does.
+// The limits hardly change the order. If the best target of a vertex exceeds the limit `distance`, a second target is
+// tried; `proven` rejects single collapses. Sample points prove nothing; distance_proof.hpp does.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,7 @@ struct FillFigures {
 // of its component or more. A loop that meets a vertex twice counts as several loops.
 //
 // Chooses among all triangulations of a loop, by these criteria in this order:
-//   - the fewest triangles without area, plus edges that the mesh has already;
+//   - the smallest sum of two counts: triangles without area, and edges that the mesh has already;
 //   - the least area; short new edges decide between nearly equal areas.
 //
 // `uses` lists the edges of `mesh`. Neighboring triangles must have the same winding: fills only loops that all

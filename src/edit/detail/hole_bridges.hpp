@@ -15,7 +15,7 @@ namespace isoextract::edit {
 struct BridgedLoops {
   std::vector<PolygonNode> nodes;                                // of all polygons
   std::vector<std::uint32_t> polygons;                           // one node of each polygon
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> bridges;  // the nodes where each starts, there and back
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bridges;  // of each: the start nodes of its two directions
 };
 
 // Turns the loops of `next` into polygons without holes. A bridge (an edge there and back) joins each clockwise loop to

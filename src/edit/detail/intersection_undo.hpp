@@ -19,10 +19,11 @@ struct UndoneIntersections {
   std::vector<RestoredTriangle> restored;  // triangles that these brought back
 };
 
-// Undoes the last collapse of one of two intersecting triangles until all pairs left are of the original mesh, or were
-// counted as such by the guard. `restored` are the triangles that undone collapses brought back since the last check
-// or, if `is_first`, at all since edges were collapsed. Without `is_first`, looks only at their pairs. `logs` are
-// sorted by `first`; `name` is that of the mesh, for messages. The result does not depend on the number of threads.
+// Undoes collapses until no new pair of triangles intersects: each time the last collapse of the triangle that changed
+// last. A pair is not new if both triangles are original, or if both intersected when they were changed
+// (CollapseState::tangled). `restored` are the triangles that undone collapses have brought back: with `is_first` since
+// edges were collapsed, else since the last check. Without `is_first`, looks only at pairs with such a triangle. `logs`
+// are sorted by `first`; `name` is that of the mesh, for messages. The result does not depend on the number of threads.
 // Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
 [[nodiscard]] Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
                                                              std::span<const RestoredTriangle> restored, bool is_first,

@@ -1,4 +1,4 @@
-// Gives the triangles of a mesh one winding, and closed components the side that bounds bodies.
+// Gives neighboring triangles of a mesh the same winding, and faces closed shells outward and cavities inward.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ struct OrientFigures {
   std::uint64_t contradictions = 0;  // edges that no winding satisfies
 };
 
-// Turns triangles so that neighbors across edges of two triangles agree. In each patch that such edges connect, the
-// majority keeps its winding; of equal parts that of the first triangle. `uses` are those of the mesh. Throws
-// std::bad_alloc.
+// Turns triangles so that neighbors agree across each edge with exactly two triangles. In each patch that such edges
+// connect, the majority keeps its winding; with equal numbers, the first triangle keeps its own. `uses` lists the edges
+// of the mesh. Throws std::bad_alloc.
 [[nodiscard]] OrientFigures orient_patches(mesh::Mesh& mesh, const EdgeUses& uses);
 
-// Turns closed components that face outward inside an odd number of others, or inward inside an even number, and
-// returns their number. Fails with ErrorCode::out_of_memory or cancelled. Throws std::bad_alloc.
+// Makes a closed component face inward if it lies inside an odd number of other closed components, else outward.
+// Returns the number of components turned. Fails with ErrorCode::out_of_memory or cancelled. Throws std::bad_alloc.
 [[nodiscard]] Result<std::uint64_t> face_by_nesting(mesh::Mesh& mesh, const Context& context);
 
 }  // namespace isoextract::edit

@@ -36,7 +36,7 @@ class PairCounter {
   // Stops counting at `most`.
   [[nodiscard]] std::size_t count(std::span<const Triangle> triangles, std::size_t most) const;
 
-  // Returns whether a triangle of a vertex other than `vertex` has a corner at the position of `vertex`.
+  // Returns whether another vertex of the triangles has the position of `vertex`.
   [[nodiscard]] bool is_taken(std::uint32_t vertex) const;
 
   // Call it after each change to a triangle's corners or to their positions.

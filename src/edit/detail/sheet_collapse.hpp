@@ -16,7 +16,7 @@
 
 namespace isoextract::edit {
 
-// The corners, from 0 to 2, that a collapse made one; negative for a triangle that stays.
+// The two corners (0 to 2) of a triangle that a collapse merged; negative for a triangle that stays.
 struct MergedCorners {
   std::int8_t from = -1;
   std::int8_t to = -1;
@@ -24,7 +24,7 @@ struct MergedCorners {
 
 // Has no triangles if nothing changed.
 struct CollapsedSheets {
-  std::vector<glm::uvec3> corners;    // of a removed triangle: when it was removed
+  std::vector<glm::uvec3> corners;    // of each triangle; of a removed one, the last corners
   std::vector<MergedCorners> merged;  // for each triangle
 
   [[nodiscard]] bool changed() const { return !corners.empty(); }
@@ -32,8 +32,8 @@ struct CollapsedSheets {
 };
 
 // Collapses edges of the mesh as simplify_mesh() does, and fails as it does. Each sheet stays within the distance of
-// itself. The sheets keep their curves and the ends of curves; of the edges where they meet, each is kept or collapsed
-// for all of them. Sets all figures but the time. Throws std::bad_alloc.
+// its original. The sheets keep their curves and the ends of curves. An edge where sheets meet is kept in all these
+// sheets or collapsed in all. Sets all figures but the time. Throws std::bad_alloc.
 [[nodiscard]] Result<CollapsedSheets> collapse_sheets(const mesh::Mesh& mesh, const Sheets& sheets,
                                                       const SimplifyOptions& options, SimplifyFigures& facts,
                                                       const Context& context);

@@ -1,7 +1,7 @@
 // The sheets of a surface, and a tree of the triangles of each.
 //
 // The boundaries between labels are sheets: surfaces that meet in curves. Distances are measured within a sheet,
-// because another sheet may be near while the own one is far away.
+// because another sheet may be near where the original of the sheet is far away.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace isoextract::edit {
 enum class VertexRole : std::uint8_t {
   free,
   kept,  // must stay
-  // A vertex of a curve along which a label touches itself: the label has a vertex for each of its parts there. Curve
-  // edges like this need such a vertex at one end, or the label would have one edge for its parts, with four triangles.
+  // A vertex of a curve where a label touches itself. The label's mesh has several vertices there, one for each part
+  // that touches. An edge of the curve needs such a vertex at one end, or the parts would share it.
   touching,
 };
 
@@ -36,8 +36,8 @@ struct Sheets {
 
 class SheetTrees {
  public:
-  // Needs triangles that are not left out. `left_out` has a nonzero entry for each triangle to ignore. The trees are
-  // the same for any number of threads. Throws std::bad_alloc.
+  // `left_out` has one entry for each triangle, nonzero if the trees leave it out. The trees are the same for any
+  // number of threads. Throws std::bad_alloc.
   SheetTrees(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
              std::span<const char> left_out, const Sheets& sheets);
 
@@ -51,11 +51,11 @@ class SheetTrees {
   [[nodiscard]] std::uint32_t triangle(std::uint32_t sheet, std::uint32_t slot) const {
     return numbers_[first_[sheet] + tree(sheet).triangle(slot)];
   }
-  // Returns the slot of each triangle in the tree of its sheet; 0 for those left out. `triangles` is their number.
+  // Returns the slot of each triangle in the tree of its sheet; 0 for triangles left out. `triangles` counts all.
   [[nodiscard]] std::vector<std::uint32_t> slots(std::size_t triangles) const;
 
  private:
-  std::vector<std::uint32_t> first_;    // of each sheet: the place of its first triangle in numbers_; and the end
+  std::vector<std::uint32_t> first_;    // of each sheet: the index in numbers_ of its first triangle; then the end
   std::vector<std::uint32_t> numbers_;  // of triangles, by sheet
   std::vector<std::optional<mesh::TriangleTree>> trees_;
 };

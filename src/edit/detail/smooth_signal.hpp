@@ -59,8 +59,8 @@ class Signal {
     keep_cuts(options.cuts);
   }
 
-  // Returns the mean of the neighbors minus the vertex, for positions moved by `moves`; only components the vertex may
-  // move in.
+  // Returns the mean of the neighbors minus the vertex, for positions moved by `moves`. Keeps only the components in
+  // which the vertex may move.
   [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
     if (bound_[v] >= kFixed) return glm::dvec3(0);
     const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);

@@ -20,8 +20,7 @@ namespace isoextract::extract {
 // next brick.
 class BrickFlags {
  public:
-  // `dims` is the number of samples along each axis. Has memory for the slabs of a range only: layers of bricks along
-  // z.
+  // `dims` is the number of samples along each axis. Has memory only for `slabs`, a range of brick layers along z.
   BrickFlags(const glm::ivec3& dims, const SlabRange& slabs)
       : dims_(dims),
         slabs_(slabs),
@@ -45,7 +44,7 @@ class BrickFlags {
     return static_cast<std::uint64_t>(std::count(row(0, slabs.begin), row(0, slabs.end), std::uint8_t{1}));
   }
 
-  // Returns one byte a word for brick row (bj, bk).
+  // Returns the flags of brick row (bj, bk): one byte for each word of 64 samples along x.
   [[nodiscard]] const std::uint8_t* row(int bj, int bk) const { return crossed_.data() + offset(bj, bk); }
 
   [[nodiscard]] bool is_row_crossed(int bj, int bk) const {
@@ -79,8 +78,8 @@ class BrickFlags {
   Buffer<std::uint8_t> crossed_;
 };
 
-// Releases the pages of the slices of slab `bk`, and of `around` slices on either side: a slab reads these after their
-// own slab may have released them.
+// Releases the pages of the slices of slab `bk` and of `around` slices on either side. Slab `bk` reads the outer
+// slices, too, perhaps after their own slab has released them.
 template <class T>
 void leave_slab(const DenseView<T>& view, int bk, int around) {
   view.leave_slices(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z));

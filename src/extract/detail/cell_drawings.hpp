@@ -30,12 +30,12 @@ class CellDrawings {
   struct Drawing {
     std::uint16_t first = 0;
     std::uint8_t count = 0;
-    bool decided = false;   // for cases: the decider chooses the variant
-    bool left_out = false;  // the decider left the cell out
+    bool decided = false;   // for cases: the VariantChooser chooses the variant
+    bool left_out = false;  // the VariantChooser left the cell out
   };
 
-  // `mirrored` reverses the winding. `decide_all`: ask the decider about every cell. `names` replace the numbers of the
-  // table's edges in triangles; without them, triangles hold edge numbers.
+  // `mirrored` reverses the winding. `decide_all`: the VariantChooser decides every cell. `names` replace the numbers
+  // of the table's edges in triangles; without them, triangles hold edge numbers.
   CellDrawings(const CaseTable& table, bool mirrored, bool decide_all, std::span<const std::uint8_t> names = {});
 
   [[nodiscard]] int directions() const { return directions_; }

@@ -16,16 +16,16 @@ namespace isoextract::extract {
 inline constexpr int kMaxDirections = 7;
 inline constexpr int kMaxStreams = 14;
 
-// Returns drawings whose triangles name slots: the number of the stream (CellStreams), plus kSlotsPerSide for an edge
-// at the position after the cell's.
+// Returns drawings whose triangles hold a slot for each edge. The slot is the number of the edge's stream
+// (CellStreams), plus kSlotsPerSide if the edge is at the position after the cell's.
 inline constexpr int kSlotsPerSide = 16;
 [[nodiscard]] CellDrawings row_drawings(const CaseTable& table, bool mirrored, bool decide_all);
 
 // The cells between four rows of samples. Bits are as in DenseMasks: zero after the last sample, with one extra word.
 struct CellRow {
-  glm::ivec3 origin;  // position of the row, for the decider
-  // The rows (j, k), then the next along y, along z, along both. Null if a row does not exist; then there are no cells
-  // and no edges toward it.
+  glm::ivec3 origin;  // position of the row, for the VariantChooser
+  // The bits of row (j, k), then of the next row along y, along z, and along both. Null if a row does not exist; then
+  // there are no cells and no edges toward it.
   std::array<const std::uint64_t*, 4> bits;
   int samples;                         // samples in a row
   const std::uint8_t* crossed_bricks;  // one byte a word: 0 if all samples of the brick are on one side
@@ -42,7 +42,7 @@ struct RowCounts {
 
 // Writes the triangles of a row that has cells. `out` has room for exactly the counted number. `first` holds the number
 // of each stream's first vertex (CellStreams). Returns false if the number of triangles differs from the count, because
-// the decider now answers otherwise; it never writes past the end.
+// `decider` now answers otherwise. Never writes past the end of `out`.
 [[nodiscard]] bool write_cells(const CellDrawings& drawings, const CellRow& row, const VariantChooser& decider,
                                std::span<const std::uint32_t> first, std::span<glm::uvec3> out);
 
@@ -67,7 +67,7 @@ class EdgeList {
 // Fills `edges` with the crossed edges that the samples of the row own.
 void list_edges(const CellDrawings& drawings, const CellRow& row, EdgeList& edges);
 
-// Sets one byte a word in `crossed`: whether the word has samples on both sides in any of `rows`, which all have
+// Sets one byte for each word in `crossed`: 1 if samples of the word in `rows` are on both sides, else 0. Each row has
 // `samples` samples. The samples of a word include the first of the next word.
 void mark_crossed_words(std::span<const std::uint64_t* const> rows, int samples, std::uint8_t* crossed);
 
