@@ -8,9 +8,9 @@
 //      |/      |/           voxels of its quadrant. The six edges: axis, plus 3 if the edge leads upward.
 //      0-------1
 //
-// Voxels are connected through faces only. Where two voxels touch along an edge, each keeps its own two faces
-// connected. A fan is the set of faces that one passes when going around the corner from edge to edge. Each fan has
-// its own vertex.
+// Voxels are connected through faces only. Where two voxels touch along an edge only, the two faces of each voxel at
+// this edge are connected with each other. A fan is the set of faces that a walk around the corner, from edge to edge,
+// passes. Each fan has its own vertex.
 #pragma once
 
 #include <array>

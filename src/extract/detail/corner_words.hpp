@@ -17,7 +17,7 @@ using CornerWords = std::array<std::uint64_t, 8>;
 // lower along each axis bit that 7 - n has.
 using NearChunks = std::array<const ChunkBits*, 8>;
 
-// Returns the step from a chunk to chunk n of the eight around its upper corner.
+// Returns the step from a chunk to the chunk one step higher along each axis bit of `n`.
 [[nodiscard]] inline glm::ivec3 chunk_step(int n) { return kVoxelChunk * glm::ivec3(n & 1, n >> 1 & 1, n >> 2); }
 
 // Returns the words of the row of corners at `y` and `z` in a chunk.
@@ -41,8 +41,8 @@ using NearChunks = std::array<const ChunkBits*, 8>;
   return pattern;
 }
 
-// Returns the four voxels on one side of the corners along an axis. They surround the edge that leads there, and are
-// the samples of a face of the cell around the corner. The first and the last are diagonally opposite.
+// Returns the four voxels around each corner that lie on one side of it along an axis (`side` 0: lower, 1: upper). They
+// surround the edge from the corner to that side. The first and the last voxel are diagonally opposite.
 [[nodiscard]] inline std::array<std::uint64_t, 4> words_on_side(const CornerWords& words, std::size_t axis,
                                                                 std::size_t side) {
   const std::size_t u = axis == 0 ? 2 : 1;
@@ -56,7 +56,7 @@ using NearChunks = std::array<const ChunkBits*, 8>;
   return (four[0] ^ four[1]) & (four[0] ^ four[2]) & ~(four[0] ^ four[3]);
 }
 
-// Returns a bit for each corner where some of the voxels (four on a side, or all eight) are inside and others outside.
+// Returns a bit for each corner whose voxels (four on a side, or all eight) are neither all inside nor all outside.
 template <std::size_t kVoxels>
 [[nodiscard]] inline std::uint64_t mixed(const std::array<std::uint64_t, kVoxels>& words) {
   std::uint64_t some = words[0];

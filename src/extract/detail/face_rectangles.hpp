@@ -1,9 +1,9 @@
 // Exposed voxel faces as rectangles, plane by plane.
 //
-// The faces of a plane come row by row as runs of set bits: words of "inside" and-not words of "inside one step
-// further". A rectangle begins with a run, or the rest of one, and continues while the next row covers all of it. This
-// is greedy meshing (Lysenko: Meshing in a Minecraft game. 2012) as a sweep. Its work grows with the number of runs,
-// not with the size of the plane.
+// The faces of a plane come row by row as runs of set bits: inside voxels whose neighbor across the plane is outside. A
+// rectangle begins with a run, or the rest of a run, and continues while the next row covers its whole width. This is
+// greedy meshing (Lysenko: Meshing in a Minecraft game. 2012) as a sweep. The work grows with the number of runs, not
+// with the size of the plane.
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@
 
 namespace isoextract::extract {
 
-// Returns the lower (u) or the higher (v) of the two axes that span the planes perpendicular to `axis`.
+// Returns the lower one of the two axes that span the planes perpendicular to `axis`.
 [[nodiscard]] constexpr int plane_u(int axis) { return axis == 0 ? 1 : 0; }
+// Returns the higher one of these two axes.
 [[nodiscard]] constexpr int plane_v(int axis) { return axis == 2 ? 1 : 2; }
 
-// A rectangle of adjacent faces in one plane. Corners are numbered like voxels: corner p is the lower corner of voxel
-// p.
+// A rectangle of adjacent faces in one plane. Positions are grid corners: corner p is the lower corner of voxel p.
 struct FaceRectangle {
-  std::int32_t plane = 0;  // position along the axis
-  std::int32_t low[2] = {0, 0};
-  std::int32_t high[2] = {0, 0};  // along u and v, in corners
+  std::int32_t plane = 0;         // position along the axis
+  std::int32_t low[2] = {0, 0};   // along plane_u() and plane_v()
+  std::int32_t high[2] = {0, 0};  // as `low`; the corner after the last face
   bool upward = false;            // the faces point along the axis, not against it
 };
 

@@ -1,4 +1,4 @@
-// Four numbers of which the compiler computes all at once.
+// Four numbers that the compiler processes with one vector instruction.
 #pragma once
 
 #include <cstring>
@@ -19,7 +19,7 @@ using Int4 [[gnu::vector_size(16)]] = int;
 
 inline void store(glm::vec3& vector, Float4 value) { std::memcpy(&vector, &value, sizeof(vector)); }
 
-// Returns the nearest number in [-reach, reach] to each.
+// Clamps each number to [-reach, reach].
 [[nodiscard]] inline Float4 clamp(Float4 value, float reach) {
   const Float4 most = Float4{} + reach;
   value = value < most ? value : most;

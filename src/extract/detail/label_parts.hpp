@@ -36,8 +36,8 @@ template <class T>
   }
 }
 
-// The voxels of one label in a chunk. `label` is the value of the samples, also if that is an index into
-// field::ScalarField::label_ids; so are all labels within Found.
+// The voxels of one label in a chunk. `label` is the stored value of the samples, even if the field has label_ids and
+// the value is an index into them; LabelIds returns the id.
 struct LabelPart {
   std::int64_t label = 0;
   glm::ivec3 origin{0};
@@ -106,7 +106,7 @@ class LabelFilter {
   }
 
  private:
-  std::vector<std::int64_t> values_;  // the chosen labels, sorted; if all_, labels to add even if background
+  std::vector<std::int64_t> values_;  // the chosen labels, sorted; they pass even if they are background_
   bool all_;                          // a net needs all labels, whichever are chosen
   std::optional<std::int64_t> background_;
   std::optional<std::int64_t> around_;
@@ -154,7 +154,7 @@ class ChunkLabels {
  private:
   // Returns null for labels that are not looked for.
   LabelPart* part_of(std::int64_t label) {
-    // Usually the label of the previous run or row.
+    // Searches from the end, because the label is usually that of the previous run or row.
     for (std::size_t p = parts_.size(); p-- > 0;) {
       if (parts_[p].label == label) return &parts_[p];
     }

@@ -40,11 +40,12 @@ class NearLabels {
   std::vector<Entry> entries_;
 };
 
-// The voxels around the corners of a chunk that have no label, and the ones beyond the data boundary.
+// Separates the voxels around the corners of a chunk that have no label from the voxels beyond the data boundary.
 class NearRest {
  public:
   NearRest(const LabelChunks& labels, const NearLabels& near, const glm::ivec3& origin);
 
+  // Returns the voxels without a label, then the voxels beyond the data boundary.
   [[nodiscard]] std::array<NearChunks, 2> near() const;
 
  private:

@@ -1,4 +1,5 @@
-// The numbers of the points at the corners of one chunk of a surface net and one step around it.
+// Lists the point numbers of a surface net in tables by corner. A table covers the corners of one chunk and all corners
+// one step around the chunk.
 #pragma once
 
 #include <array>
@@ -10,13 +11,13 @@
 
 namespace isoextract::extract {
 
-// Places of corners in tables of a chunk and one step around it.
+// Maps corners to their places in such a table.
 struct NearPlaces {
   // The steps between the places of neighbors along the axes.
   static constexpr std::array<int, 3> kSteps{1, 66, 660};
   static constexpr std::size_t kCount = 6600;
 
-  // Returns the place of a corner. `corner`: from the lowest corner of the chunk, -1 to 64 along x, -1 to 8 along y, z.
+  // Returns the place of a corner, counted from the lowest corner of the chunk: x from -1 to 64, y and z from -1 to 8.
   [[nodiscard]] static constexpr int of(int x, int y, int z) { return x + 1 + 66 * (y + 1 + 10 * (z + 1)); }
 };
 
@@ -25,7 +26,7 @@ class NearPointPlanes {
  public:
   NearPointPlanes(const NetGrid& grid, std::size_t chunk) : grid_(grid), chunks_(grid.near(chunk)) {}
 
-  // Calls f(place, number) for the points of a plane, from -1 to 8. Places are those of the plane -1.
+  // Calls f(place, number) for the points of plane `z`, from -1 to 8. Places are given as if the plane were plane -1.
   template <class F>
   void for_each(int z, const F& f) const {
     for (int y = -1; y <= 8; ++y) {
@@ -42,7 +43,7 @@ class NearPointPlanes {
   }
 
  private:
-  // Returns the number, 0 to 2, of the chunk of a corner along y or z.
+  // Returns the step along y or z to the chunk that has the corner, plus 1: 0, 1 or 2.
   static std::size_t steps_to(int corner) {
     const int steps = (corner >> 3) + 1;
     return static_cast<std::size_t>(steps);

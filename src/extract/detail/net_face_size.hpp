@@ -18,11 +18,11 @@ struct NetFaceSize {
 
 class NetFaceSizes {
  public:
-  // `offsets`: of the points from their corners, in grid steps, and one element more. `output_from_index`: regular; it
-  // decides which diagonal divides a face.
+  // `offsets` has the offset of each point from its corner, in grid steps, and one unused element at the end, since
+  // load() reads 16 bytes. `output_from_index` is an invertible map; it decides which diagonal divides a face.
   NetFaceSizes(const Buffer<glm::vec3>& offsets, const glm::dmat3& output_from_index);
 
-  // Returns the size of the face across an axis whose first point is at a place of a chunk.
+  // Returns the size of the face that is perpendicular to `axis` and has its first point at `place`.
   [[nodiscard]] NetFaceSize of(const NearPoints& near, int place, int axis) const {
     if (axis == 0) return across<0>(near, place);
     return axis == 1 ? across<1>(near, place) : across<2>(near, place);
@@ -33,7 +33,7 @@ class NetFaceSizes {
   [[nodiscard]] NetFaceSize across(const NearPoints& near, int place) const;
 
   const Buffer<glm::vec3>& offsets_;
-  glm::mat3 output_area_;  // maps areas, but for a factor
+  glm::mat3 output_area_;  // maps areas, up to a constant factor
   bool is_stretched_;
 };
 

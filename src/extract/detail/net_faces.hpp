@@ -4,8 +4,8 @@
 // label that is connected through its vertices: the outer surface of a body, or that of a cavity. Each face belongs to
 // up to two shells, one for each of its labels.
 //
-// Only the shells of a face are stored. Its number follows from its first point and its axis: faces are sorted by them.
-// Its points and the faces around a point are found in tables of a chunk (NearPoints, NearFaces).
+// Only the shells of a face are stored. Faces are sorted by their first point, then by axis, so the number of a face
+// follows from these two. NearPoints has the points of a face, and NearFaces the faces around a point, for one chunk.
 #pragma once
 
 #include <array>
@@ -28,8 +28,8 @@ class NetFaces {
   // The shells of the labels on the lower and upper sides of a face; kNoShell for voxels without a label.
   using Shells = std::array<std::uint32_t, 2>;
 
-  // The places (NearPlaces) of the points of a face across each axis from that of the first one, counter-clockwise as
-  // seen from the upper side.
+  // By axis: the steps in places (NearPlaces) from the first point of a face to each of its four points,
+  // counter-clockwise as seen from the upper side.
   static constexpr std::array<std::array<int, 4>, 3> kPoints{
       {{0, NearPlaces::kSteps[1], NearPlaces::kSteps[1] + NearPlaces::kSteps[2], NearPlaces::kSteps[2]},
        {0, NearPlaces::kSteps[2], NearPlaces::kSteps[2] + NearPlaces::kSteps[0], NearPlaces::kSteps[0]},
@@ -47,19 +47,19 @@ class NetFaces {
   // Returns the faces around a point, as bits numbered as in corner_fans.hpp.
   [[nodiscard]] unsigned sides(std::uint32_t point) const { return sides_[point]; }
 
-  // Returns the axes, as bits, across which faces have a point as their first one.
+  // Returns the axes, as bits, for which a face perpendicular to the axis has `point` as its first point.
   [[nodiscard]] unsigned own_axes(std::uint32_t point) const {
     const unsigned sides = sides_[point];
     return (sides >> 3 & 1) | (sides >> 6 & 2) | (sides >> 9 & 4);
   }
 
-  // Returns the number of the first face whose first point is in a row of a chunk or after it.
+  // Returns the number of the first face of a row, by its first point; of a later row if the row has no faces.
   [[nodiscard]] std::uint32_t first_of_row(std::size_t chunk, std::size_t row) const {
     return first_of_rows_[64 * chunk + row];
   }
 
   // Calls f(number, axis, corner of the first point) for the faces whose first point is in a chunk, in order. The
-  // corner is counted from the lowest one of the chunk.
+  // corner is given relative to the lowest corner of the chunk.
   template <class F>
   void for_each_of_chunk(const NetGrid& grid, std::size_t chunk, const F& f) const {
     std::uint32_t number = first_of_row(chunk, 0);
@@ -80,8 +80,8 @@ class NetFaces {
   void number_shells();
 
   Buffer<std::uint16_t> sides_;          // of each point
-  Buffer<std::uint32_t> first_of_rows_;  // 64 of each chunk, then the number of faces
-  Buffer<std::uint32_t> of_shells_;      // two of each face
+  Buffer<std::uint32_t> first_of_rows_;  // 64 for each chunk, then the number of faces
+  Buffer<std::uint32_t> of_shells_;      // two for each face
   std::uint32_t shells_ = 0;
   std::vector<Reservation> memory_;
 };
@@ -91,7 +91,7 @@ class NearFaces {
  public:
   NearFaces(const NetGrid& grid, const NetFaces& faces, std::size_t chunk);
 
-  // Returns the number of face `side` (corner_fans.hpp) of those around the point at a place (NearPlaces).
+  // Returns the number of the face that is face `side` (corner_fans.hpp) around the point at a place (NearPlaces).
   [[nodiscard]] std::uint32_t number(int place, int side) const;
 
  private:
@@ -101,7 +101,7 @@ class NearFaces {
   }
 
   std::array<std::uint32_t, NearPlaces::kCount>
-      first_;  // the first of the faces that have the place as their lowest corner
+      first_;  // number of the first of the faces whose first point is at the place
   std::array<std::uint8_t, NearPlaces::kCount> axes_;  // the axes of these faces
 };
 

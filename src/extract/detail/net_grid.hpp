@@ -17,10 +17,10 @@ namespace isoextract::extract {
 
 class NetGrid {
  public:
-  // Corners of 64 along x at one y and z in a chunk.
+  // The points of a row: the 64 corners along x at one y and z in a chunk.
   struct Row {
     std::uint64_t used = 0;   // the corners that have a point
-    std::uint32_t first = 0;  // the number of the first of them
+    std::uint32_t first = 0;  // the number of the first of these points
 
     // Returns the number of the point at a corner that has one.
     [[nodiscard]] std::uint32_t number(int bit) const {
@@ -38,7 +38,8 @@ class NetGrid {
   // Returns the number of the chunk at `origin`; negative if it has no points.
   [[nodiscard]] std::int32_t find(const glm::ivec3& origin) const { return index_.find(origin); }
 
-  // The numbers of a chunk and those around it, by steps along x, then y, then z, each from -1; negative as in find().
+  // The numbers of a chunk and its 26 neighbors. The chunk at steps (x, y, z), each from -1 to 1, has the index
+  // x + 3 y + 9 z + 13. A chunk without points has a negative number.
   using NearChunkNumbers = std::array<std::int32_t, 27>;
   [[nodiscard]] const NearChunkNumbers& near(std::size_t chunk) const { return near_[chunk]; }
 

@@ -1,13 +1,13 @@
 // Surface nets: smooth positions for the voxel corners where labels meet, shared by all labels.
 //
 // The net has one point in each grid cell whose eight samples have more than one label: the voxel corner in the middle
-// of the cell. Points are connected if their cells share a face that has more than one label. Relaxation moves them so
-// that the surface becomes smooth (net_relaxation.hpp), then so that each shell has the volume of its voxels
-// (net_volumes.hpp). A point stays within its cell (Gibson: Constrained Elastic Surface Nets. 1998).
+// of the cell. Points are connected if their cells share a face that has more than one label. Relaxation smooths the
+// surface (net_relaxation.hpp). Then keep_volumes() gives each shell the volume of its voxels (net_volumes.hpp). A
+// point stays within its cell (Gibson: Constrained Elastic Surface Nets. 1998).
 //
 // If a face of the cell has three or more labels, a curve where these labels meet passes through it. Points on such a
-// curve are connected with their neighbors on the curve only. So it stays a smooth curve that the surfaces ending on it
-// do not displace (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp Boundaries. 2022).
+// curve are connected with their neighbors on the curve only. So the curve is smooth, and surfaces that end on it do
+// not displace it (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp Boundaries. 2022).
 //
 // The space beyond the data boundary counts as one more label. Points on the boundary stay in its plane, edge, or
 // corner. All labels share the points, so their meshes meet without gaps, bit for bit.
@@ -58,7 +58,7 @@ class NetPoints {
   NetGrid grid_;
   Buffer<std::int32_t> middles_number_;  // of each chunk of the grid
   Buffer<Middles> middles_;
-  Buffer<glm::vec3> offsets_;  // of the points; the last element belongs to none, so that 16 bytes can be read of each
+  Buffer<glm::vec3> offsets_;  // of each point, then one unused element, since load() reads 16 bytes
   std::vector<Reservation> memory_;
 };
 

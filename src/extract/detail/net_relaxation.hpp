@@ -21,14 +21,14 @@ inline constexpr float kNetMargin = 0.02F;
 // The farthest that a point may be from its corner, along each axis.
 inline constexpr float kNetReach = 0.5F - kNetMargin;
 
-// Moves the points of `grid` in `rounds` rounds. `offsets`: of the points from their corners, in grid steps, and one
-// element more; 0 before.
-// Runs in parallel; the result does not depend on the number of threads. Fails if memory runs out and if the context is
-// cancelled. `what` starts the message about memory.
+// Moves the points of `grid` in `rounds` rounds. `offsets` has the offset of each point from its corner, in grid steps,
+// 0 before the call, and one unused element at the end, since load() reads 16 bytes. Runs in parallel; the result does
+// not depend on the number of threads. Fails if memory runs out and if the context is cancelled. `what` starts the
+// message about memory.
 [[nodiscard]] Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint64_t rounds,
                                      Buffer<glm::vec3>& offsets, const Context& context, const std::string& what);
 
-// Returns the axes, as bits, across which a corner is at the data boundary. Its point does not move along them.
+// Returns the axes, as bits, along which a corner is at the data boundary. Its point does not move along these axes.
 [[nodiscard]] inline unsigned fixed_axes(const glm::ivec3& corner, const field::IndexBox& bounds) {
   unsigned axes = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -37,7 +37,7 @@ inline constexpr float kNetReach = 0.5F - kNetMargin;
   return axes;
 }
 
-// The fixed axes of the corners of a row.
+// Returns fixed_axes() for the corners of one row.
 class RowFixedAxes {
  public:
   // `first`: the first corner of the row.
@@ -49,7 +49,7 @@ class RowFixedAxes {
   [[nodiscard]] unsigned at(int bit) const { return all_ | (bit == lowest_ || bit == highest_ ? 1U : 0U); }
 
  private:
-  unsigned all_;  // of all corners of the row
+  unsigned all_;  // y and z bits, equal for all corners of the row
   int lowest_;
   int highest_;
 };
@@ -61,7 +61,7 @@ class RowFixedAxes {
   return offset;
 }
 
-// Returns the nearest offset that a point may have.
+// Returns the allowed offset of a point that is nearest to `offset`: within the cell, and 0 along the fixed `axes`.
 [[nodiscard]] inline glm::vec3 offset_within_cell(const glm::vec3& offset, unsigned axes) {
   return without_axes(glm::clamp(offset, -kNetReach, kNetReach), axes);
 }

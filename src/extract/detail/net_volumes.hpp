@@ -15,12 +15,11 @@ namespace isoextract::extract {
 inline constexpr double kNetVolumeTolerance = 0.0005;
 
 // Moves points along the normals of their faces, within their cells, until each shell encloses as much as its voxels.
-// All faces of a shell move by the same distance; where two labels meet, by the mean of what their shells need. The
-// first passes choose the distances of all shells together, so that neighbors do not undo each other's moves. The
-// normals turn and cells limit moves, so further passes move the points of shells whose volume is not right yet, until
-// all are right or a fixed number of passes has run. `offsets`: of the points from their corners, in grid steps, and
-// one element more. `output_from_index`: regular; it decides which diagonal divides a face. Runs in parallel; the
-// result does not depend on the number of threads. Fails as NetFaces::make() does.
+// All faces of a shell move by the same distance; a face of two shells moves by the mean of their two moves. The first
+// passes choose the distances of all shells together, so that neighbors do not undo each other's moves. The normals
+// turn and cells limit moves, so further passes correct the shells whose volume is not right yet, until all volumes are
+// right or a fixed number of passes has run. `offsets` and `output_from_index` are those of NetFaceSizes. Runs in
+// parallel; the result does not depend on the number of threads. Fails as NetFaces::make() does.
 [[nodiscard]] Result<void> keep_volumes(const NetGrid& grid, const LabelChunks& labels,
                                         const glm::dmat3& output_from_index, Buffer<glm::vec3>& offsets,
                                         const Context& context, const std::string& what);

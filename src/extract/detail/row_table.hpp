@@ -15,10 +15,11 @@
 
 namespace isoextract::extract {
 
-// Has the rows of consecutive slices (planes of equal z). First holds counts, after place() numbers.
+// Covers the rows of consecutive slices (planes of equal z). Holds the counts of each row until place() is called, then
+// the numbers of its first vertices and first triangle.
 class RowTable {
  public:
-  // `rows` is the number of rows in a slice, `directions` that of the edges that begin at a sample.
+  // `rows` is the number of rows in a slice; `directions` is the number of edges that begin at a sample.
   RowTable(int rows, int directions, int first_slice, int end_slice)
       : rows_(static_cast<std::size_t>(rows)),
         directions_(static_cast<std::size_t>(directions)),
@@ -26,7 +27,7 @@ class RowTable {
         slices_(static_cast<std::size_t>(end_slice - first_slice)) {}
 
   [[nodiscard]] std::size_t rows() const { return rows_ * slices_; }
-  // Returns the size of both tables, which have one row more for the end.
+  // Returns the bytes of the vertex and the triangle table. Both have an additional row at the end.
   [[nodiscard]] std::size_t bytes() const {
     return (rows() + 1) * (directions_ * sizeof(std::uint32_t) + sizeof(std::uint64_t));
   }

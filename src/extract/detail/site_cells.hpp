@@ -9,17 +9,18 @@
 
 namespace isoextract::extract {
 
-// The numbers, in `vertices`, of a site and of the sites at +1 along x, y, z; -1 if there is no such site. Entry n is n
-// & 1, n >> 1 & 1, n >> 2 & 1 sites away.
+// The numbers, in SiteVertices, of a site and its upper neighbors; -1 if there is no such site. Bits 0, 1 and 2 of the
+// index are the steps along x, y and z.
 using NearSites = std::array<std::int32_t, 8>;
 
-// Returns the counts over the `active` cells, which are given by their lowest sample. `drawings` name edges by their
-// numbers in `table`. `origin` is the origin of the site, for the decider.
+// Returns the counts over the `active` cells, which are given by their lowest sample. `decider` chooses the variants of
+// ambiguous cells; it needs `origin`, the lowest sample of the site.
 [[nodiscard]] CellCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin,
                                           const SitePlanes& planes, const BlockBits& active,
                                           const VariantChooser& decider);
 
-// Writes the triangles of the active cells to `out`, which must have room for as many as were counted.
+// Writes the triangles of the active cells to `out`, which must have room for all counted triangles. `drawings` must
+// name edges by their numbers in `table`.
 void write_site_cells(const CaseTable& table, const CellDrawings& drawings, const glm::ivec3& origin,
                       const SitePlanes& planes, const BlockBits& active, const VariantChooser& decider,
                       const SiteVertices& vertices, const NearSites& near, glm::uvec3* out);

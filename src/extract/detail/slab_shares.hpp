@@ -20,14 +20,14 @@ struct SlabRange {
   [[nodiscard]] int count() const { return end - begin; }
 };
 
-// Returns the slabs of this rank; all of them without ranks.
+// Returns the slabs of this rank; all slabs if `ranks` is null.
 [[nodiscard]] inline SlabRange own_slabs(int slabs, const Ranks* ranks) {
   if (ranks == nullptr) return {0, slabs};
   const auto part = [&](int rank) { return static_cast<int>(static_cast<std::int64_t>(slabs) * rank / ranks->size()); };
   return {part(ranks->rank()), part(ranks->rank() + 1)};
 }
 
-// The counts of one rank, or their sum over all.
+// The counts of one rank, or the sum over several ranks.
 struct SlabCounts {
   MeshSizes sizes;
   std::uint64_t bricks_crossed = 0;
@@ -46,7 +46,7 @@ struct SharedCounts {
   SlabCounts all;
 };
 
-// Adds the counts of all ranks, each of which calls it with its own. Fails as Ranks::gather().
+// Sums the counts of all ranks. Every rank must call this function, with its own counts. Fails as Ranks::gather() does.
 [[nodiscard]] inline Result<SharedCounts> share_counts(const SlabCounts& own, Ranks& ranks) {
   const auto told = TRY(ranks.gather(Packer().put(own).take()));
   SharedCounts counts;

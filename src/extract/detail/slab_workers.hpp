@@ -17,8 +17,8 @@
 namespace isoextract::extract {
 
 // Calls work(slab, worker) for the slabs 0 to slabs - 1, in parallel. make() returns the buffers of one thread, in a
-// Result; the thread processes one slab after another in them. If a make() after the first fails, fewer threads work;
-// at most `most_threads` do. One thread processes the slabs in their order. Fails as the first make() does, as `work`
+// Result; the thread processes one slab after another in them. Uses at most `most_threads` threads, and fewer if a
+// make() after the first fails. A single thread processes the slabs in order. Fails as the first make() does, as `work`
 // does, or with ErrorCode::cancelled.
 template <class Make, class Work>
 [[nodiscard]] Result<void> run_slabs(int slabs, int most_threads, const char* stage, const Context& context,

@@ -1,9 +1,9 @@
 // The vertices of a voxel surface: grid corners, numbered by position.
 //
-// A corner is used if it is a corner of a rectangle, or if voxels touch at it along an edge only; such edges of the
-// mesh are thus one step long. Each fan of faces (corner_fans.hpp) has its own vertex. If two voxels touch along an
-// edge and are in one fan at both of its ends, that mesh edge would have four triangles. Each of the two voxels then
-// gets an extra vertex in the middle of the edge.
+// A corner is used if it is a corner of a rectangle, or if it ends a grid edge along which two voxels touch without a
+// common face. So the mesh edges between such voxels are one step long. Each fan of faces (corner_fans.hpp) has its own
+// vertex. If two voxels touch along an edge and are in one fan at both of its ends, that mesh edge would have four
+// triangles. Each of the two voxels then gets an extra vertex in the middle of the edge.
 #pragma once
 
 #include <array>
@@ -31,17 +31,17 @@ struct FaceCorner {
 
 class SurfacePoints {
  public:
-  // Numbers the vertices of `rectangles`, which are those of `faces`. Unless `faces` are VoxelFaces::rectangles, adds
-  // the vertices that a closed mesh needs besides the rectangle corners. `net`: take the positions of corners from the
-  // net, and treat each rectangle as a single face; null: corners stay at the voxel corners. `net` must outlive the
-  // result. Fails if memory runs out and if the context is cancelled.
+  // Numbers the vertices of `rectangles`, which list_face_rectangles() made with `faces`. Unless `faces` is
+  // VoxelFaces::rectangles, adds the vertices that a closed mesh needs besides the rectangle corners. A `net`, which
+  // requires VoxelFaces::plain, gives the positions of corners; null: corners stay at the voxel corners. `net` must
+  // outlive the result. Fails if memory runs out and if the context is cancelled.
   [[nodiscard]] static Result<SurfacePoints> make(const VoxelChunks& voxels,
                                                   const std::vector<LayerRectangles>& rectangles, VoxelFaces faces,
                                                   const NetPoints* net, const Context& context,
                                                   const std::string& what);
 
   [[nodiscard]] std::uint64_t vertices() const { return vertices_; }
-  // Returns whether an edge has vertices in its middle.
+  // Returns whether any edge has vertices in its middle.
   [[nodiscard]] bool has_middles() const { return has_middles_; }
 
   // Writes the vertex positions in parallel; `base` is the sample index of voxel 0.
@@ -56,8 +56,8 @@ class SurfacePoints {
     [[nodiscard]] std::uint32_t vertex(const FaceCorner& at);
 
     // Calls found(vertex, steps), in order, for the vertices strictly between the used corner `from` and the corner
-    // `length` steps further along `axis`. `steps` counts half grid steps. `upper` is the side of the face's voxel
-    // along the lower one of the other two axes.
+    // `length` steps further along `axis`. `steps` counts half grid steps. `upper` is 1 if the face's voxel is on the
+    // upper side of the edge along the lower one of the other two axes, else 0.
     template <class Found>
     void along(const FaceCorner& from, int axis, int length, int upper, const Found& found) {
       FaceCorner at = from;

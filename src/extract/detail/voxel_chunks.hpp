@@ -63,7 +63,7 @@ class VoxelChunks {
     return (at(chunk_origin(p))[chunk_row(p.y, p.z)] >> (p.x & 63) & 1) != 0;
   }
 
-  // Returns the pattern (corner_fans.hpp) of the eight voxels around corner `p`, whose upper one is voxel `p`.
+  // Returns the pattern (corner_fans.hpp) of the eight voxels around corner `p`, the lower corner of voxel `p`.
   [[nodiscard]] unsigned pattern(const glm::ivec3& p) const;
 
  private:

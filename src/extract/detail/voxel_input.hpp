@@ -1,4 +1,4 @@
-// The region of a field to make voxels of, its chunks, and its output frame.
+// Finds the region of a field that becomes voxels, its chunks, and its output frame.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace isoextract::extract {
 
-// Returns the part of options.region within `box`, or `box` without a region. Fails with ErrorCode::input if that
-// contains no sample.
+// Returns the part of options.region within `box`, or `box` if options.region is not set. Fails with ErrorCode::input
+// if this part is empty.
 [[nodiscard]] Result<field::IndexBox> voxel_region(const field::ScalarField& field, const field::IndexBox& box,
                                                    const ExtractOptions& options);
 
@@ -31,7 +31,7 @@ struct SparseBounds {
   field::IndexBox stored;
   field::IndexBox region;
 };
-// Returns the reach of `samples`. `unbounded`: the background is inside. Fails as sparse_region() and voxel_region()
+// Returns the bounds of `samples`. `unbounded`: the background is inside. Fails as sparse_region() and voxel_region()
 // do.
 [[nodiscard]] Result<SparseBounds> sparse_bounds(const field::ScalarField& field, const field::SparseSamples& samples,
                                                  const ExtractOptions& options, bool unbounded);
@@ -57,9 +57,9 @@ struct ChunkGrid {
 [[nodiscard]] ChunkBits bits_within(const glm::ivec3& origin, const field::IndexBox& box);
 
 // Returns the chunks of sparse samples in which voxel faces may be exposed, in chunk_order(). These are the chunks of
-// blocks and small tiles, and the skins of large tiles. If the background is inside (`unbounded`), they include the
-// neighbors of all these. `tiles_inside` tells for each tile whether it is inside. Fails if memory runs out; `memory`
-// receives the reservation of the list.
+// blocks and small tiles, and of the skins of large tiles on the other side than the background. If the background is
+// inside (`unbounded`), adds the skin of a limited region, and the neighbors of all these chunks. `tiles_inside` tells
+// for each tile whether it is inside. Fails if memory runs out; `memory` receives the reservation of the list.
 [[nodiscard]] Result<std::vector<glm::ivec3>> sparse_chunks(const field::ScalarField& field,
                                                             const field::SparseSamples& samples,
                                                             const field::IndexBox& region, bool unbounded,

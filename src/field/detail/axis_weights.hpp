@@ -19,7 +19,8 @@ struct SampleWeights {
   double t = 0;
 };
 
-// Returns whether all new samples are old ones. Where majority has no means to take, it is nearest.
+// Returns whether the kernel takes every new sample from an old one. On the axes that AxisWeights handles, majority
+// works like nearest.
 [[nodiscard]] constexpr bool makes_no_values(ResampleKernel kernel) {
   return kernel == ResampleKernel::nearest || kernel == ResampleKernel::majority;
 }

@@ -16,8 +16,8 @@ struct BlurredBlocks {
   Reservation memory;               // of these lists
 };
 
-// The filter reaches `reach` voxels. A block-sized place stays as it is if everything within reach has one value; every
-// other place becomes a block. `what` starts the message if memory runs out.
+// The filter reaches `reach` voxels. A block-sized place stays as it is if all samples within reach have one value;
+// every other place becomes a block. `what` starts the message if memory runs out.
 [[nodiscard]] Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const SparseLookup& lookup,
                                                         int reach, const std::string& what, const Context& context);
 

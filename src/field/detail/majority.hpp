@@ -18,8 +18,8 @@ namespace isoextract::field {
 
 // The old voxels in the cells of new samples, along one axis. Where the new grid is coarser, a cell is one new step
 // wide and centered at its sample; near the boundary it shrinks symmetrically, down to the boundary sample itself. A
-// voxel that is partly within has that part of the weight. Elsewhere a cell is the nearest voxel; on a tie, the lower.
-// Weights are whole numbers, so that equal weights are found equal.
+// voxel that is partly within a cell counts by the part that is within. Where the new grid is not coarser, a cell is
+// the nearest voxel; on a tie, the lower one. Weights are whole numbers, so that equal weights compare equal.
 class AxisCells {
  public:
   struct Cell {
@@ -78,8 +78,8 @@ class Votes {
   }
   [[nodiscard]] std::uint64_t nan_weight() const { return nan_; }
 
-  // Returns the value with the most weight: among several the one at the center, else the least. NaN needs more weight
-  // than any number, unless it is at the center.
+  // Returns the value with the most weight. On a tie, returns the value at the center if it is among the tied ones,
+  // else the least number. So NaN wins a tie only at the center.
   [[nodiscard]] double winner(double center) const {
     std::uint64_t most = std::isnan(center) ? nan_ : 0;
     for (const Vote& vote : votes_) most = std::max(most, vote.weight);

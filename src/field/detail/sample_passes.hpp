@@ -49,7 +49,7 @@ template <class T, class Partial, class Body, class Join>
 }
 
 // The values of sparse samples that only tell the side: the background and, in a level set, its negative far inside.
-// How many of them are stored depends on where blocks begin, not on the field.
+// The number of such samples in blocks depends on where blocks begin, not on the field.
 struct FarValues {
   double background = 0;
   double inside = 0;

@@ -1,5 +1,5 @@
-// Keeps input files open during the work in a context, so that probing, reading and hashing open a file once. If its
-// name is given to another file, or the file is written to, the next open() opens it anew.
+// Keeps input files open during the work in a context, so that probing, reading and hashing open a file once. After the
+// path was given to another file, or the file was written to, the next open() opens the path anew.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +40,7 @@ class OpenedFiles {
   [[nodiscard]] std::shared_ptr<const OpenFile> find(const std::filesystem::path& path) const;
   void add(std::shared_ptr<const OpenFile> file);
 
-  // Returns what was unpacked from this version of a file, also from `before`; null if nothing was.
+  // Returns the files unpacked from this version of a file; also searches `before`. Null if there are none.
   [[nodiscard]] std::shared_ptr<const UnpackedFiles> find_unpacked(const FileVersion& version) const;
   void keep_unpacked(const FileVersion& version, std::shared_ptr<const UnpackedFiles> unpacked);
 

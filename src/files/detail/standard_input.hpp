@@ -1,5 +1,5 @@
-// Standard input as a file: opened as one if it is a regular file at offset 0, else read once and kept in memory that
-// has a descriptor. So it can be mapped, read in any order and read again.
+// Standard input as a file: a regular file at offset 0 is opened again; other input is read once and kept in memory
+// that has a descriptor. So standard input can be mapped, read in any order and read again.
 #pragma once
 
 #include <vector>
@@ -35,8 +35,8 @@ class BufferedInput {
 // Fails as open_standard_input() does.
 [[nodiscard]] Result<int> kept_standard_input(const Context& context);
 
-// Returns a descriptor as BufferedInput::open() does, of this process's standard input. The first call reads it, in its
-// context, and keeps it, or its failure, until the process ends. Safe to call from several threads.
+// Returns a new descriptor of this process's standard input, as BufferedInput::open() does. The first call reads the
+// input with its context, and keeps the input or the failure until the process ends. Safe to call from several threads.
 [[nodiscard]] Result<int> open_standard_input(const Context& context);
 
 }  // namespace isoextract::files::detail

@@ -1,5 +1,5 @@
-// Names of unfinished files. A name is removed with its owner or by a signal that ends the process; if neither was
-// possible, by the next run that writes into the folder.
+// Names of unfinished files. The destructor, or the handler of a signal that ends the process, removes the named file;
+// if neither could run, the next run that writes into the folder does.
 #pragma once
 
 #include <filesystem>
@@ -13,10 +13,9 @@ class TemporaryName {
  public:
   // make_file() and name_file() lock the file for as long as the name exists, so that other processes see that it has
   // an owner. Once per process and folder, they first remove files left by ended processes of this user and machine. On
-  // file systems without locks they do neither. They return nothing, with errno set, on failure.
-  //
-  // Creates a named file in `folder`, open for reading and writing.
+  // file systems without locks they neither lock nor remove files. They return nothing, with errno set, on failure.
   struct File;
+  // Creates a named file in `folder`, open for reading and writing.
   [[nodiscard]] static std::optional<File> make_file(const std::filesystem::path& folder);
   // Names an open file that has no name (O_TMPFILE).
   [[nodiscard]] static std::optional<TemporaryName> name_file(const std::filesystem::path& folder, int fd);

@@ -29,7 +29,8 @@ class DenseSites {
 
   // Returns the site that owns sample `p`, or -1. `p` must not be below `low`.
   [[nodiscard]] std::int32_t site(const glm::ivec3& p) const;
-  // Returns the sites that own the edges of the cells of `site`, itself first; -1 where there is none.
+  // Returns the sites at +0 or +1 along x (bit 0 of the index), y (bit 1) and z (bit 2) from `site`; -1 if there is no
+  // such site. They own the edges of the cells of `site`.
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const;
 
  private:

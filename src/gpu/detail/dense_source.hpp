@@ -1,7 +1,7 @@
 // Dense samples on the device, in a toroidal window (toroidal_window.hpp) that slides through the field in z. If a
-// whole slice is too large, it slides over one column of bricks after the other. Only bricks that the sites need are
-// uploaded. Within a column every sample is uploaded at most once; samples that two columns share are uploaded once for
-// each.
+// whole slice is too large, the window slides over one column of bricks after the other. Only bricks that the sites
+// need are uploaded. Within a column every sample is uploaded at most once; samples that two columns share are uploaded
+// once for each.
 //
 // If samples stay on the device for the next extraction (resident_samples.hpp) and all of them fit, only bricks that
 // are missing or changed are uploaded.

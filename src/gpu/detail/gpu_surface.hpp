@@ -113,9 +113,9 @@ class GpuSurface {
   std::uint64_t triangles_ = 0;           // number of triangles captured so far
   Reservation soup_memory_;               // for the captured triangles of the current draw
   Reservation sites_memory_;              // for the data of the weld that grow with the sites
-  std::vector<Reservation> weld_memory_;  // for its data that grow with the triangles, one entry a draw
+  std::vector<Reservation> weld_memory_;  // for the data of the weld that grow with the triangles, one a draw
   std::optional<SiteWeld> weld_;
-  std::atomic<std::uint64_t> hole_cells_{0};  // cells left out among the decided ones
+  std::atomic<std::uint64_t> hole_cells_{0};  // decided cells left out because they touch NaN samples
 };
 
 }  // namespace isoextract::gpu

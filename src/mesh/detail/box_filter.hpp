@@ -27,7 +27,7 @@ class BoxFilter {
     static_assert(sizeof(FloatBox) == 6 * sizeof(float));
     return bound(load4(&box.min.x), last_three(load4(&box.min.z)));
   }
-  // The box is that of a triangle, whose corners follow each other in memory.
+  // Returns the bound for the bounding box of a triangle, whose corners follow each other in memory.
   [[nodiscard]] double bound_of_triangle(const glm::vec3* corners) const {
     const Float4 a = load4(&corners[0].x);
     const Float4 b = load4(&corners[1].x);
@@ -43,9 +43,9 @@ class BoxFilter {
     const Float4 away = max4(max4(low - high_, low_ - high), Float4{});
     const Float4 squared = away * away;
     const float sum = squared[0] + squared[1] + squared[2];
-    constexpr double kLess = 1 - 1e-6;  // more than the sum rounds; and by the least number where it underflows
+    constexpr double kLess = 1 - 1e-6;  // more than rounding of the sum; kLeast covers underflow
     constexpr double kLeast = std::numeric_limits<float>::min();
-    // An infinite sum is that of a number above the largest float.
+    // An infinite sum means that the square of the distance is above the largest float.
     return std::min(static_cast<double>(sum), double{std::numeric_limits<float>::max()}) * kLess - kLeast;
   }
 

@@ -1,8 +1,8 @@
 // Stars: sets of very many triangles around one corner or one side.
 //
 // All boxes around such a place overlap, though few triangles do. Two triangles with a common corner have more in
-// common only if they share a direction from that corner. Two with a common side have more in common only if they lie
-// on the same side of it in one plane. So boxes of directions separate them.
+// common only if they share a direction from that corner. Two triangles with a common side have more in common only if
+// they lie in one half plane from this side. So boxes of directions separate them.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ class CrowdedStars {
   // The corner or side of a star has more triangles than this; some of them may belong to other stars.
   static constexpr std::uint32_t kFewTriangles = 64;
 
-  // `chosen` are numbers of triangles with area, rising. place_of(triangle) gives the places of its corners: the number
-  // of a vertex there. Assigns each triangle to at most one star: around its fullest side, or else its fullest corner.
-  // Throws std::bad_alloc.
+  // `chosen` are numbers of triangles with area, rising. place_of(triangle) gives the places of its corners, as vertex
+  // numbers: corners at the same position have the same number. Assigns each triangle to at most one star: around its
+  // fullest side, or else its fullest corner. Throws std::bad_alloc.
   template <class PlaceOf>
   CrowdedStars(std::span<const glm::vec3> positions, std::span<const std::uint32_t> chosen, const PlaceOf& place_of)
       : positions_(positions) {
@@ -48,8 +48,9 @@ class CrowdedStars {
   // Returns the star of each triangle; empty if there are no stars.
   [[nodiscard]] std::span<const std::uint32_t> of_triangles() const { return of_.span(); }
 
-  // Returns a box of the triangle's directions from the middle of the star; for a side, of the direction across it.
-  // Triangles of one star whose boxes do not overlap share only their corner or side.
+  // Returns a box around the directions from the middle of the star to the points of the triangle. For a side, the box
+  // is around the triangle's normal, turned so that equal normals mean one half plane from the side. Triangles of one
+  // star whose boxes do not overlap share only their corner or side.
   [[nodiscard]] FloatBox directions(std::uint32_t star, const glm::uvec3& corners) const;
 
   // Returns a box of the directions in which the star's middle sees `box`; for a side, all directions.

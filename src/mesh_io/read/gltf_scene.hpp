@@ -29,7 +29,7 @@ struct GltfScene {
   std::uint64_t hidden = 0;             // nodes with a mesh and a scale of 0, which are left out
 };
 
-// Returns the meshes of the default scene; without scenes those of all root nodes.
+// Returns the meshes of the default scene, or of all root nodes if the file has no scene.
 [[nodiscard]] GltfScene find_gltf_scene(const nlohmann::json& model, MemoryUse& memory);
 
 // Returns the color, opacity and sides of a primitive's material; nothing if it has no material. In a file of
@@ -42,7 +42,7 @@ struct GltfScene {
 
 // Adds the kinds of data of a primitive and its material that a mesh::Mesh cannot hold: "textures", "skins".
 void add_left_out(const nlohmann::json& model, const nlohmann::json& primitive, std::set<std::string>& kinds);
-// Adds those of the whole file: "animations", "cameras".
+// Adds the kinds of data of the whole file that a mesh::Mesh cannot hold: "animations", "cameras".
 void add_left_out(const nlohmann::json& model, std::set<std::string>& kinds);
 
 }  // namespace isoextract::mesh_io

@@ -1,5 +1,5 @@
-// The readers of the single formats, behind mesh_reader.hpp. Each turns a file's bytes into a FileSurface; read_mesh()
-// makes a mesh of it.
+// The readers of the single formats, which read_mesh() (mesh_reader.hpp) calls. Each reader turns a file's bytes into a
+// FileSurface; read_mesh() makes a mesh of the FileSurface.
 #pragma once
 
 #include <algorithm>
@@ -91,7 +91,7 @@ class MemoryUse {
  public:
   explicit MemoryUse(const Context& context) : context_(context) {}
 
-  // Throws DamagedMesh if the budget has less left, and Cancelled.
+  // Throws DamagedMesh if the memory budget has less than `bytes` left, and Cancelled if the context was cancelled.
   void take(std::uint64_t bytes);
   void give_back(std::uint64_t bytes) { used_ -= bytes; }
 
@@ -150,12 +150,11 @@ void require_vertex_count(std::uint64_t count);
 // Returns the first corner of each new vertex. The caller sets the attributes.
 std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
 
-// Merges vertices that were duplicated for their normals. A boundary edge is merged with a boundary edge at the same
-// two positions that runs the other way, if no third one lies there.
-// A merged vertex keeps the attributes of its first copy. Surfaces that only touch in points, and surfaces whose
-// indices already close them, stay unchanged.
-// Vertices of different parts are never merged; the vertex ranges of `parts` are updated. Throws DamagedMesh and
-// Cancelled as MemoryUse does.
+// Merges vertices that were duplicated for their normals. A boundary edge is merged with a boundary edge between the
+// same two positions that runs the other way, if no third boundary edge lies between them. A merged vertex keeps the
+// attributes of its first copy. Surfaces that only touch in points, and surfaces whose indices already close them, stay
+// unchanged. Vertices of different parts are never merged; the vertex ranges of `parts` are updated. Throws DamagedMesh
+// and Cancelled as MemoryUse does.
 void merge_normal_copies(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Context& context);
 
 // Returns the text without the byte order mark that some programs put in front of UTF-8.
@@ -164,8 +163,8 @@ void merge_normal_copies(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const C
 // Splits a text into lines, words and numbers.
 class TextScanner {
  public:
-  // By default a line feed, a carriage return or both end a line. With `line_end` only that character does, which is
-  // needed if binary data follows.
+  // By default a line feed, a carriage return or both end a line. With `line_end`, only this character ends a line;
+  // text before binary data needs this.
   explicit TextScanner(std::string_view text, std::optional<char> line_end = {}) : rest_(text), line_end_(line_end) {}
 
   // Moves to the next line. Returns false at the end of the text.

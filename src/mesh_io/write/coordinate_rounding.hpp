@@ -2,9 +2,9 @@
 //
 // A mesh with origin 0 is written as the float32 numbers it consists of: nothing is rounded. For other meshes, the
 // coordinates in the file are sums of origin and position. They are float32 in STL and DRC, and double in PLY and OBJ.
-// glTF stores both separately, and programs that read it add them; it is checked in double.
-// Rounding moves a vertex by up to half the spacing of such numbers at its place. Far away that exceeds the width of a
-// triangle: triangles become flat, flip or collapse to a point, although their indices still form a closed mesh.
+// glTF stores both separately, and programs that read it add them; it is checked in double. Rounding moves a vertex by
+// up to half the spacing of such numbers at its place. Far from 0 this exceeds the width of a triangle: triangles
+// become flat, flip or collapse to a point, although their indices still form a closed mesh.
 //
 // The measure is the damage to triangles, not the distance. For each triangle, take the cross product of two sides
 // before and after rounding. The measure is the sum of the lengths of the differences, divided by the sum of the

@@ -1,4 +1,4 @@
-// Builds the JSON of a glTF file as a TinyGLTF model, from the parts whose bytes are written separately.
+// Builds the JSON of a glTF file as a TinyGLTF model. write_part() writes the bytes of the parts separately.
 #pragma once
 
 #include <cstddef>
@@ -47,7 +47,7 @@ class GltfModel {
   [[nodiscard]] nlohmann::json unpacked_buffer() const;
 
  private:
-  // How many of each take() removed.
+  // The number of entries of each list that take() has removed.
   struct Taken {
     std::size_t nodes = 0;
     std::size_t meshes = 0;
@@ -76,7 +76,7 @@ class GltfModel {
   int packed_view(const GltfPackedView& source);
   int packed_accessor(const GltfPackedAccessor& source, int first_view);
   void use_extension(const std::string& name);
-  // Adds to the JSON what TinyGLTF cannot describe.
+  // Adds the packed views to the JSON, because TinyGLTF cannot describe them.
   void describe_packed_views(nlohmann::json& document) const;
 
   tinygltf::Model model_;

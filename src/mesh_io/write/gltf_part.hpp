@@ -60,8 +60,8 @@ struct GltfPart {
   static constexpr std::size_t kSplitStride = 2 * sizeof(glm::vec3);
 
   GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes);
-  // Lays out a mesh of which only `head` is there: the mesh without arrays and attributes. Set `bounds` before the JSON
-  // is made.
+  // Lays out a mesh that is not in memory; `head` is this mesh without arrays and attributes. Set `bounds` before the
+  // JSON is made.
   GltfPart(const mesh::Mesh& head, const mesh::MeshShape& shape);
   // Packs as options.packing asks; its box must be set if positions are quantized. Fails as pack_part() does.
   [[nodiscard]] static Result<GltfPart> make(const mesh::Mesh& source, const MeshWriteOptions& options,

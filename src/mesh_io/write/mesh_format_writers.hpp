@@ -1,4 +1,4 @@
-// The writers of the single formats, behind mesh_writer.hpp. They write; mesh_writer.cpp opens and commits the files.
+// The writers of the single formats. mesh_writer.cpp calls them, and opens and commits their files.
 #pragma once
 
 #include <memory>
