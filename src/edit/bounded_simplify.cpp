@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -19,6 +20,7 @@
 #include "edit/detail/edge_collapse.hpp"
 #include "edit/detail/intersection_guard.hpp"
 #include "edit/detail/intersection_undo.hpp"
+#include "edit/detail/patch_triangles.hpp"
 #include "edit/detail/sheet_collapse.hpp"
 #include "mesh/metrics.hpp"
 
@@ -68,15 +70,16 @@ class Simplifier {
     }
     if (removed == 0) return CollapsedSheets();
     CollapsedSheets result{std::move(state_.corners), std::vector<MergedCorners>(state_.gone.size())};
-    for (std::size_t t = 0; t < state_.gone.size(); ++t) {
-      if (state_.gone[t] == 0) continue;
+    const auto merge = [&](std::size_t t) {
+      if (state_.gone[t] == 0) return;
       const Collapse& collapse = find_collapse(state_.changed_by[t], logs_);
       for (std::int8_t corner = 0; corner < 3; ++corner) {
         const std::uint32_t vertex = result.corners[t][corner];
         if (vertex == collapse.vertex) result.merged[t].from = corner;
         if (vertex == collapse.to) result.merged[t].to = corner;
       }
-    }
+    };
+    for_each_index(state_.gone.size(), merge, kTriangleGrain);
     return result;
   }
 
@@ -224,14 +227,6 @@ class Simplifier {
     return {.enough = distance, .cell_size = options_.patch_size / kTrianglesOfPatch};
   }
 
-  struct Place {
-    std::uint64_t cell;
-    std::uint32_t triangle;
-    bool operator<(const Place& other) const {
-      return cell != other.cell ? cell < other.cell : triangle < other.triangle;
-    }
-  };
-
   struct Share {
     double least_part = 0;   // fraction of each patch's triangles that must stay
     std::uint64_t work = 0;  // progress that the round reports; 0: the number of removed triangles
@@ -240,7 +235,7 @@ class Simplifier {
   // Collapses edges in patches of this size. Returns the number of patches.
   Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share) {
     TRY(context_.check());
-    std::vector<Place> places = split(size);
+    Buffer<PatchTriangle> places = split(size);
     if (numbers_ + places.size() >= kNone) {
       return fail(ErrorCode::input,
                   fmt::format("{}: the mesh is too large to simplify: its triangles, counted again in each round of "
@@ -255,7 +250,8 @@ class Simplifier {
     const std::size_t patches = first.size();
     first.push_back(places.size());
     std::vector<std::uint32_t> triangles(places.size());
-    std::transform(places.begin(), places.end(), triangles.begin(), [](const Place& place) { return place.triangle; });
+    for_each_index(
+        places.size(), [&](std::size_t i) { triangles[i] = places[i].triangle; }, kTriangleGrain);
     lock_patch_borders(triangles, first);
     places = {};
 
@@ -292,27 +288,20 @@ class Simplifier {
   }
 
   // Returns the wanted triangles and some rings around them, sorted by the grid cell of their centroids.
-  std::vector<Place> split(double size) {
+  Buffer<PatchTriangle> split(double size) {
     std::vector<char> near = wanted_;
     constexpr int kRings = 2;
     const bool all = std::all_of(near.begin(), near.end(), [](char w) { return w != 0; });
     for (int ring = 0; ring < kRings && !all; ++ring) {
       const std::vector<char> inner = near;
-      for (std::size_t t = 0; t < state_.corners.size(); ++t) {
+      for_each_triangle([&](std::size_t t) {
         const glm::uvec3& c = state_.corners[t];
-        if (state_.gone[t] == 0 && (inner[c.x] | inner[c.y] | inner[c.z]) != 0) near[c.x] = near[c.y] = near[c.z] = 1;
-      }
+        if (state_.gone[t] == 0 && (inner[c.x] | inner[c.y] | inner[c.z]) != 0) mark(near, c);
+      });
     }
-    glm::dvec3 low(std::numeric_limits<double>::infinity());
-    glm::dvec3 high = -low;
-    std::vector<Place> places;
-    for (std::size_t t = 0; t < state_.corners.size(); ++t) {
-      const glm::uvec3& c = state_.corners[t];
-      if (state_.gone[t] != 0 || (near[c.x] & near[c.y] & near[c.z]) == 0) continue;
-      places.push_back({0, static_cast<std::uint32_t>(t)});
-      low = glm::min(low, glm::dvec3(state_.positions[c.x]));
-      high = glm::max(high, glm::dvec3(state_.positions[c.x]));
-    }
+    Buffer<PatchTriangle> places =
+        remaining_triangles(state_, [&](const glm::uvec3& c) { return (near[c.x] & near[c.y] & near[c.z]) != 0; });
+    const auto [low, high] = box_of_first_corners(state_, places.span());
     constexpr double kMostCells = 1 << 20;  // per side
     const glm::dvec3 extent = high - low;
     const double largest = std::max({extent.x, extent.y, extent.z});
@@ -320,19 +309,29 @@ class Simplifier {
     const double side = std::max(size, largest / kMostCells);
     // Above 0, so that cells of centroids outside the box are not negative.
     const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;
-    for_each_range(places.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const glm::uvec3& c = state_.corners[places[i].triangle];
-        const glm::dvec3 center = (glm::dvec3(state_.positions[c.x]) + glm::dvec3(state_.positions[c.y]) +
-                                   glm::dvec3(state_.positions[c.z])) /
-                                  3.0;
-        const glm::dvec3 cell = glm::floor(glm::max((center - low) / side + shift, 0.0));
-        places[i].cell = (static_cast<std::uint64_t>(cell.z) << 42U) + (static_cast<std::uint64_t>(cell.y) << 21U) +
-                         static_cast<std::uint64_t>(cell.x);
-      }
-    });
+    const glm::dvec3 corner = low;  // clang does not capture structured bindings
+    const auto place = [&](std::size_t i) {
+      const glm::uvec3& c = state_.corners[places[i].triangle];
+      const glm::dvec3 center =
+          (glm::dvec3(state_.positions[c.x]) + glm::dvec3(state_.positions[c.y]) + glm::dvec3(state_.positions[c.z])) /
+          3.0;
+      const glm::dvec3 cell = glm::floor(glm::max((center - corner) / side + shift, 0.0));
+      places[i].cell = (static_cast<std::uint64_t>(cell.z) << 42U) + (static_cast<std::uint64_t>(cell.y) << 21U) +
+                       static_cast<std::uint64_t>(cell.x);
+    };
+    for_each_index(places.size(), place, kTriangleGrain);
     tbb::parallel_sort(places.begin(), places.end());
     return places;
+  }
+
+  template <class Body>
+  void for_each_triangle(const Body& body) const {
+    for_each_index(state_.corners.size(), body, kTriangleGrain);
+  }
+
+  // Sets the entries of three vertices to 1. Several threads may do so at once.
+  static void mark(std::vector<char>& vertices, const glm::uvec3& c) {
+    for (const std::uint32_t v : {c.x, c.y, c.z}) std::atomic_ref(vertices[v]).store(1, std::memory_order_relaxed);
   }
 
   // Locks the vertices of several patches, and those with triangles outside all patches.
@@ -343,32 +342,37 @@ class Simplifier {
       if (refused_[v] != 0) locked_[v] = kOutside;
     }
     std::vector<char> in_patch(state_.corners.size(), 0);
-    for (std::size_t p = 0; p + 1 < first.size(); ++p) {
+    for_each_index(static_cast<std::uint32_t>(first.size() - 1), [&](std::uint32_t p) {
       for (std::size_t i = first[p]; i < first[p + 1]; ++i) {
         in_patch[triangles[i]] = 1;
         const glm::uvec3& c = state_.corners[triangles[i]];
-        for (int corner = 0; corner < 3; ++corner) {
-          std::uint32_t& patch = patch_of_[c[corner]];
-          if (patch == kNone) patch = static_cast<std::uint32_t>(p);
-          if (patch != p) locked_[c[corner]] = kBetweenPatches;
+        for (const std::uint32_t v : {c.x, c.y, c.z}) {
+          // Any patch may be the first one at a vertex; another one locks it.
+          const std::atomic_ref of_vertex(patch_of_[v]);
+          std::uint32_t patch = of_vertex.load(std::memory_order_relaxed);
+          if (patch == kNone && of_vertex.compare_exchange_strong(patch, p, std::memory_order_relaxed)) continue;
+          if (patch != p) std::atomic_ref(locked_[v]).store(kBetweenPatches, std::memory_order_relaxed);
         }
       }
-    }
-    for (std::size_t t = 0; t < in_patch.size(); ++t) {
-      if (in_patch[t] != 0 || state_.gone[t] != 0) continue;
-      for (int corner = 0; corner < 3; ++corner) locked_[state_.corners[t][corner]] |= kOutside;
-    }
+    });
+    for_each_triangle([&](std::size_t t) {
+      if (in_patch[t] != 0 || state_.gone[t] != 0) return;
+      const glm::uvec3& c = state_.corners[t];
+      for (const std::uint32_t v : {c.x, c.y, c.z}) {
+        std::atomic_ref(locked_[v]).fetch_or(kOutside, std::memory_order_relaxed);
+      }
+    });
   }
 
   // Wants the vertices between patches and their neighbors, whose edges would have joined two locked vertices.
   void want_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     std::fill(wanted_.begin(), wanted_.end(), 0);
-    for (std::size_t i = 0; i < first.back(); ++i) {
-      if (state_.gone[triangles[i]] != 0) continue;
+    const auto want = [&](std::size_t i) {
+      if (state_.gone[triangles[i]] != 0) return;
       const glm::uvec3& c = state_.corners[triangles[i]];
-      if (((locked_[c.x] | locked_[c.y] | locked_[c.z]) & kBetweenPatches) == 0) continue;
-      wanted_[c.x] = wanted_[c.y] = wanted_[c.z] = 1;
-    }
+      if (((locked_[c.x] | locked_[c.y] | locked_[c.z]) & kBetweenPatches) != 0) mark(wanted_, c);
+    };
+    for_each_index(first.back(), want, kTriangleGrain);
   }
 
   static constexpr double kOfVertices = 0.95;           // samples are nearer than the points between them

@@ -125,7 +125,12 @@ class BoxTree {
 
   // Calls visit(number) for each item in a leaf whose box meets `near`. The item's own box may not meet it.
   template <class Visit>
-  void for_each_near(const FloatBox& near, const Visit& visit) const;
+  void for_each_near(const FloatBox& near, const Visit& visit) const {
+    for_each_slot_near(near, [&](std::size_t slot) { visit(slots_[slot]); });
+  }
+  // Calls visit(slot) for the same items.
+  template <class Visit>
+  void for_each_slot_near(const FloatBox& near, const Visit& visit) const;
 
  private:
   BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups);
@@ -156,7 +161,7 @@ void BoxTree::fit(std::span<Box> all, const BoxOf& box_of) const {
 }
 
 template <class Visit>
-void BoxTree::for_each_near(const FloatBox& near, const Visit& visit) const {
+void BoxTree::for_each_slot_near(const FloatBox& near, const Visit& visit) const {
   constexpr std::size_t kMostLevels = 34;  // slots have 32 bits
   std::array<Node, kMostLevels> waiting;
   std::size_t count = 0;
@@ -170,7 +175,8 @@ void BoxTree::for_each_near(const FloatBox& near, const Visit& visit) const {
       waiting[count++] = node.child(0);
       continue;
     }
-    for (const std::uint32_t item : numbers_of(node)) visit(item);
+    const std::size_t end = end_slot(node);
+    for (std::size_t slot = first_slot(node); slot < end; ++slot) visit(slot);
   }
 }
 

@@ -130,7 +130,10 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
   TriangleBound bound;
   double lower = known;
   std::size_t leaves = 0;
-  std::vector<Polygon> waiting(1);
+  constexpr std::size_t kMostlyEnough = 16;  // polygons
+  std::vector<Polygon> waiting;
+  waiting.reserve(kMostlyEnough);
+  waiting.emplace_back();
   for (const glm::dvec3& corner : corners) waiting[0].add(corner);
   waiting[0].hint = hint;
   const auto add_parts = [&](const std::array<Polygon, 2>& cut_parts, std::uint32_t near) {

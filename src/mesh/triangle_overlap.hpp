@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -51,11 +52,12 @@ class PlaneFilter {
     const glm::dvec3 second(a.z * b.y, a.x * b.z, a.y * b.x);
     constexpr double kRounding = 16.0 / (1 << 24);
     const glm::vec3 normal = first - second;
-    const glm::vec3 rounding = kRounding * (glm::abs(first) + glm::abs(second));
     for (std::size_t i = 0; i < 3; ++i) {
       const auto axis = static_cast<int>(i);
       normal_[i] = splat4(normal[axis]);
-      rounding_[i] = splat4(rounding[axis]);
+      // glm::abs() would branch on each sign.
+      const double magnitude = std::abs(first[axis]) + std::abs(second[axis]);
+      rounding_[i] = splat4(static_cast<float>(kRounding * magnitude));
       corners_[i] = {splat4(p[i].x), splat4(p[i].y), splat4(p[i].z)};
     }
   }

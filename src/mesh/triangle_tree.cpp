@@ -30,6 +30,10 @@ BoxTree tree_of(std::span<const glm::vec3> positions, std::span<const glm::uvec3
           }};
 }
 
+glm::dvec3 closest_of_corners(const TriangleTree::Corners& corners, const glm::dvec3& p) {
+  return ClosestPointTriangle(corners.a, corners.b, corners.c).closest(p);
+}
+
 }  // namespace
 
 TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
@@ -134,7 +138,7 @@ std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& no
   return slabs;
 }
 
-double TriangleTree::bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const {
+inline double TriangleTree::bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const {
   const double by_box = filter.bound(tree_.box(node));
   if (node >= slabs_.size()) return by_box;
   const double across = std::max(slabs_[node][0].distance(p), slabs_[node][1].distance(p));
@@ -160,10 +164,9 @@ std::size_t TriangleTree::count_leaves_within(const glm::dvec3& p, double square
 }
 
 TriangleTree::Nearest TriangleTree::nearest_on_triangle(std::uint32_t slot, const glm::dvec3& p) const {
-  const Corners& corners = corners_[slot];
   Nearest found;
   found.slot = slot;
-  found.point = ClosestPointTriangle(corners.a, corners.b, corners.c).closest(p);
+  found.point = closest_of_corners(corners_[slot], p);
   const glm::dvec3 way = p - found.point;
   found.distance_squared = glm::dot(way, way);
   return found;
@@ -186,8 +189,10 @@ void TriangleTree::search(std::size_t leaf, const BoxFilter& filter, const glm::
   const std::size_t last = tree_.end_slot(tree_.leaf(leaf));
   for (std::size_t slot = tree_.first_slot(tree_.leaf(leaf)); slot < last; ++slot) {
     if (slot == known || !(filter.bound_of_triangle(&corners_[slot].a) < best.distance_squared)) continue;
-    const Nearest found = nearest_on_triangle(static_cast<std::uint32_t>(slot), p);
-    if (found.distance_squared < best.distance_squared) best = found;
+    const glm::dvec3 point = closest_of_corners(corners_[slot], p);
+    const glm::dvec3 way = p - point;
+    const double squared = glm::dot(way, way);
+    if (squared < best.distance_squared) best = {squared, static_cast<std::uint32_t>(slot), point};
   }
 }
 

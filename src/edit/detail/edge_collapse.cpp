@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -382,8 +383,13 @@ class PatchCollapse : private PatchMesh {
     limits.enough = proven_;
     limits.refuse = proven_;
     limits.max_parts = 64;  // a harder case is close to the limit
-    for (std::size_t i = 0; i < new_.size(); ++i) {
-      if (near_[i].distance_squared < kClearlyNear * kClearlyNear * proven_ * proven_) continue;
+    measured_.clear();
+    for (std::uint32_t i = 0; i < new_.size(); ++i) {
+      if (near_[i].distance_squared >= kClearlyNear * kClearlyNear * proven_ * proven_) measured_.push_back(i);
+    }
+    // The farthest first: it is the likeliest to be too far.
+    std::ranges::sort(measured_, std::greater(), [&](std::uint32_t i) { return near_[i].distance_squared; });
+    for (const std::uint32_t i : measured_) {
       const Corners& t = new_[i].second;
       const std::array<glm::dvec3, 3> corners{places_[t.x] + origin_, places_[t.y] + origin_, places_[t.z] + origin_};
       const mesh::TriangleBound found =
@@ -470,16 +476,15 @@ class PatchCollapse : private PatchMesh {
   std::vector<Target> cheapest_;        // when the vertex was pushed
   std::vector<char> waits_;             // 1: the queue holds a candidate of the present version without a chosen target
   std::priority_queue<Candidate> queue_;
-  Ring ring_;
-  Ring pushed_;
+  Ring ring_, pushed_;
   std::vector<std::pair<double, std::uint32_t>> targets_;
-  std::vector<std::uint32_t> apexes_;
-  std::vector<std::uint32_t> sheets_;
+  std::vector<std::uint32_t> apexes_, sheets_;
   std::uint32_t prepared_ = kNone;  // the target that the members below belong to, or kNone
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<mesh::ClosestPointTriangle> targets_of_new_;
   std::vector<Attached> attached_;
   std::vector<Near> near_;                           // for each of new_
+  std::vector<std::uint32_t> measured_;              // those of new_ that new_are_near() measures
   std::vector<std::uint32_t> around_;                // the triangles of ring_
   std::vector<IntersectionGuard::Changed> changed_;  // new_ with positions
 };

@@ -8,36 +8,26 @@
 namespace isoextract::edit {
 
 IntersectionGuard::IntersectionGuard(CollapseState& state, std::span<const std::uint32_t> patch)
-    : state_(state),
-      patch_(patch),
-      corners_(corners_of(state, patch)),
-      counts_(patch.size(), 1),
-      tree_(tree_of(corners_)),
-      slots_(patch.size()),
-      looked_(patch.size(), 0) {
+    : state_(state), patch_(patch), tree_(tree_of(state, patch)), slots_(patch.size()), placed_(patch.size()) {
   const auto numbers = tree_.numbers();
-  for (std::uint32_t slot = 0; slot < numbers.size(); ++slot) slots_[numbers[slot]] = slot;
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    const mesh::PlacedTriangle t = placed(corners_[i]);
-    if (mesh::are_collinear(t.corners[0], t.corners[1], t.corners[2])) counts_[i] = 0;
+  for (std::uint32_t slot = 0; slot < numbers.size(); ++slot) {
+    const std::uint32_t t = numbers[slot];
+    slots_[t] = slot;
+    placed_[slot] = {corners_of(state, patch[t]), t};
+    const mesh::PlacedTriangle triangle = placed(placed_[slot].corners);
+    placed_[slot].counts = !mesh::are_collinear(triangle.corners[0], triangle.corners[1], triangle.corners[2]);
   }
 }
 
-std::vector<IntersectionGuard::Corners> IntersectionGuard::corners_of(const CollapseState& state,
-                                                                      std::span<const std::uint32_t> patch) {
-  std::vector<Corners> corners;
-  corners.reserve(patch.size());
-  for (const std::uint32_t number : patch) {
-    const glm::uvec3& t = state.corners[number];
-    corners.push_back({state.stored[t.x], state.stored[t.y], state.stored[t.z]});
-  }
-  return corners;
+IntersectionGuard::Corners IntersectionGuard::corners_of(const CollapseState& state, std::uint32_t triangle) {
+  const glm::uvec3& t = state.corners[triangle];
+  return {state.stored[t.x], state.stored[t.y], state.stored[t.z]};
 }
 
-mesh::BoxTree IntersectionGuard::tree_of(std::span<const Corners> corners) {
-  Buffer<mesh::BoxTree::Item> items(corners.size());
-  for (std::uint32_t i = 0; i < items.size(); ++i) items[i] = {box_of(corners[i]).center(), i};
-  return {items.span(), [&](std::uint32_t triangle) { return box_of(corners[triangle]); }};
+mesh::BoxTree IntersectionGuard::tree_of(const CollapseState& state, std::span<const std::uint32_t> patch) {
+  Buffer<mesh::BoxTree::Item> items(patch.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i) items[i] = {box_of(corners_of(state, patch[i])).center(), i};
+  return {items.span(), [&](std::uint32_t i) { return box_of(corners_of(state, patch[i])); }};
 }
 
 mesh::PlacedTriangle IntersectionGuard::placed(const Corners& c) {
@@ -53,12 +43,13 @@ void IntersectionGuard::find_near(std::span<const std::uint32_t> around, std::sp
   mesh::FloatBox box;
   for (const Changed& c : changed) box = box.with(box_of(c.corners));
   ++look_;
-  for (const std::uint32_t t : around) looked_[t] = look_;
+  for (const std::uint32_t t : around) at(t).looked = look_;
   near_.clear();
   const mesh::BoxQuery query(box);
-  tree_.for_each_near(box, [&](std::uint32_t t) {
-    if (counts_[t] == 0 || looked_[t] == look_ || !query.meets_triangle(corners_[t].data())) return;
-    near_.push_back({t, box_of(corners_[t]), mesh::CornerLanes(corners_[t])});
+  tree_.for_each_slot_near(box, [&](std::size_t slot) {
+    const Placed& t = placed_[slot];
+    if (!t.counts || t.looked == look_ || !query.meets_triangle(t.corners.data())) return;
+    near_.push_back({t.triangle, box_of(t.corners), mesh::CornerLanes(t.corners)});
   });
 }
 
@@ -73,8 +64,9 @@ bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<
     const mesh::PlaneFilter plane(corners);
     for (const Near& near : near_) {
       if (!box.meets(near.box) || plane.is_apart(near.corners)) continue;
-      if (mesh::PlaneFilter(corners_[near.triangle]).is_apart(lanes)) continue;
-      if (mesh::find_overlap(triangle, placed(corners_[near.triangle])).meet) met_.push_back({i, near.triangle});
+      const Corners& other = at(near.triangle).corners;
+      if (mesh::PlaneFilter(other).is_apart(lanes)) continue;
+      if (mesh::find_overlap(triangle, placed(other)).meet) met_.push_back({i, near.triangle});
     }
     for (std::uint32_t j = 0; j < i; ++j) {
       if (plane.is_apart(mesh::CornerLanes(changed[j].corners))) continue;
@@ -90,7 +82,7 @@ bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<
 // Returns whether a triangle can be in a pair of the original mesh. Changed triangles of two patches can intersect,
 // too, until that is undone.
 bool IntersectionGuard::may_have_met(std::uint32_t t) const {
-  return counts_[t] != 0 && (state_.changed_by[patch_[t]] == kNone || state_.tangled[patch_[t]] != 0);
+  return at(t).counts && (state_.changed_by[patch_[t]] == kNone || state_.tangled[patch_[t]] != 0);
 }
 
 // Returns whether each partner in met_ is one of the triangles around the vertex before the collapse, and the pairs do
@@ -100,19 +92,19 @@ bool IntersectionGuard::met_before(std::span<const std::uint32_t> around) const 
   for (std::size_t i = 0; i < around.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (!may_have_met(around[i]) || !may_have_met(around[j])) continue;
-      before += meet(corners_[around[i]], corners_[around[j]]) ? 1 : 0;
+      before += meet(at(around[i]).corners, at(around[j]).corners) ? 1 : 0;
     }
   }
   std::vector<std::uint32_t> partners;
   for (const auto& [i, t] : met_) {
-    if (looked_[t] != look_) partners.push_back(t);
+    if (at(t).looked != look_) partners.push_back(t);
   }
   if (before == 0 && partners.size() < met_.size()) return false;
   std::ranges::sort(partners);
   partners.erase(std::unique(partners.begin(), partners.end()), partners.end());
   for (const std::uint32_t partner : partners) {
     const auto pairs = static_cast<std::size_t>(std::ranges::count_if(around, [&](std::uint32_t t) {
-      return may_have_met(t) && may_have_met(partner) && meet(corners_[t], corners_[partner]);
+      return may_have_met(t) && may_have_met(partner) && meet(at(t).corners, at(partner).corners);
     }));
     if (pairs == 0) return false;
     before += pairs;
@@ -121,10 +113,11 @@ bool IntersectionGuard::met_before(std::span<const std::uint32_t> around) const 
 }
 
 void IntersectionGuard::replace(std::span<const std::uint32_t> around, std::span<const Changed> changed) {
-  for (const std::uint32_t t : around) counts_[t] = 0;
+  for (const std::uint32_t t : around) at(t).counts = false;
   for (const Changed& c : changed) {
-    counts_[c.triangle] = 1;
-    corners_[c.triangle] = c.corners;
+    Placed& own = at(c.triangle);
+    own.counts = true;
+    own.corners = c.corners;
     tree_.enlarge(slots_[c.triangle], box_of(c.corners));
   }
 }

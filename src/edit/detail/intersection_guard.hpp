@@ -31,7 +31,7 @@ class IntersectionGuard {
   IntersectionGuard(CollapseState& state, std::span<const std::uint32_t> patch);
 
   // Bytes for each triangle of the patch.
-  static constexpr std::uint64_t kTriangleBytes = sizeof(Corners) + 2 * sizeof(std::uint32_t) + 1 +
+  static constexpr std::uint64_t kTriangleBytes = sizeof(Corners) + 4 * sizeof(std::uint32_t) +
                                                   sizeof(mesh::BoxTree::Item) + sizeof(std::uint32_t) +
                                                   sizeof(mesh::FloatBox);
 
@@ -44,6 +44,13 @@ class IntersectionGuard {
   void replace(std::span<const std::uint32_t> around, std::span<const Changed> changed);
 
  private:
+  // A triangle of the patch, in the stored positions.
+  struct Placed {
+    Corners corners;
+    std::uint32_t triangle;    // its position in the patch
+    std::uint32_t looked = 0;  // the last look in which it was around the vertex
+    bool counts = true;        // false: removed, or without area
+  };
   // A triangle near the changed ones.
   struct Near {
     std::uint32_t triangle;
@@ -51,9 +58,10 @@ class IntersectionGuard {
     mesh::CornerLanes corners;
   };
 
-  [[nodiscard]] static std::vector<Corners> corners_of(const CollapseState& state,
-                                                       std::span<const std::uint32_t> patch);
-  [[nodiscard]] static mesh::BoxTree tree_of(std::span<const Corners> corners);
+  [[nodiscard]] static Corners corners_of(const CollapseState& state, std::uint32_t triangle);
+  [[nodiscard]] static mesh::BoxTree tree_of(const CollapseState& state, std::span<const std::uint32_t> patch);
+  [[nodiscard]] Placed& at(std::uint32_t t) { return placed_[slots_[t]]; }
+  [[nodiscard]] const Placed& at(std::uint32_t t) const { return placed_[slots_[t]]; }
   [[nodiscard]] static mesh::FloatBox box_of(const Corners& c) { return mesh::box_around(c[0], c[1], c[2]); }
   [[nodiscard]] static mesh::PlacedTriangle placed(const Corners& c);
   [[nodiscard]] static bool meet(const Corners& a, const Corners& b);
@@ -63,11 +71,9 @@ class IntersectionGuard {
 
   CollapseState& state_;
   std::span<const std::uint32_t> patch_;
-  std::vector<Corners> corners_;       // of each triangle of the patch, in the stored positions
-  std::vector<char> counts_;           // 0: removed, or without area
-  mesh::BoxTree tree_;                 // over the positions in the patch
-  std::vector<std::uint32_t> slots_;   // the tree's slot of each triangle
-  std::vector<std::uint32_t> looked_;  // the last look in which the triangle was around the vertex
+  mesh::BoxTree tree_;                // over the positions in the patch
+  std::vector<std::uint32_t> slots_;  // the tree's slot of each triangle
+  std::vector<Placed> placed_;        // by slot, so that triangles of a leaf are neighbors in memory
   std::uint32_t look_ = 0;
   std::vector<Near> near_;
   std::vector<std::array<std::uint32_t, 2>> met_;  // pairs: number in `changed`, triangle of the patch

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -48,8 +50,10 @@ class PatchMesh {
         *link = next_corner_[corner];
         continue;
       }
-      const auto at = static_cast<int>(corner % 3);
-      ring.around.push_back({t, corners_[t][(at + 1) % 3], corners_[t][(at + 2) % 3]});
+      // An index into the vector itself would be a branch for each corner.
+      const auto corners = std::bit_cast<std::array<std::uint32_t, 3>>(corners_[t]);
+      const std::uint32_t at = corner % 3;
+      ring.around.push_back({t, corners[(at + 1) % 3], corners[(at + 2) % 3]});
       link = &next_corner_[corner];
     }
     if (leaves_[v] == 0) {
@@ -182,12 +186,26 @@ class PatchMesh {
     }
   }
 
+  // Returns whether the triangles around a vertex form one closed fan within a sheet: a cycle through all of them.
+  [[nodiscard]] bool is_closed_fan(const std::vector<Around>& around) const {
+    std::size_t at = 0;
+    for (std::size_t walked = 1; sheet(around[at].triangle) == sheet(around[0].triangle); ++walked) {
+      const std::uint32_t w = around[at].next;
+      if (w == around[0].from) return walked == around.size();
+      if (walked == around.size()) return false;
+      at = static_cast<std::size_t>(std::ranges::find(around, w, &Around::from) - around.begin());
+      if (at == around.size()) return false;
+    }
+    return false;
+  }
+
   // Returns 0 if the triangles around a vertex form one closed fan within a sheet. Returns the number of fans if they
   // are leaves along a curve: each within a sheet, and from one to the other of the same two curve edges. A boundary is
   // a curve with one leaf. Returns null for any other vertex.
   [[nodiscard]] std::optional<std::uint8_t> count_leaves(const Ring& ring) const {
     const std::vector<Around>& around = ring.around;
     if (around.empty()) return std::nullopt;
+    if (is_closed_fan(around)) return std::uint8_t{0};
     std::vector<std::uint32_t> ends;  // of curve edges
     for (const std::uint32_t w : ring.neighbors) {
       if (is_curve_edge(ring, w)) ends.push_back(w);
