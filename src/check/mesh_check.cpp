@@ -103,8 +103,8 @@ std::string reason(Requirement requirement, const MeshCheck& check, std::uint64_
   const mesh::Topology& topology = check.topology;
   switch (requirement) {
     case Requirement::closed:
-      return fmt::format("{} in {}", count_text(count, "open edge", "open edges"),
-                         count_text(check.loops.size(), "loop", "loops"));
+      return count_text(count, "open edge", "open edges") +
+             (check.loops.empty() ? std::string() : " in " + count_text(check.loops.size(), "loop", "loops"));
     case Requirement::manifold:
       return both(count_text(topology.nonmanifold_edges, "edge", "edges") + " of more than two triangles",
                   topology.nonmanifold_edges,

@@ -50,7 +50,8 @@ struct MeshCheck {
 [[nodiscard]] Result<void> weld_coincident_vertices(mesh::Mesh& mesh, const Context& context);
 
 // Returns why the mesh does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. A mesh
-// without triangles meets none.
+// without triangles meets none. `check` may have only the facts that the requirement is about; it then tells of no
+// loops.
 [[nodiscard]] std::optional<std::string> unmet_reason(Requirement requirement, const MeshCheck& check);
 
 }  // namespace isoextract::check

@@ -58,8 +58,10 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   std::optional<Error> failed;
   for (const std::size_t i : sampled_frames(plan)) {
     const batch::FrameJob& frame = plan.batch.frames[i];
-    const bool whole_meshes = plan.measures_meshes() || plan.batch.animation;
-    const auto bytes = convert::estimated_memory(frame.job, whole_meshes, plan.common.context.memory());
+    const auto use = plan.batch.animation     ? convert::MeshUse::whole
+                     : plan.measures_meshes() ? convert::MeshUse::figures
+                                              : convert::MeshUse::none;
+    const auto bytes = convert::estimated_memory(frame.job, use, plan.common.context.memory());
     if (!bytes) {
       if (!failed) failed = bytes.error();
       messages.note({NoteId::memory_unknown, fmt::format("frame {}: the dry run cannot estimate the memory: {}",

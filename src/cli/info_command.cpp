@@ -76,7 +76,8 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
   if (report.labels) report.size.vertices = report.labels->map.faces;
   report.whole_mesh_bytes = convert::estimated_bytes(report.size);
   report.bytes = report.labels ? report.whole_mesh_bytes
-                               : convert::estimated_bytes_by_parts(report.size, convert::MeshFileOptions(), true);
+                               : convert::estimated_bytes_by_parts(report.size, convert::MeshFileOptions(),
+                                                                   convert::Normals::smooth);
   report.fits_one_mesh = fits_one_mesh(report.field);
   if ((separates || report.labels) && report.fits_one_mesh) {
     const std::string surfaces =

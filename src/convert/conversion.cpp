@@ -178,8 +178,9 @@ class Conversion {
     for (const ResolvedIso& iso : isos) {
       TRY(context_.check());
       source_.set_inside_side(iso.id.iso_or_zero());
-      const std::unique_ptr<mesh::MeshSink> sink = sink_of(isos, file);
-      TRY(check_sharing(sink != nullptr));
+      const StageContext stage{job_, source_, maker().facts(false), context_};
+      const std::unique_ptr<PartwiseOutput> sink = sink_of(isos, file, stage);
+      TRY(check_sharing(sink != nullptr && sink->ranks() != nullptr));
       MadeSurface made = maker(sink.get()).make(iso);
       if (!made.surface && backends_.fall_back_to_cpu(made.surface.error())) made = maker(sink.get()).make(iso);
       if (!made.surface && sink == nullptr && !source_.of_meshes) add_partwise_hint(made.surface.error());
@@ -189,10 +190,11 @@ class Conversion {
   }
 
   // Returns a sink that writes the only surface of a file during extraction; null if a stage needs the whole mesh.
-  std::unique_ptr<mesh::MeshSink> sink_of(std::span<const ResolvedIso> isos, OutputMeshes& file) const {
+  std::unique_ptr<PartwiseOutput> sink_of(std::span<const ResolvedIso> isos, OutputMeshes& file,
+                                          const StageContext& stage) const {
     const bool is_only = file.job.isos.size() == 1 && isos.size() == 1 && job_.source.more_grids.empty() && !labels_;
-    const bool may = is_only && collector_ == nullptr && !extras_.mesh_facts;
-    return may ? partwise_output(job_, source_, all_, isos.front().id, file.writer, ranks()) : nullptr;
+    if (!is_only || collector_ != nullptr) return nullptr;
+    return partwise_output(stage, isos.front().id, file.writer, ranks());
   }
 
   // Returns the ranks that share the conversion; null if this process does all of it.
@@ -320,7 +322,7 @@ class Conversion {
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
-  [[nodiscard]] SurfaceMaker maker(mesh::MeshSink* sink = nullptr) {
+  [[nodiscard]] SurfaceMaker maker(PartwiseOutput* sink = nullptr) {
     const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
     return {job_, source_,        backends_.extractor(), backends_.other(), labels, looks_,
             all_, source_.meshes, extras_.mesh_facts,    context_,          sink};

@@ -73,8 +73,8 @@ std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::Volum
 }
 
 // Returns the estimated memory of the surfaces of one grid.
-Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid,
-                                     bool whole_meshes, const MemoryBudget& memory) {
+Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid, MeshUse use,
+                                     const MemoryBudget& memory) {
   const Context context(memory.part());
   if (job.writes<ParticleFileOptions>() != nullptr) {
     return kProgramBytes + TRY(particle_file_memory(job, context));
@@ -103,9 +103,10 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     // For labels, 0.5 estimates the surface around all of them together.
     if (iso.asked.is_label() && std::exchange(has_labels, true)) continue;
     const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.id.iso());
-    const bool by_parts = !whole_meshes && !iso.asked.is_label() && goes_by_parts(job, source, iso.id.iso());
+    const bool by_parts = use != MeshUse::whole && !iso.asked.is_label() && goes_by_parts(job, source, iso.id.iso());
+    const bool has_figures = use == MeshUse::figures || !job.edits.require.empty();
     std::uint64_t bytes =
-        by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals == Normals::smooth) : estimated_bytes(size);
+        by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals, has_figures) : estimated_bytes(size);
     bytes += attribute_bytes(source, size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices);
     // About a vertex for each cell that the surface crosses.
@@ -129,20 +130,35 @@ std::uint64_t mesh_bytes(const ConversionSize& size, bool has_normals) {
   return size.vertices * (has_normals ? 2 : 1) * sizeof(glm::vec3) + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
+// Returns what `parts` parts of a mesh take, if all of it takes `bytes`.
+std::uint64_t bytes_of_parts(const ConversionSize& size, std::uint64_t parts, std::uint64_t bytes) {
+  return bytes / size.slabs * std::min(parts, size.slabs) * 5 / 4;
+}
+
 // Returns the memory of the parts of a mesh that are in memory at a time, and of what is made of them for the file.
-std::uint64_t parts_bytes(const ConversionSize& size, const MeshFileOptions& file, bool has_normals) {
+std::uint64_t parts_bytes(const ConversionSize& size, const MeshFileOptions& file, Normals normals) {
+  const bool has_normals = normals == Normals::smooth;
   const auto threads = static_cast<std::uint64_t>(usable_threads());
   const std::uint64_t record_bytes = 2 * threads << 20U;  // files::write_records()
-  const auto of_parts = [&](std::uint64_t parts, std::uint64_t bytes) {
-    return bytes / size.slabs * std::min(parts, size.slabs) * 5 / 4;
-  };
-  if (file.format == mesh_io::MeshFormat::stl) return of_parts(2, mesh_bytes(size, false)) + record_bytes;
+  const auto of_parts = [&](std::uint64_t parts, std::uint64_t bytes) { return bytes_of_parts(size, parts, bytes); };
+  // The vertices of another part give the normals of faces.
+  if (file.format == mesh_io::MeshFormat::stl || normals == Normals::flat)
+    return of_parts(2, mesh_bytes(size, false)) + record_bytes;
   if (file.format == mesh_io::MeshFormat::obj || file.ascii) {
     // A pass has either the vertices or the triangles.
     const std::uint64_t vertex_bytes = mesh_bytes(size, has_normals) - estimated_triangles(size) * sizeof(glm::uvec3);
     return of_parts(1, std::max(vertex_bytes, estimated_triangles(size) * sizeof(glm::uvec3))) + record_bytes;
   }
   return of_parts(threads, mesh_bytes(size, has_normals));
+}
+
+// Returns the memory of the parts of a mesh while mesh::PartwiseMeasures measures them.
+std::uint64_t measuring_bytes(const ConversionSize& size) {
+  // The part that waits, and the corners at its vertices.
+  constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3) + 5 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
+  constexpr std::uint64_t kTriangleBytes = 2 * sizeof(glm::uvec3) + 3 * sizeof(std::uint64_t);
+  return bytes_of_parts(size, 1, mesh_bytes(size, false)) +
+         bytes_of_parts(size, 1, size.vertices * kVertexBytes + estimated_triangles(size) * kTriangleBytes);
 }
 
 }  // namespace
@@ -182,15 +198,17 @@ std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.
 
 std::uint64_t estimated_bytes(const ConversionSize& size) { return bytes_without_mesh(size) + mesh_bytes(size, true); }
 
-std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file, bool has_normals) {
+std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file, Normals normals,
+                                       bool has_figures) {
   if (size.slabs == 0) return estimated_bytes(size);
-  return bytes_without_mesh(size) + parts_bytes(size, file, has_normals);
+  const std::uint64_t writing = parts_bytes(size, file, normals);
+  return bytes_without_mesh(size) + (has_figures ? std::max(writing, measuring_bytes(size)) : writing);
 }
 
-Result<std::uint64_t> estimated_memory(const ConversionJob& job, bool whole_meshes, const MemoryBudget& memory) {
+Result<std::uint64_t> estimated_memory(const ConversionJob& job, MeshUse use, const MemoryBudget& memory) {
   std::uint64_t most = 0;
   for (const std::optional<std::string>& grid : grids_of(job.source)) {
-    const auto bytes = memory_of_grid(job, grid, whole_meshes, memory);
+    const auto bytes = memory_of_grid(job, grid, use, memory);
     if (!bytes) return bytes;
     most = std::max(most, *bytes);
   }

@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/byte_size.hpp"
 #include "base/context.hpp"
@@ -77,7 +79,10 @@ template <SurfacePasses Surface>
                                 .distinct_positions = surface.placement().keeps_vertices_apart()};
     const bool takes = TRY(offer_mesh(*options.sink, shape, sizes, cap, context));
     if (!takes) return {};
-    for (const mesh::PartPass& pass : options.sink->passes()) {
+    const std::vector<mesh::PartPass> passes = options.sink->passes();
+    for (std::size_t p = 0; p < passes.size(); ++p) {
+      const mesh::PartPass& pass = passes[p];
+      TRY(options.sink->begin_pass(p));
       TRY(surface.deliver(*options.sink, pass));
       if (!cap.triangles.empty()) {
         TRY(deliver_cap(*options.sink, pass, sizes, cap, *box, surface.placement(), options, context));

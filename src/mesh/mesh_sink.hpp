@@ -1,6 +1,7 @@
 // The interface of a receiver that takes a mesh part by part during extraction. The whole mesh is never in memory.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -70,6 +71,8 @@ class MeshSink {
   // Returns the passes in which the sink takes the parts; the mesh is made once for each. Call after begin(). Only a
   // sink without ranks may have more than one pass, or one in order.
   [[nodiscard]] virtual std::vector<PartPass> passes() const { return {PartPass()}; }
+  // Called before the parts of each pass, with its index in passes().
+  [[nodiscard]] virtual Result<void> begin_pass(std::size_t /*pass*/) { return {}; }
   // Takes one part, as passes() says. In each pass, the parts cover the mesh, without overlap. The arrays of the part
   // are valid only during the call.
   [[nodiscard]] virtual Result<void> take(const MeshPart& part) = 0;

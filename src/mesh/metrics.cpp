@@ -2,22 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
 #include "base/parallel.hpp"
+#include "mesh/detail/triangle_sums.hpp"
 
 namespace isoextract::mesh {
 namespace {
 
-// Chunks of fixed size, so that sums do not depend on the number of threads.
-constexpr std::size_t kTrianglesAtATime = 1 << 15;
+constexpr std::size_t kPositionsAtATime = 1 << 15;
 
 }  // namespace
 
 LocalBounds measure_local_bounds(const Mesh& mesh) {
   if (mesh.positions.empty()) return {};
   return reduce_ranges(
-             mesh.positions.size(), kTrianglesAtATime, GrowingBounds(),
+             mesh.positions.size(), kPositionsAtATime, GrowingBounds(),
              [&](std::size_t begin, std::size_t end, GrowingBounds bounds) {
                bounds.add(mesh.positions.span().subspan(begin, end - begin));
                return bounds;
@@ -37,7 +35,7 @@ Bounds measure_bounds(const Mesh& mesh) {
 
 float farthest_coordinate(std::span<const glm::vec3> positions) {
   return reduce_ranges(
-      positions.size(), kTrianglesAtATime, 0.0F,
+      positions.size(), kPositionsAtATime, 0.0F,
       [&](std::size_t begin, std::size_t end, float farthest) {
         for (std::size_t v = begin; v != end; ++v) {
           const glm::vec3 size = glm::abs(positions[v]);
@@ -50,27 +48,13 @@ float farthest_coordinate(std::span<const glm::vec3> positions) {
 
 MeshSize measure_size(const Mesh& mesh) {
   if (mesh.triangles.empty()) return {};
-  // The volume is a sum of tetrahedra with a vertex of the mesh as apex: it is never far away, so little cancels.
   const glm::dvec3 apex(mesh.positions[0]);
   return reduce_ranges(
-      mesh.triangles.size(), kTrianglesAtATime, MeshSize{},
-      [&](std::size_t begin, std::size_t end, MeshSize sum) {
-        for (std::size_t t = begin; t != end; ++t) {
-          const glm::uvec3 triangle = mesh.triangles[t];
-          const glm::dvec3 a(mesh.positions[triangle.x]);
-          const glm::dvec3 b(mesh.positions[triangle.y]);
-          const glm::dvec3 c(mesh.positions[triangle.z]);
-          const glm::dvec3 normal = glm::cross(b - a, c - a);
-          const double length = glm::length(normal);
-          sum.area += length / 2;
-          sum.volume += glm::dot(a - apex, normal) / 6;
-          sum.zero_area_triangles += length == 0 ? 1 : 0;
-        }
-        return sum;
+      mesh.triangles.size(), kSizeGrain, MeshSize{},
+      [&](std::size_t begin, std::size_t end, const MeshSize& sum) {
+        return with_sizes(sum, mesh.positions.span(), mesh.triangles.span().subspan(begin, end - begin), apex);
       },
-      [](const MeshSize& a, const MeshSize& b) {
-        return MeshSize{a.area + b.area, a.volume + b.volume, a.zero_area_triangles + b.zero_area_triangles};
-      });
+      joined);
 }
 
 double typical_edge(const Mesh& mesh) {

@@ -13,6 +13,7 @@
 #include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/adjacency.hpp"
+#include "mesh/detail/topology_part.hpp"
 
 namespace isoextract::mesh {
 namespace {
@@ -96,110 +97,23 @@ class VertexRanges {
   std::array<std::uint64_t, kMost> corners_{};
 };
 
-// The facts that one thread finds, vertex by vertex, for each part of the mesh. An edge counts at the lower of its
-// ends.
-class Part {
- public:
-  explicit Part(std::size_t parts) : facts_(parts) {}
-
-  void look_at(std::uint32_t vertex, std::size_t part, std::span<const Corner> corners,
-               std::span<const glm::uvec3> triangles) {
-    Topology& facts = facts_[part];
-    sound_.clear();
-    ways_.clear();
-    for (const Corner corner : corners) {
-      const glm::uvec3& t = triangles[triangle_of(corner)];
-      if (has_repeated_index(t)) continue;
-      const auto c = static_cast<int>(corner % 3);
-      sound_.push_back(corner);
-      ways_.push_back({t[(c + 1) % 3], t[(c + 2) % 3]});
-    }
-    if (sound_.empty()) {
-      ++facts.unused_vertices;
-    } else if (forms_closed_fan()) {
-      for (const Way& way : ways_) facts.edges += way.to > vertex ? 1 : 0;
-    } else {
-      look_at_edges(vertex, triangles, facts);
-    }
-  }
-
-  [[nodiscard]] const std::vector<Topology>& facts() const { return facts_; }
-
- private:
-  // A triangle's path around the vertex: the edges by which it leaves and returns.
-  struct Way {
-    std::uint32_t to;
-    std::uint32_t from;
-  };
-
-  // Returns whether the triangles form one closed fan: each is followed by the one that leaves along the edge by which
-  // it returns, until all have been met. Every edge then has two triangles, which run along it in opposite directions.
-  // Almost every vertex is like this, and this test takes few comparisons.
-  [[nodiscard]] bool forms_closed_fan() const {
-    constexpr std::size_t kMany = 32;  // with more triangles sorting is faster
-    if (ways_.size() > kMany) return false;
-    std::size_t at = 0;
-    for (std::size_t met = 1;; ++met) {
-      std::size_t next = 0;
-      while (next < ways_.size() && ways_[next].to != ways_[at].from) ++next;
-      if (next == ways_.size() || met > ways_.size()) return false;
-      if (next == 0) return met == ways_.size();
-      at = next;
-    }
-  }
-
-  void look_at_edges(std::uint32_t vertex, std::span<const glm::uvec3> triangles, Topology& facts) {
-    star_.look_at(sound_, triangles);
-    if (star_.fans() > 1) ++facts.nonmanifold_vertices;
-    const auto sides = star_.sides();
-    for (std::size_t first = 0; first < sides.size();) {
-      std::size_t last = first;
-      while (last < sides.size() && sides[last].end == sides[first].end) ++last;
-      if (sides[first].end > vertex) add_edge(sides.subspan(first, last - first), facts);
-      first = last;
-    }
-  }
-
-  static void add_edge(std::span<const VertexStar::Side> sides, Topology& facts) {
-    ++facts.edges;
-    if (sides.size() == 1) ++facts.open_edges;
-    if (sides.size() > 2) ++facts.nonmanifold_edges;
-    if (sides.size() == 2 && sides[0].outgoing == sides[1].outgoing) ++facts.misoriented_edges;
-  }
-
-  std::vector<Topology> facts_;
-  VertexStar star_;
-  std::vector<Corner> sound_;
-  std::vector<Way> ways_;  // one per corner in `sound_`
-};
-
 // part_of(vertex) returns a number below `count`; the results leave unused vertices to the caller.
 template <class PartOf>
 std::vector<Topology> look_at_vertices(std::span<const glm::uvec3> triangles, const VertexRanges& ranges,
                                        std::size_t count, const PartOf& part_of) {
-  tbb::enumerable_thread_specific<Part> parts([&] { return Part(count); });
+  tbb::enumerable_thread_specific<TopologyPart> parts([&] { return TopologyPart(count); });
   for (std::size_t range = 0; range < ranges.count(); ++range) {
     const Buckets<Corner> corners = ranges.corners(range);
     const std::size_t first = ranges.first(range);
     for_each_range(ranges.end(range) - first, kVerticesTogether, [&](std::size_t begin, std::size_t end) {
-      Part& part = parts.local();
+      TopologyPart& part = parts.local();
       for (std::size_t v = begin; v != end; ++v) {
         part.look_at(static_cast<std::uint32_t>(first + v), part_of(first + v), corners.at(v), triangles);
       }
     });
   }
   std::vector<Topology> results(count);
-  for (const Part& part : parts) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Topology& facts = part.facts()[i];
-      results[i].edges += facts.edges;
-      results[i].open_edges += facts.open_edges;
-      results[i].nonmanifold_edges += facts.nonmanifold_edges;
-      results[i].misoriented_edges += facts.misoriented_edges;
-      results[i].nonmanifold_vertices += facts.nonmanifold_vertices;
-      results[i].unused_vertices += facts.unused_vertices;
-    }
-  }
+  for (const TopologyPart& part : parts) part.add_to(results);
   return results;
 }
 

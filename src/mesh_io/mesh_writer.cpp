@@ -24,7 +24,7 @@ constexpr std::array kFormats = {
     MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true, false, false,
                    true},
     MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true,
-                   false, false, false},
+                   false, false, true},
     MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true, false,
                    false, true},
     MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false, false, false, true},
@@ -57,14 +57,16 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
   }
   if (info.can_stream) return {};
   if (files::is_stream(path)) {
-    return fail(
-        ErrorCode::usage,
-        fmt::format("{}: the format {} consists of two files, which cannot go to a stream", path.string(), info.name),
-        {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
+    return fail(ErrorCode::usage,
+                fmt::format("{}: the format {} consists of two files, which "
+                            "cannot go to a stream",
+                            path.string(), info.name),
+                {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
   }
   if (path.extension() == ".bin") {
     return fail(ErrorCode::usage,
-                fmt::format("{}: the second file of the format {}, with the data, would have the same name",
+                fmt::format("{}: the second file of the format {}, with the "
+                            "data, would have the same name",
                             path.string(), info.name),
                 "use a name that ends in .gltf");
   }
@@ -75,22 +77,8 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
 constexpr std::uint64_t kMostHeldBytes = std::uint64_t{64} << 20;
 
 // Returns whether the parts of a mesh can come in any order: their places in the file do not depend on the others.
-bool has_fixed_places(const MeshWriteOptions& options) {
-  return options.format == MeshFormat::glb || (options.format == MeshFormat::ply && !options.ascii);
-}
-
-// `options` have a format that takes parts.
-std::unique_ptr<PartwiseWriter> make_partwise_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
-                                                     const Context& context, files::OutputFile& file) {
-  switch (options.format) {
-    case MeshFormat::glb: return make_partwise_glb_writer(head, options, file);
-    case MeshFormat::ply: return make_partwise_ply_writer(head, options, file);
-    case MeshFormat::obj: return make_partwise_obj_writer(head, options, file);
-    case MeshFormat::stl: return make_partwise_stl_writer(head, options, context, file);
-    case MeshFormat::gltf:
-    case MeshFormat::drc: break;
-  }
-  return nullptr;
+bool takes_any_order(const fs::path& path, const MeshWriteOptions& options) {
+  return has_fixed_places(options.format, options.ascii) && !files::is_stream(path);
 }
 
 // Returns the size of a mesh without its attributes.
@@ -127,6 +115,10 @@ mesh::Bounds bounds_of(std::span<const mesh::Mesh> meshes) {
 }
 
 }  // namespace
+
+bool has_fixed_places(MeshFormat format, bool ascii) {
+  return format == MeshFormat::glb || (format == MeshFormat::ply && !ascii);
+}
 
 bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
 
@@ -174,7 +166,9 @@ Result<void> check_packing(const MeshPacking& packing, MeshFormat format) {
   if (draco && packing.quantize)
     return fail(ErrorCode::usage, "Draco already quantizes positions, with its own number of bits");
   if (draco && packing.optimize_order)
-    return fail(ErrorCode::usage, "Draco orders vertices and triangles by itself: an optimized order has no effect");
+    return fail(ErrorCode::usage,
+                "Draco orders vertices and triangles by "
+                "itself: an optimized order has no effect");
   if (!packing.position_bits) return {};
   if (!draco) return fail(ErrorCode::usage, "a number of position bits requires Draco compression");
   if (*packing.position_bits < kMinPositionBits || *packing.position_bits > kMaxPositionBits) {
@@ -208,8 +202,10 @@ struct MeshWriter::State {
   }
 
   [[nodiscard]] Result<void> check_vertex_precision(const mesh::Mesh& mesh);
+  [[nodiscard]] fs::path binary_path() const { return fs::path(path).replace_extension(".bin"); }
   [[nodiscard]] Result<void> open_file();
   [[nodiscard]] Result<void> open();
+  [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_writer();
   [[nodiscard]] Result<std::unique_ptr<PartwiseWriter>> begin_parts(const mesh::MeshShape& shape);
   [[nodiscard]] Result<bool> join_ranks(const mesh::MeshShape& shape);
   [[nodiscard]] Result<void> finish_parts();
@@ -227,18 +223,24 @@ Result<void> MeshWriter::State::check_vertex_precision(const mesh::Mesh& mesh) {
   return {};
 }
 
+// For .gltf, opens the .bin, too.
 Result<void> MeshWriter::State::open_file() {
   auto opened = files::OutputFile::create(path);
   if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
   file = std::move(*opened);
   if (options.hash_files) file->keep_hash();
+  if (options.format != MeshFormat::gltf) return {};
+  auto data = files::OutputFile::create(binary_path());
+  if (!data) return tl::unexpected<Error>(std::move(data.error()));
+  binary = std::move(*data);
+  if (options.hash_files) binary->keep_hash();
   return {};
 }
 
 // Opens the files and makes the format's writer, on the first call.
 Result<void> MeshWriter::State::open() {
   if (format != nullptr || parts != nullptr) return {};
-  TRY(open_file());
+  if (!file) TRY(open_file());
   switch (options.format) {
     case MeshFormat::glb: format = make_glb_writer(options, context, *file); break;
     case MeshFormat::ply: format = std::make_unique<OneMeshWriter>(write_ply, options, *file); break;
@@ -246,12 +248,7 @@ Result<void> MeshWriter::State::open() {
     case MeshFormat::obj: format = make_obj_writer(options, context, *file); break;
     case MeshFormat::drc: format = make_drc_writer(options, context, *file); break;
     case MeshFormat::gltf:
-      const fs::path binary_path = fs::path(path).replace_extension(".bin");
-      auto opened = files::OutputFile::create(binary_path);
-      if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
-      binary = std::move(*opened);
-      if (options.hash_files) binary->keep_hash();
-      format = make_gltf_writer(options, context, *file, *binary, binary_path.filename().string());
+      format = make_gltf_writer(options, context, *file, *binary, binary_path().filename().string());
   }
   return {};
 }
@@ -284,9 +281,11 @@ Result<void> MeshWriter::State::write_held() {
 }
 
 std::string MeshWriter::State::left_out_note() const {
-  return fmt::format("{} cannot store vertex attributes: the writer omits {}; {} store attributes",
-                     mesh_format_info(options.format).name, fmt::join(left_out, ", "),
-                     names_of_formats(&MeshFormatInfo::has_attributes));
+  return fmt::format(
+      "{} cannot store vertex attributes: the writer omits {}; "
+      "{} store attributes",
+      mesh_format_info(options.format).name, fmt::join(left_out, ", "),
+      names_of_formats(&MeshFormatInfo::has_attributes));
 }
 
 // `last` holds the meshes that are not written yet.
@@ -304,8 +303,7 @@ Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> la
   MeshWriteResult result{{{path.string(), file->bytes_written(), file->hash()}}, std::move(notes), {}};
   if (options.packing.packs()) result.packed = format->packed();
   if (has_binary) {
-    result.files.push_back(
-        {fs::path(path).replace_extension(".bin").string(), binary->bytes_written(), binary->hash()});
+    result.files.push_back({binary_path().string(), binary->bytes_written(), binary->hash()});
   }
   return result;
 }
@@ -345,13 +343,28 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
   });
 }
 
-// Returns null if the format declines the mesh.
-Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mesh::MeshShape& shape) {
-  auto writer = make_partwise_writer(head, options, context, *file);
-  const bool takes = TRY(writer->begin(shape));
-  if (takes) return writer;
-  file.reset();
+// The format takes parts, and the files are open.
+std::unique_ptr<PartwiseWriter> MeshWriter::State::make_partwise_writer() {
+  const bool any = takes_any_order(path, options);
+  switch (options.format) {
+    case MeshFormat::glb: return (any ? make_partwise_glb_writer : make_ordered_glb_writer)(head, options, *file);
+    case MeshFormat::ply:
+      return (any ? make_partwise_ply_writer : make_ordered_ply_writer)(head, options, context, *file);
+    case MeshFormat::obj: return make_partwise_obj_writer(head, options, context, *file);
+    case MeshFormat::stl: return make_partwise_stl_writer(head, options, context, *file);
+    case MeshFormat::gltf:
+      return make_partwise_gltf_writer(head, options, *file, *binary, binary_path().filename().string());
+    case MeshFormat::drc: break;
+  }
   return nullptr;
+}
+
+// Returns null if the format declines the mesh; it has then written nothing.
+Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mesh::MeshShape& shape) {
+  auto writer = make_partwise_writer();
+  const bool takes = TRY(writer->begin(shape));
+  if (!takes) writer = nullptr;
+  return writer;
 }
 
 // Opens the file on all ranks. Rank 0 makes it, with its full size, before the others open it.
@@ -360,6 +373,7 @@ Result<bool> MeshWriter::State::join_ranks(const mesh::MeshShape& shape) {
     file = TRY(files::OutputFile::create_shared(path));
     if (options.hash_files) file->keep_hash();
     parts = TRY(begin_parts(shape));
+    if (parts == nullptr) file.reset();
   }
   const auto told = TRY(ranks->gather(parts != nullptr ? file->shared_name() : std::string()));
   if (told.front().empty()) return false;
@@ -385,11 +399,11 @@ Result<void> MeshWriter::State::finish_parts() {
 Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks) {
   State& state = *state_;
   const MeshWriteOptions& options = state.options;
-  const bool has_flat_normals = options.flat_normals && options.format != MeshFormat::stl;  // it has no others
-  const bool needs_whole_mesh = !mesh_format_info(options.format).takes_parts || has_flat_normals ||
+  const bool splits_triangles = options.flat_normals && is_gltf(options.format);
+  const bool needs_whole_mesh = !mesh_format_info(options.format).takes_parts || splits_triangles ||
                                 options.packing.packs() || options.packing.optimize_order || !head.attributes.empty() ||
-                                shape.origin != glm::dvec3(0) || files::is_stream(state.path) ||
-                                (ranks != nullptr && !has_fixed_places(options));
+                                shape.origin != glm::dvec3(0) ||
+                                (ranks != nullptr && (options.flat_normals || !takes_any_order(state.path, options)));
   if (needs_whole_mesh || state.count > 0) return false;
   return state.attempt([&]() -> Result<bool> {
     TRY(check(1, state.path, options));
@@ -408,6 +422,8 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
 }
 
 std::vector<mesh::PartPass> MeshWriter::part_passes() const { return state_->parts->passes(); }
+
+Result<void> MeshWriter::begin_pass(std::size_t pass) const { return state_->parts->begin_pass(pass); }
 
 Result<void> MeshWriter::take_part(const mesh::MeshPart& part) const { return state_->parts->take(part); }
 

@@ -28,6 +28,10 @@ constexpr auto words_of(MeshFormat /*type*/) {
                     Word{MeshFormat::obj, "obj"}, Word{MeshFormat::stl, "stl"},   Word{MeshFormat::drc, "drc"}};
 }
 
+// Returns whether a file of this format has one place for each vertex and triangle, so that parts can come in any
+// order, also from several ranks. False for text, and for STL, whose triangles have their own copies of the vertices.
+[[nodiscard]] bool has_fixed_places(MeshFormat format, bool ascii);
+
 // Returns true for glb and gltf, in which y points up, lengths are in meters and meshes have materials.
 [[nodiscard]] bool is_gltf(MeshFormat format);
 
@@ -92,10 +96,10 @@ struct MeshWriteResult {
 // first mesh. finish() gives the file its name; a writer destroyed without finish() leaves no file behind.
 //
 // Formats with MeshFormatInfo::writes_each_mesh_at_once write each mesh in add() and free it. The others hold all
-// meshes until finish(): a GLB begins with the offsets of all its data. Beyond 64 MiB, a GLB of several unpacked
-// meshes gets the data of each mesh in add(), and finish() moves all of it behind the JSON.
-// Standard output, pipes and devices must receive no bytes if a later surface fails, so the writer also holds the
-// meshes for them. It holds them, too, if it quantizes positions and packing.box is unset: it needs the box of all.
+// meshes until finish(): a GLB begins with the offsets of all its data. Beyond 64 MiB, a GLB of several unpacked meshes
+// gets the data of each mesh in add(), and finish() moves all of it behind the JSON. Standard output, pipes and devices
+// must receive no bytes if a later surface fails, so the writer also holds the meshes that add() gets for them. It
+// holds them, too, if it quantizes positions and packing.box is unset: it needs the box of all.
 class MeshWriter {
  public:
   MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context);
@@ -111,15 +115,16 @@ class MeshWriter {
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Begins the only mesh of the file, whose parts take_part() writes. `head` is the mesh without its arrays. Works for
-  // PLY, OBJ, STL and unpacked GLB in regular files, without attributes or an origin, and with flat normals only in
-  // STL. A GLB must have 32-bit indices, and an OBJ no vertex copies for normals. Otherwise returns false and does
-  // nothing: add the whole mesh. Fails like add(). If `ranks` is not null, these ranks write a binary PLY or a GLB
-  // together: all of them call it with the same mesh, each writes its parts, and all call finish(). Only rank 0 knows
-  // the hash.
+  // PLY, OBJ, STL and unpacked glTF, without attributes or an origin. A glTF must have 32-bit indices and no flat
+  // normals, and an OBJ no vertex copies for normals. Otherwise returns false and does nothing: add the whole mesh.
+  // Fails like add(). If `ranks` is not null, these ranks write a binary PLY without flat normals or a GLB together:
+  // all of them call it with the same mesh, each writes its parts, and all call finish(). Only rank 0 knows the hash.
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
-  // After begin_parts() returned true, part_passes() are the passes of mesh::MeshSink, and take_part() writes a part.
-  // Fails with ErrorCode::output, for STL with ErrorCode::out_of_memory, too.
+  // After begin_parts() returned true, part_passes() are the passes of mesh::MeshSink, begin_pass() comes before each
+  // of them, and take_part() writes a part. They fail with ErrorCode::output, for STL and flat normals with
+  // ErrorCode::out_of_memory, too. A stream gets bytes with the parts, and ends incomplete if a later part fails.
   [[nodiscard]] std::vector<mesh::PartPass> part_passes() const;
+  [[nodiscard]] Result<void> begin_pass(std::size_t pass) const;
   [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;
 
   // Completes the file and gives it its name. Call once, last.

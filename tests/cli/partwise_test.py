@@ -1,9 +1,14 @@
 """Meshes that go to their file while they are made: the same bytes, in memory that does not grow with the mesh."""
 
+import csv
+import io
 import json
 import os
+import random
+import re
 import resource
 import struct
+import threading
 
 from support import ProgramTest, main
 
@@ -11,14 +16,17 @@ MIB = 1 << 20
 # Files whose parts are written to their places, and files that are written in order.
 PLACED = (("a.ply",), ("a.glb",))
 ORDERED = (("a.obj",), ("a.stl",), ("a.ply", "--ascii"), ("a.stl", "--ascii"))
-GYROID = ("demo:gyroid?size=160", "--iso", 0)
+# Normals of faces, which need the vertices of two parts.
+FLAT = (("a.ply", "--normals", "flat"), ("a.ply", "--normals", "flat", "--ascii"), ("a.obj", "--normals", "flat"))
+GYROID = ("demo:gyroid?size=80", "--iso", 0)
+WHOLE = ("--require", "no-duplicates")  # needs the mesh in memory, and changes nothing
 
 
 class PartwiseTest(ProgramTest):
     def assert_same_bytes(self, name, *arguments):
-        """A report examines the whole mesh, so the mesh is in memory then. Returns the bytes."""
+        """Returns the bytes."""
         self.convert(*arguments, "-o", f"parts_{name}")
-        self.convert(*arguments, "-o", f"whole_{name}", "--report", "r.json", "--quiet")
+        self.convert(*arguments, "-o", f"whole_{name}", *WHOLE, "--quiet")
         parts, whole = ((self.folder / f"{how}_{name}").read_bytes() for how in ("parts", "whole"))
         self.assertEqual(len(parts), len(whole), arguments)
         self.assertTrue(parts == whole, arguments)
@@ -29,6 +37,14 @@ class PartwiseTest(ProgramTest):
             for name, in PLACED:
                 with self.subTest(arguments=arguments, name=name):
                     self.assert_same_bytes(name, *arguments)
+
+    def test_model_and_data_are_those_of_whole_meshes(self):
+        for normals in ("none", "smooth", "flat"):
+            files = []
+            for folder, whole in (("parts", ()), ("whole", WHOLE)):
+                self.convert(*GYROID, "--normals", normals, *whole, "-o", f"{folder}/a.gltf", "--mkdir")
+                files.append([(self.folder / folder / name).read_bytes() for name in ("a.gltf", "a.bin")])
+            self.assertTrue(files[0] == files[1], normals)
 
     def test_bytes_in_order_are_those_of_whole_meshes(self):
         for arguments in self.conversions(("demo:gyroid?size=65", "--iso", 0)):
@@ -42,7 +58,7 @@ class PartwiseTest(ProgramTest):
         region = ("--roi", "-.5,-.4,-.3,.9,.9,.8")
         more = ((), ("--cap",), ("--cap", "--normals", "none"), ("--normals", "smooth"), ("--normals", "flat"),
                 ("--method", "mt"), ("--method", "mt", "--cap"), region, (*region, "--roi-snap"), ("--clip", "1,0,0,.1"),
-                ("--smooth", 3), ("--cap", "--require", "closed"), ("--threads", 1), ("--scale", 1e-3))
+                ("--smooth", 3), ("--threads", 1), ("--scale", 1e-3))
         return [(*gyroid, *options) for options in more] + [("demo:sphere?size=20", "--iso", 0)]
 
     def test_coordinates_far_from_the_origin(self):
@@ -64,7 +80,38 @@ class PartwiseTest(ProgramTest):
             self.assert_by_parts(True, *GYROID, *normals, "--cap", *output)
             self.assert_by_parts(False, *GYROID, "--method", "voxels", *output)
         self.assert_by_parts(True, *GYROID, "--touching", "apart", "-o", "a.ply")
-        self.assert_by_parts(False, *GYROID, "-o", "a.gltf")
+        for name, *form in FLAT:
+            self.assert_by_parts(True, *GYROID, *form, "--cap", "-o", name)
+        self.assert_by_parts(True, *GYROID, "-o", "a.gltf")
+        for name in ("a.gltf", "a.glb"):
+            self.assert_by_parts(False, *GYROID, "--normals", "flat", "-o", name)
+
+    def written_to_pipe(self, name, *arguments):
+        """The bytes that a named pipe gets."""
+        pipe = self.folder / name
+        os.mkfifo(pipe)
+        read = []
+        reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()))
+        reader.start()
+        self.convert(*arguments, "-o", name)
+        reader.join(60)
+        pipe.unlink()
+        return read[0]
+
+    def test_streams_get_the_bytes_of_files_part_by_part(self):
+        for name, *form in (*PLACED, *ORDERED, *FLAT):
+            shapes = ((*GYROID, "--normals", "smooth"), (*GYROID, "--cap"), ("demo:sphere?size=20", "--iso", 0))
+            for arguments in shapes if name != "a.stl" and "flat" not in form else shapes[1:]:
+                with self.subTest(name=name, form=form, arguments=arguments):
+                    self.convert(*arguments, *form, "-o", name)
+                    file = (self.folder / name).read_bytes()
+                    run = self.convert(*arguments, *form, "-o", "-", "--format", name[2:], "-v")
+                    self.assertTrue(run.out == file)
+                    # The indices of a small GLB have 16 bits, and caps with smooth normals need the whole mesh.
+                    is_flat = name == "a.stl" or "flat" in form
+                    is_whole = name == "a.glb" and arguments[0] != GYROID[0] or "--cap" in arguments and not is_flat
+                    self.assertEqual("extracted and written" in run.err, not is_whole)
+                    self.assertTrue(self.written_to_pipe(f"pipe_{name}", *arguments, *form) == file)
 
     def test_stl_of_a_skewed_grid(self):
         """Where two axes are almost parallel, vertices on different edges share a position, and move apart."""
@@ -97,6 +144,71 @@ class PartwiseTest(ProgramTest):
         self.assertEqual(model["accessors"][0]["max"], [1, 1, 1])
         self.assertEqual(content[20 + length + 4:20 + length + 8], b"BIN\0")
 
+    def figures(self, *arguments):
+        """The figures of the mesh in the report, and whether it was written by parts."""
+        run = self.convert(*arguments, "--report", "r.json", "-v")
+        report = json.loads((self.folder / "r.json").read_text())
+        return report["meshes"], "extracted and written" in run.err
+
+    def assert_same_figures(self, *arguments):
+        by_parts, is_by_parts = self.figures(*arguments)
+        whole, is_not = self.figures(*arguments, *WHOLE)
+        self.assertEqual((is_by_parts, is_not), (True, False), arguments)
+        self.assertEqual(by_parts, whole, arguments)
+        return by_parts[0]
+
+    def write_noise(self, size):
+        """Random bytes, of which a seventh is inside: many small components, some of them cut by the data boundary."""
+        samples = random.Random(7).choices((0, 255, 10, 20, 30, 90, 60), k=size**3)
+        (self.folder / "noise.raw").write_bytes(bytes(samples))
+        return ("noise.raw", "--dims", f"{size},{size},{size}", "--iso", 99.5)
+
+    def test_report_has_the_figures_of_the_whole_mesh(self):
+        noise = self.write_noise(40)
+        many = self.assert_same_figures(*noise, "-o", "a.ply", "--normals", "none")
+        self.assertGreater(many["components"], 1000)
+        self.assertGreater(many["triangles"], 2 << 15)  # several ranges of the sums, and several parts in each
+        self.assertGreater(many["component_table"]["others"]["components"], 900)
+        for options in (("--cap",), ("--method", "mt"), ("--method", "mt", "--cap"), ("--threads", 1), ("--threads", 5),
+                        ("--roi", "3,4,5,35,30,31", "--roi-snap", "--cap"), ("--spacing", "1,2,.3"), ("--normals", "smooth")):
+            normals = () if "--normals" in options else ("--normals", "none")
+            with self.subTest(options=options):
+                figures = self.assert_same_figures(*noise, *options, *normals, "-o", "a.ply")
+                self.assertEqual(figures["closed"], "--cap" in options)
+        for name, *form in (*PLACED, *ORDERED):
+            with self.subTest(name=name, form=form):
+                self.assert_same_figures(*GYROID, *form, "-o", name)
+        self.assert_same_figures("demo:sphere?size=20", "--iso", 0, "-o", "a.ply")
+
+    def test_threads_and_memory_change_no_figure(self):
+        noise = (*self.write_noise(40), "-o", "a.ply", "--normals", "none", "--cap")
+        figures = [self.figures(*noise, *how) for how in ((), ("--threads", 1), ("--memory-limit", "16M", "--threads", 2))]
+        self.assertEqual(figures[1:], figures[:1] * 2)
+        self.assertTrue(figures[0][1])
+
+    def test_tables_take_no_whole_mesh(self):
+        raw, *layers = self.write_layers(112)  # 48 MiB of mesh
+        for frame in (1, 2):
+            (self.folder / f"in_{frame}.raw").hardlink_to(self.folder / raw)
+        self.convert("in_#.raw", *layers, "--normals", "none", "-o", "out/{}.ply", "--mkdir", "--jobs", 1, "--memory-limit", "32M",
+                     "--table", "t.csv")
+        [row, *_] = csv.DictReader(io.StringIO((self.folder / "t.csv").read_text()))
+        self.convert(raw, *layers, "--normals", "none", "-o", "a.ply", *WHOLE, "--report", "r.json")
+        [whole] = json.loads((self.folder / "r.json").read_text())["meshes"]
+        self.assertEqual((int(row["triangles"]), float(row["area"])), (whole["triangles"], whole["area"]))
+
+    def test_requirements_are_tested_before_anything_is_written(self):
+        self.assert_by_parts(True, *GYROID, "--normals", "none", "--cap", "--require", "closed,manifold,oriented", "-o", "a.ply")
+        (self.folder / "a.ply").unlink()
+        whole = self.run_program(*GYROID, "--require", "closed,no-duplicates", "-o", "a.ply")
+        for form in ("ply", "obj", "stl", "glb"):
+            run = self.run_program(*GYROID, "--require", "closed,one-component", "-o", "-", "--format", form)
+            self.assert_fails(6, run, "the mesh fails closed", "open edges", "--cap")
+            self.assertEqual(run.out, b"")
+            count = re.search(r"([0-9]+) open edges", whole.err)
+            self.assertIn(count[0], run.err)
+        self.assertEqual(self.files(), [])
+
     def write_layers(self, size):
         """Bytes whose surface has 2 size^3 triangles: every second layer of samples is inside."""
         layer = [bytes([255 * (z % 2)]) * size**2 for z in range(2)]
@@ -110,8 +222,12 @@ class PartwiseTest(ProgramTest):
             self.convert(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M")  # with any number of threads
             self.assertGreater((self.folder / name).stat().st_size, 130 * MIB)
             (self.folder / name).unlink()
-            whole = self.run_program(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M", "--report", "r.json")
+            whole = self.run_program(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M", *WHOLE)
             self.assert_fails(2, whole, "triangles", "--memory-limit", "PLY, GLB, OBJ and STL files take a mesh in parts")
+            # The figures of the mesh need two parts, and the corners at their vertices.
+            self.convert(*layers, "--normals", "none", "-o", name, "--memory-limit", "60M", "--report", "r.json")
+            (self.folder / "r.json").unlink()
+            (self.folder / name).unlink()
             # Not even the marks of all samples fit: each sample is compared twice.
             self.convert(*layers, "--normals", "none", "-o", f"slabs_{name}", "--memory-limit", "13M", "--threads", 1)
             self.convert(*layers, "--normals", "none", "-o", name)
@@ -119,20 +235,23 @@ class PartwiseTest(ProgramTest):
             self.assertTrue(slabs == plain)
             (self.folder / name).unlink()
             (self.folder / f"slabs_{name}").unlink()
-        self.assertEqual(self.files(), ["layers.raw", "r.json"])
+        self.assertEqual(self.files(), ["layers.raw"])
 
     def test_memory_does_not_grow_with_a_mesh_that_is_written_in_order(self):
         layers = self.write_layers(112)
-        for name, *form in ORDERED:
+        for name, *form in (*ORDERED, *FLAT):
             with self.subTest(name=name, form=form):
                 output = (*layers, *form, "-o", name)
                 # 2.7 million triangles: 32 MiB of triangles and 16 MiB of vertices.
-                whole = self.run_program(*output, "--memory-limit", "40M", "--report", "r.json")
+                whole = self.run_program(*output, "--memory-limit", "40M", *WHOLE)
                 self.assert_fails(2, whole, "triangles", "--memory-limit")
-                # A part has 3.4 MiB; of STL, two are in memory.
-                self.convert(*output, "--memory-limit", "8M" if name == "a.stl" else "5M")
+                # A part has 3.4 MiB; of STL and flat normals, two are in memory.
+                limit = ("--memory-limit", "8M" if name == "a.stl" or "flat" in form else "5M")
+                self.convert(*output, *limit)
                 limited = (self.folder / name).read_bytes()
-                self.convert(*output, "--report", "r.json")
+                streamed = self.convert(*layers, *form, "-o", "-", "--format", name[2:], *limit)
+                self.assertTrue(streamed.out == limited)
+                self.convert(*output, *WHOLE)
                 self.assertTrue((self.folder / name).read_bytes() == limited)
 
     def test_sequences_take_no_whole_mesh_and_record_the_hash_of_each_file(self):

@@ -2,7 +2,8 @@
 
 #include <variant>
 
-#include "convert/stages/surface_stages.hpp"
+#include "convert/stages/mesh_require.hpp"
+#include "convert/stages/vertex_colors.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/mesh_assembly.hpp"
 
@@ -12,13 +13,12 @@ namespace {
 bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
   const SurfaceEdits& edits = job.edits;
   const bool edits_mesh = edits.pieces.drops() || edits.pieces.split || edits.smooth || edits.hollow || edits.simplify;
-  const bool examines_mesh = job.verify || job.error || !edits.require.empty();
+  const bool examines_mesh = job.verify || job.error || !tests_by_parts(edits.require);
   const bool has_attributes = !job.source.attributes.empty() || (job.color && job.color->attribute);
   const auto* file = job.writes<MeshFileOptions>();
-  const bool is_stl = file != nullptr && file->format == mesh_io::MeshFormat::stl;  // its writer finds the normals
-  // The normals of caps are known only when the mesh is whole.
-  const bool fits_normals =
-      (are_per_triangle(job.normals) && !is_stl) || (job.normals == Normals::smooth && job.surface.cap);
+  // The normals of caps are known only when the mesh is whole. glTF with flat normals has three vertices per triangle.
+  const bool fits_normals = job.normals == Normals::area || (job.normals == Normals::smooth && job.surface.cap) ||
+                            (job.normals == Normals::flat && file != nullptr && mesh_io::is_gltf(file->format));
   return file == nullptr || !source.clip.empty() || edits_mesh || examines_mesh || has_attributes || fits_normals;
 }
 
@@ -35,8 +35,8 @@ bool needs_distinct_positions(const ConversionJob& job) {
 
 bool writes_shared_parts(const ConversionJob& job) {
   const auto* meshes = job.writes<MeshFileOptions>();
-  const bool takes_parts = meshes != nullptr && !meshes->ascii && !meshes->packing.packs() &&
-                           (meshes->format == mesh_io::MeshFormat::ply || meshes->format == mesh_io::MeshFormat::glb);
+  const bool takes_parts = meshes != nullptr && !meshes->packing.packs() && job.normals != Normals::flat &&
+                           mesh_io::has_fixed_places(meshes->format, meshes->ascii);
   return takes_parts && writes_one_surface(job);
 }
 
@@ -61,20 +61,59 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
 void add_partwise_hint(Error& error) {
   if (error.code != ErrorCode::out_of_memory) return;
   error.hint.steps.emplace_back(
-      "PLY, GLB, OBJ and STL files take a mesh in parts, unless edits, attributes, measurements or a report need it "
-      "whole");
+      "PLY, glTF, OBJ and STL files take a mesh in parts, unless edits, attributes or measurements need it whole");
 }
 
-std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source, const SurfaceList& all,
-                                                const SurfaceId& id, mesh_io::MeshWriter& writer, Ranks* ranks) {
-  if (needs_whole_mesh(job, source)) return nullptr;
-  const auto make_head = [&job, &source, &all, id](const mesh::MeshShape& shape) {
+Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {
+  if (needs_distinct_ && !shape.distinct_positions) return false;
+  const bool takes = TRY(writer_.begin_parts(hooks_.head(shape), shape, ranks()));
+  if (!takes || measuring_ == nullptr) return takes;
+  measuring_passes_ = measuring_->passes().size();
+  return measuring_->begin(shape);
+}
+
+std::vector<mesh::PartPass> PartwiseOutput::passes() const {
+  std::vector<mesh::PartPass> all = writer_.part_passes();
+  if (measuring_ == nullptr) return all;
+  const std::vector<mesh::PartPass> first = measuring_->passes();
+  all.insert(all.begin(), first.begin(), first.end());
+  return all;
+}
+
+Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
+  if (pass < measuring_passes_) {
+    if (pass == 0) watch_.restart();
+    return measuring_->begin_pass(pass);
+  }
+  if (measuring_ != nullptr) {
+    measures_ = TRY(measuring_->finish());
+    measuring_.reset();
+    measuring_time_ = watch_.elapsed();
+    TRY(hooks_.accept(*measures_));
+  }
+  return writer_.begin_pass(pass - measuring_passes_);
+}
+
+std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const SurfaceId& id,
+                                                mesh_io::MeshWriter& writer, Ranks* ranks) {
+  const ConversionJob& job = stage.job;
+  if (needs_whole_mesh(job, stage.source)) return nullptr;
+  const auto make_head = [&stage, id](const mesh::MeshShape& shape) {
     mesh::Mesh head;
-    head.name = source.field.name;
-    head.material = material_of(job, all, id, source.field.kind, shape.may_be_open);
+    head.name = stage.source.field.name;
+    head.material = material_of(stage.job, stage.facts.all, id, stage.source.field.kind, shape.may_be_open);
     return head;
   };
-  return std::make_unique<PartwiseOutput>(writer, make_head, ranks, needs_distinct_positions(job));
+  const auto accept = [&stage, id](const mesh::MeshMeasures& measures) {
+    return require_of_parts(measures, id, stage);
+  };
+  std::unique_ptr<mesh::PartwiseMeasures> measures;
+  if (stage.facts.recorded || !job.edits.require.empty()) {
+    measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context);
+    ranks = nullptr;
+  }
+  return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks,
+                                          needs_distinct_positions(job), std::move(measures));
 }
 
 std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,

@@ -1,43 +1,67 @@
 // Writes a surface to its file during extraction, so that the whole mesh is never in memory.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/source.hpp"
-#include "convert/stages/vertex_colors.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "mesh/mesh_sink.hpp"
+#include "mesh/partwise_measures.hpp"
 #include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::convert {
 
 class PartwiseOutput final : public mesh::MeshSink {
  public:
-  // `head` returns the mesh without vertices, triangles and attributes. The writer must outlive this object. With
-  // `needs_distinct`, declines meshes that may have vertices at equal positions.
-  using MakeHead = std::function<mesh::Mesh(const mesh::MeshShape& shape)>;
-  PartwiseOutput(mesh_io::MeshWriter& writer, MakeHead head, Ranks* ranks, bool needs_distinct)
-      : writer_(writer), head_(std::move(head)), ranks_(ranks), needs_distinct_(needs_distinct) {}
+  // `head` returns the mesh without vertices, triangles and attributes. `accept` gets the measures of the mesh before
+  // the writer gets its first part; it may fail.
+  struct Hooks {
+    std::function<mesh::Mesh(const mesh::MeshShape& shape)> head;
+    std::function<Result<void>(const mesh::MeshMeasures& measures)> accept;
+  };
+  // The writer must outlive this object. With `needs_distinct`, declines meshes that may have vertices at equal
+  // positions. `measures` measures the mesh in passes of its own; null: nothing does. With it, `ranks` must be null.
+  PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, bool needs_distinct,
+                 std::unique_ptr<mesh::PartwiseMeasures> measures)
+      : writer_(writer),
+        hooks_(std::move(hooks)),
+        ranks_(ranks),
+        needs_distinct_(needs_distinct),
+        measuring_(std::move(measures)) {}
 
   [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
-  Result<bool> begin(const mesh::MeshShape& shape) override {
-    if (needs_distinct_ && !shape.distinct_positions) return false;
-    return writer_.begin_parts(head_(shape), shape, ranks());
+  Result<bool> begin(const mesh::MeshShape& shape) override;
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override;
+  Result<void> begin_pass(std::size_t pass) override;
+  Result<void> take(const mesh::MeshPart& part) override {
+    return measuring_ != nullptr ? measuring_->take(part) : writer_.take_part(part);
   }
-  [[nodiscard]] std::vector<mesh::PartPass> passes() const override { return writer_.part_passes(); }
-  Result<void> take(const mesh::MeshPart& part) override { return writer_.take_part(part); }
+
+  // Returns the measures of the mesh; nothing without `measures`, or if no mesh was taken.
+  [[nodiscard]] std::optional<mesh::MeshMeasures> take_measures() { return std::exchange(measures_, std::nullopt); }
+  // Returns the time to make and measure the parts for them.
+  [[nodiscard]] const StageTime& measuring_time() const { return measuring_time_; }
 
  private:
   mesh_io::MeshWriter& writer_;
-  MakeHead head_;
+  Hooks hooks_;
   Ranks* ranks_;
   bool needs_distinct_;
+  std::unique_ptr<mesh::PartwiseMeasures> measuring_;  // until it has seen all parts
+  std::size_t measuring_passes_ = 0;
+  std::optional<mesh::MeshMeasures> measures_;
+  Stopwatch watch_;
+  StageTime measuring_time_;
 };
 
 // Returns whether the job writes one surface to one file of a format whose parts several ranks can write. Whether ranks
@@ -51,11 +75,11 @@ class PartwiseOutput final : public mesh::MeshSink {
 // If a surface failed for lack of memory, adds to its hint which files take a mesh in parts.
 void add_partwise_hint(Error& error);
 
-// Returns a sink that writes the surface `id` as the only mesh of the writer's file. Returns null if a stage of the job
-// needs the whole mesh, or if the job writes no mesh file. `ranks` write the file together; may be null. `all` lists
-// the surfaces of the grid. `job`, `source`, `all` and the writer must outlive the sink.
-[[nodiscard]] std::unique_ptr<mesh::MeshSink> partwise_output(const ConversionJob& job, const Source& source,
-                                                              const SurfaceList& all, const SurfaceId& id,
+// Returns a sink that writes a surface as the only mesh of the writer's file. Returns null if a stage of the job needs
+// the whole mesh, or if the job writes no mesh file. The sink measures the mesh if stage.facts.recorded is set or the
+// job has requirements, and fails with ErrorCode::verification if the mesh does not meet these. `ranks` write the file
+// together; may be null; ignored if the sink measures. `stage` and the writer must outlive the sink.
+[[nodiscard]] std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const SurfaceId& id,
                                                               mesh_io::MeshWriter& writer, Ranks* ranks);
 
 // Returns why ranks cannot share the extraction of a surface; empty if they can. `has_sink`: partwise_output() gave a

@@ -53,7 +53,7 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   options.sink = maker.sink;
   auto extraction = TRY(extract_field(maker, asked, options));
   TRY(volume_io::check_mapping_intact(source.field));
-  const extract::ExtractStats& stats = extraction.stats;
+  extract::ExtractStats& stats = extraction.stats;
   made.open = may_be_open(stats, options) || is_cut_open(maker);
   Surface surface{.asked = asked.asked,
                   .id = asked.id,
@@ -61,6 +61,11 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
                   .taken = extraction.taken,
                   .end = open_boundary_of(stats, options, source),
                   .counts_open_edges = stats.hole_cells > 0 || is_cut_open(maker)};
+  if (surface.taken) {
+    surface.measures = maker.sink->take_measures();
+    surface.looking = maker.sink->measuring_time();
+    stats.emit += {-surface.looking.wall_seconds, -surface.looking.cpu_seconds};
+  }
   if (const auto* found = maker.labels != nullptr ? maker.labels->find(asked.id.label()) : nullptr) {
     const double voxel = std::abs(glm::determinant(source.output_from_index.linear));
     surface.label_voxels = found->voxels;

@@ -13,6 +13,7 @@
 #include "convert/conversion_job.hpp"
 #include "convert/detail/held_events.hpp"
 #include "convert/detail/label_looks.hpp"
+#include "convert/detail/partwise_output.hpp"
 #include "convert/detail/skipped_surfaces.hpp"
 #include "convert/source.hpp"
 #include "convert/stages/surface_stages.hpp"
@@ -45,7 +46,7 @@ struct SurfaceMaker {
   std::vector<mesh::Mesh>& meshes;     // of a mesh file; make() takes the mesh of its surface out of them
   bool mesh_facts;                     // measure Surface::facts
   const Context& context;
-  mesh::MeshSink* sink = nullptr;  // takes the mesh while it is made, if nothing edits it as a whole; null: none
+  PartwiseOutput* sink = nullptr;  // takes the mesh while it is made, if nothing edits it as a whole; null: none
 
   // Makes one surface. The source's inside must be set for it (Source::set_inside_side()). For labels, calls from
   // several threads do not disturb each other. Throws nothing but keeps exceptions in the result: one that left a

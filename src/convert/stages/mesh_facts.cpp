@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
-#include <new>
 #include <utility>
 
-#include "base/allocation_error.hpp"
-#include "convert/stages/surface_stages.hpp"
-#include "mesh/component_facts.hpp"
-#include "mesh/components.hpp"
-#include "mesh/metrics.hpp"
-#include "mesh/topology.hpp"
+#include <vector>
+
+#include "mesh/mesh_measures.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -30,12 +26,7 @@ Figures figures_of(const mesh::ComponentFacts& facts) {
 }
 
 // Returns the largest components by area, and the count of the others.
-Result<Figures> measure_table(const mesh::Mesh& mesh, const Context& context) {
-  const std::string what = mesh.name + ": the components of its surface";
-  const auto labels = TRY(context.reserve(mesh::Components::bytes(mesh.positions.size()), what));
-  const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
-  const auto list = TRY(context.reserve(components.count() * sizeof(mesh::ComponentFacts), what));
-  auto facts = TRY(measure_components(mesh, components, glm::dmat3(1.0), context));
+Figures component_table(std::vector<mesh::ComponentFacts> facts) {
   std::ranges::stable_sort(facts, std::greater<>(), &mesh::ComponentFacts::area);
   const std::size_t told = std::min(facts.size(), kMostComponentsTold);
   Value::List largest;
@@ -46,31 +37,23 @@ Result<Figures> measure_table(const mesh::Mesh& mesh, const Context& context) {
                  {Key::others, Figures{{Key::components, facts.size() - told}, {Key::triangles, triangles_of_others}}}};
 }
 
-Result<Figures> component_table(const mesh::Mesh& mesh, const Context& context) {
-  try {
-    return measure_table(mesh, context);
-  } catch (const std::bad_alloc&) {
-    return tl::unexpected(
-        allocation_error(mesh.name + ": the components of its surface need more memory than is available"));
-  }
-}
-
 }  // namespace
 
-Result<Figures> mesh_facts(const Surface& surface, const Context& context) {
+Result<Figures> mesh_facts(Surface& surface, const Context& context) {
   const mesh::Mesh& mesh = surface.mesh;
   context.progress().begin("measuring", 0);
-  const mesh::Topology topology = TRY(mesh::measure_topology(mesh, context));
-  const Figures components = TRY(component_table(mesh, context));
-  const mesh::MeshSize size = mesh::measure_size(mesh);
-  const mesh::Bounds bounds = mesh::measure_bounds(mesh);
+  mesh::MeshMeasures measures = TRY(surface.measures ? Result<mesh::MeshMeasures>(std::move(*surface.measures))
+                                                     : mesh::measure_mesh(mesh, context));
+  const mesh::Topology& topology = measures.topology;
+  const mesh::MeshSize& size = measures.size;
+  const mesh::Bounds& bounds = measures.bounds;
   const mesh::Topology& as_read = surface.welded ? *surface.welded : topology;
   const bool closed = as_read.is_closed_oriented_manifold();
   return Figures{{Key::iso, surface.id},
                  {Key::file, ""},
                  {Key::name, mesh.name},
-                 {Key::vertices, mesh.positions.size()},
-                 {Key::triangles, mesh.triangles.size()},
+                 {Key::vertices, surface.vertices()},
+                 {Key::triangles, surface.triangles()},
                  {Key::closed, closed},
                  {Key::open_edges, as_read.open_edges},
                  {Key::nonmanifold_edges, as_read.nonmanifold_edges},
@@ -82,17 +65,17 @@ Result<Figures> mesh_facts(const Surface& surface, const Context& context) {
                  {Key::volume, closed ? Value(size.volume) : Value()},
                  {Key::zero_area_triangles, size.zero_area_triangles},
                  {Key::euler, topology.euler},
-                 {Key::bounds, mesh.positions.empty() ? Value() : Value(field::Box{bounds.min, bounds.max})},
+                 {Key::bounds, surface.vertices() == 0 ? Value() : Value(field::Box{bounds.min, bounds.max})},
                  {Key::origin, Value(mesh.origin)},
-                 {Key::component_table, components}};
+                 {Key::component_table, component_table(std::move(measures.components))}};
 }
 
-Figures facts_as_written(Figures facts, const std::string& file, const mesh::Mesh& mesh,
-                         const std::optional<Figures>& error, const std::string& grid) {
+Figures facts_as_written(const Surface& surface, const std::string& file, const std::string& grid) {
+  Figures facts = *surface.facts;
   set(facts, Key::file, file);
-  set(facts, Key::name, mesh.name);
-  set(facts, Key::vertices, mesh.positions.size());
-  if (error) facts.emplace_back(Key::error, *error);
+  set(facts, Key::name, surface.mesh.name);
+  set(facts, Key::vertices, surface.vertices());
+  if (surface.error) facts.emplace_back(Key::error, *surface.error);
   if (!grid.empty()) facts.emplace_back(Key::grid, grid);
   return facts;
 }

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "check/mesh_check.hpp"
+#include "convert/stages/mesh_require.hpp"
 #include "convert/stages/mesh_smooth.hpp"
 #include "convert/stages/mesh_touching.hpp"
 #include "edit/untangle.hpp"
@@ -40,8 +41,10 @@ std::string line_of(const edit::UntangleFigures& done, const Surface& surface, c
   const std::string place = surface.id.place();
   if (done.pairs_before == 0) return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
   return fmt::format(
-      "untangled{}: {} of {}{} pairs of intersecting triangles left; flipped edges: {}, moved vertices: {}, split "
-      "edges: {}, in {} rounds; the surface moved by at most {:.3g} {}; {:.2f} s",
+      "untangled{}: {} of {}{} pairs of intersecting triangles left; flipped "
+      "edges: {}, moved vertices: {}, split "
+      "edges: {}, in {} rounds; the surface moved by at most {:.3g} {}; {:.2f} "
+      "s",
       place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, done.moved,
       done.splits, done.rounds, done.distance, source.of_meshes ? "typical edge lengths" : "voxels",
       done.time.wall_seconds);
@@ -79,7 +82,43 @@ Hint hint_for(std::span<const check::Requirement> unmet, const Surface& surface,
   return std::ranges::any_of(kRepaired, lacks) ? Hint(Remedy::use, Setting::repair) : Hint();
 }
 
+Result<void> check_requirements(const check::MeshCheck& found, const Surface& surface, const StageContext& stage) {
+  std::vector<check::Requirement> unmet;
+  std::vector<std::string_view> words;
+  std::vector<std::string> reasons;
+  for (const check::Requirement one : stage.job.edits.require) {
+    const auto reason = check::unmet_reason(one, found);
+    if (!reason) continue;
+    unmet.push_back(one);
+    words.push_back(word_of(one));
+    if (std::ranges::find(reasons, *reason) == reasons.end()) reasons.push_back(*reason);
+  }
+  if (unmet.empty()) return {};
+  return fail(ErrorCode::verification,
+              fmt::format("{}: the mesh fails {}: {}", stage.subject(surface), fmt::join(words, ", "),
+                          fmt::join(reasons, "; ")),
+              hint_for(unmet, surface, stage));
+}
+
 }  // namespace
+
+bool tests_by_parts(std::span<const check::Requirement> required) {
+  using Requirement = check::Requirement;
+  constexpr std::array kByParts{Requirement::closed, Requirement::manifold, Requirement::oriented,
+                                Requirement::no_unused_vertices, Requirement::one_component};
+  return std::ranges::all_of(required,
+                             [&](Requirement one) { return std::ranges::find(kByParts, one) != kByParts.end(); });
+}
+
+Result<void> require_of_parts(const mesh::MeshMeasures& measures, const SurfaceId& id, const StageContext& stage) {
+  check::MeshCheck found;
+  for (const mesh::ComponentFacts& component : measures.components) found.triangles += component.triangles;
+  found.topology = measures.topology;
+  Surface surface;
+  surface.id = id;
+  surface.end.at_data_boundary = measures.topology.open_edges > 0 && !stage.job.surface.cap;
+  return check_requirements(found, surface, stage);
+}
 
 Result<StageReport> untangle_surface(Surface& surface, const StageContext& stage) {
   if (!stage.job.edits.untangles() || surface.mesh.triangles.empty()) return StageReport();
@@ -129,21 +168,8 @@ Result<StageReport> require_properties(Surface& surface, const StageContext& sta
   } else {
     found = TRY(check::check_mesh(surface.mesh, stage.context));
   }
-  std::vector<check::Requirement> unmet;
-  std::vector<std::string_view> words;
-  std::vector<std::string> reasons;
-  for (const check::Requirement one : required) {
-    const auto reason = check::unmet_reason(one, found);
-    if (!reason) continue;
-    unmet.push_back(one);
-    words.push_back(word_of(one));
-    if (std::ranges::find(reasons, *reason) == reasons.end()) reasons.push_back(*reason);
-  }
-  if (unmet.empty()) return StageReport();
-  return fail(ErrorCode::verification,
-              fmt::format("{}: the mesh fails {}: {}", stage.subject(surface), fmt::join(words, ", "),
-                          fmt::join(reasons, "; ")),
-              hint_for(unmet, surface, stage));
+  TRY(check_requirements(found, surface, stage));
+  return StageReport();
 }
 
 }  // namespace isoextract::convert

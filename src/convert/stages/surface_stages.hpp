@@ -14,6 +14,7 @@
 #include "convert/stages.hpp"
 #include "convert/stages/vertex_colors.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/mesh_measures.hpp"
 #include "mesh/mesh_sink.hpp"
 #include "mesh/topology.hpp"
 
@@ -36,6 +37,8 @@ struct Surface {
   double label_volume = 0;                       // volume of these voxels, in output coordinates
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
   double untangled_by = 0;                       // upper bound of how far untangling and rounding moved it
+  // The measures of a mesh that was taken, if the job asks for figures.
+  std::optional<mesh::MeshMeasures> measures = {};
 
   [[nodiscard]] std::uint64_t vertices() const { return taken ? taken->vertices : mesh.positions.size(); }
   [[nodiscard]] std::uint64_t triangles() const { return taken ? taken->triangles : mesh.triangles.size(); }

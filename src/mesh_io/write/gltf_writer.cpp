@@ -1,8 +1,8 @@
 // glTF 2.0 (ISO/IEC 12113): TinyGLTF builds the model and its JSON (gltf_model); the binary data goes from the meshes'
-// buffers directly to the file.
-// Each mesh is laid out before it is written, so that the JSON knows every offset. In a GLB, whose JSON precedes the
-// data, all meshes are laid out first. If its one mesh comes in parts, room for the JSON is left before the data. If
-// there is not enough memory for all meshes of a GLB, their data is written first, and moves when the JSON is known.
+// buffers directly to the file. Each mesh is laid out before it is written, so that the JSON knows every offset. In a
+// GLB, whose JSON precedes the data, all meshes are laid out first. If its one mesh comes in parts, room for the JSON
+// is left before the data; in a stream, a pass over the parts finds the bounds for the JSON. If there is not enough
+// memory for all meshes of a GLB, their data is written first, and moves when the JSON is known.
 #include <limits>
 #include <map>
 #include <mutex>
@@ -126,58 +126,70 @@ class MovingGlbWriter final : public FormatWriter {
   std::uint64_t binary_bytes_ = 0;
 };
 
-class PartwiseGlbWriter final : public PartwiseWriter {
- public:
-  PartwiseGlbWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
-      : head_(head), placement_(options.placement), file_(file) {}
+// Returns the reference to a file beside the model (RFC 3986, 2.3).
+std::string uri_of(const std::string& name) {
+  std::string uri;
+  for (const char c : name) {
+    const bool unreserved = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                            std::string_view("-._~").find(c) != std::string_view::npos;
+    uri += unreserved ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri;
+}
 
-  Result<bool> begin(const mesh::MeshShape& shape) override {
+constexpr int kGltfIndent = 2;
+
+// The JSON of a file whose one mesh comes in parts. It has the bounds of the positions, which are known last.
+class PartwiseJson {
+ public:
+  PartwiseJson(const mesh::Mesh& head, const MeshWriteOptions& options) : head_(head), placement_(options.placement) {}
+
+  // Returns false if the length of the JSON of a GLB depends on the bounds.
+  bool begin(const mesh::MeshShape& shape) {
     const GltfPart part(head_, shape);
     if (!reserves_bounds(part)) return false;
-    const std::size_t json_bytes = longest_json(part, placement_);
-    TRY(check_glb_length(json_bytes, part.bytes(), file_));
-    TRY(file_.write(glb_start(json_bytes, part.bytes())));
-    json_at_ = TRY(file_.extend(json_bytes));
-    json_bytes_ = json_bytes;
-    TRY(file_.write(glb_binary_head(part.bytes())));
-    positions_at_ = TRY(file_.extend(shape.vertices * sizeof(glm::vec3)));
-    normals_at_ = TRY(file_.extend(shape.has_normals ? shape.vertices * sizeof(glm::vec3) : 0));
-    triangles_at_ = TRY(file_.extend(shape.triangles * sizeof(glm::uvec3)));
     part_.emplace(part);
     return true;
   }
 
-  Result<void> take(const mesh::MeshPart& part) override {
+  // Returns the bytes of the JSON of a GLB. Fails if the file would be too large.
+  [[nodiscard]] Result<std::size_t> glb_bytes(const files::OutputFile& file) const {
+    const std::size_t bytes = longest_json(*part_, placement_);
+    TRY(check_glb_length(bytes, part_->bytes(), file));
+    return bytes;
+  }
+  [[nodiscard]] std::uint64_t binary_bytes() const { return part_->bytes(); }
+
+  // Several threads may call it at once.
+  void measure(const mesh::MeshPart& part) {
     mesh::GrowingBounds bounds;
     bounds.add(part.positions);
-    {
-      const std::lock_guard lock(mutex_);
-      bounds_.emplace(part.first_vertex, bounds);
-    }
-    TRY(file_.fill(positions_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.positions)));
-    TRY(file_.fill(normals_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.normals)));
-    return file_.fill(triangles_at_ + part.first_triangle * sizeof(glm::uvec3), std::as_bytes(part.triangles));
+    const std::lock_guard lock(mutex_);
+    bounds_.emplace(part.first_vertex, bounds);
   }
 
-  [[nodiscard]] std::string facts() const override {
+  [[nodiscard]] std::string facts() const {
     if (bounds_.empty()) return {};
     return Packer().put(bounds_.begin()->first).put(all_bounds()).take();
   }
 
-  void add_facts(std::string_view facts) override {
+  void add_facts(std::string_view facts) {
     if (facts.empty()) return;
     Unpacker from(facts);
     const auto first = from.get<std::uint64_t>();
     bounds_.emplace(first, from.get<mesh::GrowingBounds>());
   }
 
-  Result<void> finish(Notes& notes) override {
+  [[nodiscard]] std::string text(const std::string& uri, int indent, Notes& notes) {
     part_->bounds = all_bounds().get();
     GltfModel model(placement_);
     model.add(*part_);
-    std::string text = model.json({}, -1, notes);
-    text.resize(json_bytes_, ' ');
-    return file_.fill(json_at_, std::as_bytes(std::span(std::as_const(text))));
+    return model.json(uri, indent, notes);
+  }
+  [[nodiscard]] std::string glb_text(std::size_t bytes, Notes& notes) {
+    std::string text = this->text({}, -1, notes);
+    text.resize(bytes, ' ');
+    return text;
   }
 
  private:
@@ -189,28 +201,158 @@ class PartwiseGlbWriter final : public PartwiseWriter {
 
   const mesh::Mesh& head_;
   std::string placement_;
-  files::OutputFile& file_;
   std::optional<GltfPart> part_;
-  std::size_t json_bytes_ = 0;
-  std::uint64_t json_at_ = 0;  // places in the file
+  std::mutex mutex_;
+  std::multimap<std::uint64_t, mesh::GrowingBounds> bounds_;  // by the first vertex of their part
+};
+
+// The places of the arrays of one mesh in a file.
+class PartPlaces {
+ public:
+  // Makes room at the end of the file.
+  Result<void> extend(files::OutputFile& file, const mesh::MeshShape& shape) {
+    positions_at_ = TRY(file.extend(shape.vertices * sizeof(glm::vec3)));
+    normals_at_ = TRY(file.extend(shape.has_normals ? shape.vertices * sizeof(glm::vec3) : 0));
+    triangles_at_ = TRY(file.extend(shape.triangles * sizeof(glm::uvec3)));
+    return {};
+  }
+
+  // Several threads may fill in parts at once.
+  Result<void> fill(const files::OutputFile& file, const mesh::MeshPart& part) const {
+    TRY(file.fill(positions_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.positions)));
+    TRY(file.fill(normals_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.normals)));
+    return file.fill(triangles_at_ + part.first_triangle * sizeof(glm::uvec3), std::as_bytes(part.triangles));
+  }
+
+ private:
   std::uint64_t positions_at_ = 0;
   std::uint64_t normals_at_ = 0;
   std::uint64_t triangles_at_ = 0;
-  std::mutex mutex_;
-  std::multimap<std::uint64_t, mesh::GrowingBounds> bounds_;  // by the first vertex of their part
+};
+
+// Writes each part to its place, and the JSON last.
+class PartwiseGlbWriter final : public PartwiseWriter {
+ public:
+  PartwiseGlbWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
+      : json_(head, options), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    if (!json_.begin(shape)) return false;
+    json_bytes_ = TRY(json_.glb_bytes(file_));
+    TRY(file_.write(glb_start(json_bytes_, json_.binary_bytes())));
+    json_at_ = TRY(file_.extend(json_bytes_));
+    TRY(file_.write(glb_binary_head(json_.binary_bytes())));
+    TRY(places_.extend(file_, shape));
+    return true;
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    json_.measure(part);
+    return places_.fill(file_, part);
+  }
+
+  [[nodiscard]] std::string facts() const override { return json_.facts(); }
+  void add_facts(std::string_view facts) override { json_.add_facts(facts); }
+
+  Result<void> finish(Notes& notes) override {
+    const std::string text = json_.glb_text(json_bytes_, notes);
+    return file_.fill(json_at_, std::as_bytes(std::span(text)));
+  }
+
+ private:
+  PartwiseJson json_;
+  files::OutputFile& file_;
+  std::size_t json_bytes_ = 0;
+  std::uint64_t json_at_ = 0;  // place in the file
+  PartPlaces places_;
+};
+
+// Writes the data of each part to its place, and then the model.
+class PartwiseGltfWriter final : public PartwiseWriter {
+ public:
+  PartwiseGltfWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& model,
+                     files::OutputFile& binary, const std::string& binary_name)
+      : json_(head, options), model_(model), binary_(binary), uri_(uri_of(binary_name)) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    if (!json_.begin(shape)) return false;
+    TRY(places_.extend(binary_, shape));
+    return true;
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    json_.measure(part);
+    return places_.fill(binary_, part);
+  }
+
+  Result<void> finish(Notes& notes) override { return model_.write(json_.text(uri_, kGltfIndent, notes) + "\n"); }
+
+ private:
+  PartwiseJson json_;
+  files::OutputFile& model_;
+  files::OutputFile& binary_;
+  std::string uri_;
+  PartPlaces places_;
+};
+
+// Writes a stream: measures all positions first, because the JSON comes before them.
+class OrderedGlbWriter final : public PartwiseWriter {
+ public:
+  OrderedGlbWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
+      : json_(head, options), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    has_normals_ = shape.has_normals;
+    if (!json_.begin(shape)) return false;
+    json_bytes_ = TRY(json_.glb_bytes(file_));
+    return true;
+  }
+
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
+    std::vector<mesh::PartPass> all{{.normals = false, .triangles = false},
+                                    {.in_order = true, .normals = false, .triangles = false}};
+    if (has_normals_) all.push_back({.in_order = true, .positions = false, .triangles = false});
+    all.push_back({.in_order = true, .positions = false, .normals = false});
+    return all;
+  }
+
+  Result<void> begin_pass(std::size_t pass) override {
+    measures_ = pass == 0;
+    if (pass != 1) return {};
+    TRY(file_.write(glb_start(json_bytes_, json_.binary_bytes())));
+    TRY(file_.write(json_.glb_text(json_bytes_, notes_)));
+    return file_.write(glb_binary_head(json_.binary_bytes()));
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    if (measures_) {
+      json_.measure(part);
+      return {};
+    }
+    TRY(file_.write(std::as_bytes(part.positions)));
+    TRY(file_.write(std::as_bytes(part.normals)));
+    return file_.write(std::as_bytes(part.triangles));
+  }
+
+  Result<void> finish(Notes& notes) override {
+    notes.insert(notes.end(), notes_.begin(), notes_.end());
+    return {};
+  }
+
+ private:
+  PartwiseJson json_;
+  files::OutputFile& file_;
+  std::size_t json_bytes_ = 0;
+  bool has_normals_ = false;
+  bool measures_ = false;  // in the first pass
+  Notes notes_;            // of the JSON
 };
 
 class GltfWriter final : public FormatWriter {
  public:
   GltfWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& model,
              files::OutputFile& binary, const std::string& binary_name)
-      : options_(options), context_(context), model_(model), binary_(binary) {
-    for (const char c : binary_name) {
-      const bool unreserved = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                              std::string_view("-._~").find(c) != std::string_view::npos;  // RFC 3986, 2.3
-      uri_ += unreserved ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-    }
-  }
+      : options_(options), context_(context), model_(model), binary_(binary), uri_(uri_of(binary_name)) {}
 
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
     const auto part = TRY(GltfPart::make(mesh, options_, context_, notes));
@@ -219,10 +361,7 @@ class GltfWriter final : public FormatWriter {
     return write_part(part, binary_);
   }
 
-  Result<void> finish(Notes& notes) override {
-    constexpr int kIndent = 2;
-    return model_.write(model_json_.json(uri_, kIndent, notes) + "\n");
-  }
+  Result<void> finish(Notes& notes) override { return model_.write(model_json_.json(uri_, kGltfIndent, notes) + "\n"); }
 
   [[nodiscard]] std::vector<PackedFacts> packed() const override { return packed_; }
 
@@ -251,6 +390,17 @@ std::unique_ptr<FormatWriter> make_streamed_glb_writer(const MeshWriteOptions& o
 std::unique_ptr<PartwiseWriter> make_partwise_glb_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
                                                          files::OutputFile& file) {
   return std::make_unique<PartwiseGlbWriter>(head, options, file);
+}
+
+std::unique_ptr<PartwiseWriter> make_ordered_glb_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                        files::OutputFile& file) {
+  return std::make_unique<OrderedGlbWriter>(head, options, file);
+}
+
+std::unique_ptr<PartwiseWriter> make_partwise_gltf_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                          files::OutputFile& model, files::OutputFile& binary,
+                                                          const std::string& binary_name) {
+  return std::make_unique<PartwiseGltfWriter>(head, options, model, binary, binary_name);
 }
 
 std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, const Context& context,

@@ -1,5 +1,7 @@
 // Wavefront OBJ: text; indices start at 1 and count through the whole file.
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <numeric>
 #include <span>
@@ -17,6 +19,7 @@
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 #include "mesh_io/write/partwise_writer.hpp"
+#include "mesh_io/write/waiting_part.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -197,49 +200,77 @@ class ObjWriter final : public FormatWriter {
   Next next_;
 };
 
+// Normals of faces need the vertices of the next part, so parts wait for it then.
 class PartwiseObjWriter final : public PartwiseWriter {
  public:
-  PartwiseObjWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
-      : head_(head), options_(options), file_(file) {}
+  PartwiseObjWriter(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,
+                    files::OutputFile& file)
+      : head_(head), options_(options), file_(file), waiting_(context, file.shown_name()) {}
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
-    has_normals_ = shape.has_normals;
-    if (has_normals_ && options_.has_vertex_copies_for_normals) return false;
+    if (shape.has_normals && options_.has_vertex_copies_for_normals) return false;
+    normals_ = options_.flat_normals ? Normals::of_faces : shape.has_normals ? Normals::of_vertices : Normals::none;
+    if (options_.flat_normals) TRY(waiting_.begin(shape));
     TRY(file_.write(header(options_) + name_line(head_)));
     return true;
   }
 
   [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
     std::vector<mesh::PartPass> all{{.in_order = true, .normals = false, .triangles = false}};
-    if (has_normals_) all.push_back({.in_order = true, .positions = false, .triangles = false});
+    if (normals_ == Normals::of_vertices) all.push_back({.in_order = true, .positions = false, .triangles = false});
+    if (normals_ == Normals::of_faces) all.push_back({.in_order = true, .normals = false});
     all.push_back({.in_order = true, .positions = false, .normals = false});
     return all;
   }
 
+  Result<void> begin_pass(std::size_t pass) override {
+    if (normals_ != Normals::of_faces) return {};
+    writes_face_normals_ = pass == 1;
+    return pass == 2 ? write_face_normals({}) : Result<void>();
+  }
+
   Result<void> take(const mesh::MeshPart& part) override {
+    if (writes_face_normals_) {
+      TRY(write_face_normals(part.positions));
+      return waiting_.keep(part);
+    }
     TRY(write_positions(
         part.positions.size(), [&](std::size_t v) { return part.positions[v]; }, file_));
     TRY(write_normals(
         part.normals.size(), [&](std::size_t v) { return part.normals[v]; }, file_));
+    Next next;
+    if (normals_ == Normals::of_faces) next.normal += part.first_triangle;
     return write_faces(
-        part.triangles, [](std::uint64_t vertex) { return vertex; },
-        has_normals_ ? Normals::of_vertices : Normals::none, Next(), file_);
+        part.triangles, [](std::uint64_t vertex) { return vertex; }, normals_, next, file_);
   }
 
   Result<void> finish(Notes& /*notes*/) override { return {}; }
 
  private:
+  // Writes the normals of the part that waits for the vertices in `next`.
+  [[nodiscard]] Result<void> write_face_normals(std::span<const glm::vec3> next) {
+    return write_normals(
+        waiting_.triangles().size(),
+        [&](std::size_t t) {
+          const std::array corners = waiting_.corners(t, next);
+          return face_normal(corners[0], corners[1], corners[2]);
+        },
+        file_);
+  }
+
   const mesh::Mesh& head_;
   MeshWriteOptions options_;
   files::OutputFile& file_;
-  bool has_normals_ = false;
+  WaitingPart waiting_;
+  Normals normals_ = Normals::none;
+  bool writes_face_normals_ = false;  // in the second pass
 };
 
 }  // namespace
 
 std::unique_ptr<PartwiseWriter> make_partwise_obj_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
-                                                         files::OutputFile& file) {
-  return std::make_unique<PartwiseObjWriter>(head, options, file);
+                                                         const Context& context, files::OutputFile& file) {
+  return std::make_unique<PartwiseObjWriter>(head, options, context, file);
 }
 
 std::unique_ptr<FormatWriter> make_obj_writer(const MeshWriteOptions& options, const Context& context,

@@ -1,6 +1,7 @@
 // Writers of a file with one mesh, which they get in parts (mesh/mesh_sink.hpp). The file has the same bytes as one
 // written from the whole mesh. In binary PLY and GLB, whose records have one size, take() writes each part to its
-// place, in any order. Text is written in order, and so is STL: its triangles need the vertices of the next part.
+// place, in any order. Text and streams are written in order, and so are STL and normals of faces, which need the
+// vertices of the next part.
 #pragma once
 
 #include <memory>
@@ -28,19 +29,36 @@ class PartwiseWriter : public mesh::MeshSink {
 };
 
 // `head` is the mesh without vertices, triangles and attributes. `head` and the file must outlive the writer. The
-// options must be without packing, and without flat normals but for STL.
+// options must be without packing, and in glTF without flat normals.
+
+// Makes a writer of a regular file; the PLY is binary. begin() of glTF returns false for a mesh with 16-bit
+// indices, which is small.
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_ply_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
-                                                                       files::OutputFile& file);
-// begin() returns false for a mesh with 16-bit indices, which is small.
+                                                                       const Context& context, files::OutputFile& file);
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_glb_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
                                                                        files::OutputFile& file);
 
+// Makes a writer that can also write to a stream, such as a pipe. The PLY may be text.
+[[nodiscard]] std::unique_ptr<PartwiseWriter> make_ordered_ply_writer(const mesh::Mesh& head,
+                                                                      const MeshWriteOptions& options,
+                                                                      const Context& context, files::OutputFile& file);
+[[nodiscard]] std::unique_ptr<PartwiseWriter> make_ordered_glb_writer(const mesh::Mesh& head,
+                                                                      const MeshWriteOptions& options,
+                                                                      files::OutputFile& file);
+
+// `binary_name` is the name by which the model refers to `binary`.
+[[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_gltf_writer(const mesh::Mesh& head,
+                                                                        const MeshWriteOptions& options,
+                                                                        files::OutputFile& model,
+                                                                        files::OutputFile& binary,
+                                                                        const std::string& binary_name);
+
 // begin() returns false if several vertices share a position because of their normals.
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_obj_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
-                                                                       files::OutputFile& file);
+                                                                       const Context& context, files::OutputFile& file);
 [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_stl_writer(const mesh::Mesh& head,
                                                                        const MeshWriteOptions& options,
                                                                        const Context& context, files::OutputFile& file);

@@ -15,6 +15,7 @@
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 #include "mesh_io/write/partwise_writer.hpp"
+#include "mesh_io/write/waiting_part.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -65,11 +66,9 @@ std::string attribute_properties(const mesh::Mesh& mesh, Notes& notes) {
                                                               attribute.name, stem)});
     }
     if (attribute.normalized) {
-      notes.push_back(
-          {NoteId::attribute_kind,
-           fmt::format(
-               "PLY cannot mark the attribute '{}' as normalized: other programs read its integers as plain numbers",
-               stem)});
+      notes.push_back({NoteId::attribute_kind, fmt::format("PLY cannot mark the attribute '{}' as normalized: "
+                                                           "other programs read its integers as plain numbers",
+                                                           stem)});
     }
     for (std::size_t c = 0; c < attribute.components; ++c) {
       add(name_of(c));
@@ -206,7 +205,7 @@ Result<void> write_vertex_lines(std::size_t count, Position position, std::size_
   });
 }
 
-// put_rest(out, triangle) writes what follows the indices: nothing or a vector.
+// put_rest(out, t) writes what follows the indices of a triangle: nothing or a vector.
 template <class PutRest>
 Result<void> write_face_lines(std::span<const glm::uvec3> triangles, PutRest put_rest, files::OutputFile& file) {
   constexpr std::size_t kLine = 1 + kMaxVectorText<std::uint32_t> + kMaxVectorText<float> + 1;
@@ -214,7 +213,7 @@ Result<void> write_face_lines(std::span<const glm::uvec3> triangles, PutRest put
     for (std::size_t t = first; t < last; ++t) {
       *out++ = '0' + kCorners;
       out = put_vector(out, triangles[t]);
-      out = put_rest(out, triangles[t]);
+      out = put_rest(out, t);
       *out++ = '\n';
     }
     return out;
@@ -232,97 +231,184 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
   }));
   return write_face_lines(
       mesh.triangles.span(),
-      [&](char* out, const glm::uvec3& triangle) {
-        return face_normals ? put_vector(out, face_normal(mesh, triangle)) : out;
+      [&](char* out, std::size_t t) {
+        return face_normals ? put_vector(out, face_normal(mesh, mesh.triangles[t])) : out;
       },
       file);
 }
 
-class PartwisePlyWriter final : public PartwiseWriter {
+constexpr std::size_t kShadedVertexBytes = 2 * sizeof(glm::vec3);
+
+// Return the binary records of the vertices, which have normals, and of the faces of a part that outlives the result.
+files::FillRecords vertices_of(const mesh::MeshPart& part) {
+  return [&part](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t v = first; v < last; ++v) out = put_bytes(put_bytes(out, part.positions[v]), part.normals[v]);
+    return out;
+  };
+}
+files::FillRecords faces_of(const mesh::MeshPart& part) {
+  return [&part](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t t = first; t < last; ++t) out = put_triangle(out, part.triangles[t]);
+    return out;
+  };
+}
+
+// Returns the binary records of the faces of the part that waits for the vertices in `next`, with their normals.
+files::FillRecords flat_faces_of(const WaitingPart& waiting, std::span<const glm::vec3> next) {
+  return [&waiting, next](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t t = first; t < last; ++t) {
+      const std::array corners = waiting.corners(t, next);
+      out = put_triangle(out, waiting.triangles()[t]);
+      out = put_bytes(out, face_normal(corners[0], corners[1], corners[2]));
+    }
+    return out;
+  };
+}
+
+// Writes vertices, and then faces. Normals of faces need the vertices of the next part, so parts wait for it then.
+class VerticesThenFaces : public PartwiseWriter {
  public:
-  PartwisePlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
-      : head_(head), options_(options), file_(file) {}
+  VerticesThenFaces(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,
+                    files::OutputFile& file)
+      : head_(head), options_(options), file_(file), waiting_(context, file.shown_name()) {}
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
     Notes none;  // header() has notes about attributes only
     TRY(file_.write(header(head_, shape, options_, none)));
-    vertex_bytes_ = sizeof(glm::vec3) * (shape.has_normals ? 2 : 1);
-    vertices_at_ = TRY(file_.extend(shape.vertices * vertex_bytes_));
-    triangles_at_ = TRY(file_.extend(shape.triangles * kFaceBytes));
+    if (options_.flat_normals) TRY(waiting_.begin(shape));
     return true;
   }
 
-  Result<void> take(const mesh::MeshPart& part) override {
-    const std::uint64_t vertices_at = vertices_at_ + part.first_vertex * vertex_bytes_;
-    if (part.normals.empty()) {
-      TRY(file_.fill(vertices_at, std::as_bytes(part.positions)));
-    } else {
-      TRY(files::fill_records(file_, vertices_at, part.positions.size(), vertex_bytes_,
-                              [&](std::size_t first, std::size_t last, char* out) {
-                                for (std::size_t v = first; v < last; ++v) {
-                                  out = put_bytes(put_bytes(out, part.positions[v]), part.normals[v]);
-                                }
-                                return out;
-                              }));
-    }
-    return files::fill_records(file_, triangles_at_ + part.first_triangle * kFaceBytes, part.triangles.size(),
-                               kFaceBytes, [&](std::size_t first, std::size_t last, char* out) {
-                                 for (std::size_t t = first; t < last; ++t) out = put_triangle(out, part.triangles[t]);
-                                 return out;
-                               });
+  Result<void> begin_pass(std::size_t pass) override {
+    writes_flat_faces_ = options_.flat_normals && pass == 1;
+    return {};
   }
 
-  Result<void> finish(Notes& /*notes*/) override { return {}; }
+  Result<void> take(const mesh::MeshPart& part) override {
+    if (!writes_flat_faces_) return write(part);
+    TRY(write_flat_faces(waiting_, part.positions));
+    return waiting_.keep(part);
+  }
+
+  Result<void> finish(Notes& /*notes*/) override {
+    return writes_flat_faces_ ? write_flat_faces(waiting_, {}) : Result<void>();
+  }
+
+ protected:
+  // Writes vertices, and faces without normals.
+  [[nodiscard]] virtual Result<void> write(const mesh::MeshPart& part) = 0;
+  // Writes the faces of the part that waits for the vertices in `next`, with their normals.
+  [[nodiscard]] virtual Result<void> write_flat_faces(const WaitingPart& waiting, std::span<const glm::vec3> next) = 0;
+  [[nodiscard]] const MeshWriteOptions& options() const { return options_; }
+  [[nodiscard]] files::OutputFile& file() const { return file_; }
 
  private:
   const mesh::Mesh& head_;
   MeshWriteOptions options_;
   files::OutputFile& file_;
-  std::size_t vertex_bytes_ = 0;
-  std::uint64_t vertices_at_ = 0;   // place of the first vertex in the file
-  std::uint64_t triangles_at_ = 0;  // place of the first triangle
+  WaitingPart waiting_;
+  bool writes_flat_faces_ = false;
 };
 
-class PartwiseTextPlyWriter final : public PartwiseWriter {
+// Writes each vertex and face to its place in a binary file.
+class PartwisePlyWriter final : public VerticesThenFaces {
  public:
-  PartwiseTextPlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
-      : head_(head), options_(options), file_(file) {}
+  using VerticesThenFaces::VerticesThenFaces;
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
-    Notes none;  // header() has notes about attributes only
-    TRY(file_.write(header(head_, shape, options_, none)));
+    TRY(VerticesThenFaces::begin(shape));
+    vertex_bytes_ = shape.has_normals ? kShadedVertexBytes : sizeof(glm::vec3);
+    face_bytes_ = kFaceBytes + (options().flat_normals ? sizeof(glm::vec3) : 0);
+    vertices_at_ = TRY(file().extend(shape.vertices * vertex_bytes_));
+    triangles_at_ = TRY(file().extend(shape.triangles * face_bytes_));
     return true;
   }
 
   [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
-    return {{.in_order = true, .triangles = false}, {.in_order = true, .positions = false, .normals = false}};
+    if (!options().flat_normals) return {mesh::PartPass()};
+    return {{.normals = false, .triangles = false}, {.in_order = true, .normals = false}};
   }
 
-  Result<void> take(const mesh::MeshPart& part) override {
+ private:
+  Result<void> write(const mesh::MeshPart& part) override {
+    const std::uint64_t vertices_at = vertices_at_ + part.first_vertex * vertex_bytes_;
+    if (part.normals.empty()) {
+      TRY(file().fill(vertices_at, std::as_bytes(part.positions)));
+    } else {
+      TRY(files::fill_records(file(), vertices_at, part.positions.size(), vertex_bytes_, vertices_of(part)));
+    }
+    return files::fill_records(file(), triangles_at_ + part.first_triangle * face_bytes_, part.triangles.size(),
+                               face_bytes_, faces_of(part));
+  }
+
+  Result<void> write_flat_faces(const WaitingPart& waiting, std::span<const glm::vec3> next) override {
+    return files::fill_records(file(), triangles_at_ + waiting.first_triangle() * face_bytes_,
+                               waiting.triangles().size(), face_bytes_, flat_faces_of(waiting, next));
+  }
+
+  std::size_t vertex_bytes_ = 0;
+  std::size_t face_bytes_ = 0;
+  std::uint64_t vertices_at_ = 0;   // place of the first vertex in the file
+  std::uint64_t triangles_at_ = 0;  // place of the first triangle
+};
+
+// Writes in order: text, and binary files that are streams.
+class OrderedPlyWriter final : public VerticesThenFaces {
+ public:
+  using VerticesThenFaces::VerticesThenFaces;
+
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
+    return {{.in_order = true, .triangles = false},
+            {.in_order = true, .positions = options().flat_normals, .normals = false}};
+  }
+
+ private:
+  Result<void> write(const mesh::MeshPart& part) override {
+    if (!options().ascii) return write_binary_part(part);
     const auto put_normal = [&](char* out, std::size_t v) {
       return part.normals.empty() ? out : put_vector(out, part.normals[v]);
     };
     TRY(write_vertex_lines(
         part.positions.size(), [&](std::size_t v) { return part.positions[v]; }, kMaxVectorText<float>, put_normal,
-        file_));
+        file()));
     return write_face_lines(
-        part.triangles, [](char* out, const glm::uvec3& /*triangle*/) { return out; }, file_);
+        part.triangles, [](char* out, std::size_t /*triangle*/) { return out; }, file());
   }
 
-  Result<void> finish(Notes& /*notes*/) override { return {}; }
+  Result<void> write_binary_part(const mesh::MeshPart& part) {
+    if (part.normals.empty()) {
+      TRY(file().write(std::as_bytes(part.positions)));
+    } else {
+      TRY(files::write_records(file(), part.positions.size(), kShadedVertexBytes, vertices_of(part)));
+    }
+    return files::write_records(file(), part.triangles.size(), kFaceBytes, faces_of(part));
+  }
 
- private:
-  const mesh::Mesh& head_;
-  MeshWriteOptions options_;
-  files::OutputFile& file_;
+  Result<void> write_flat_faces(const WaitingPart& waiting, std::span<const glm::vec3> next) override {
+    if (!options().ascii) {
+      return files::write_records(file(), waiting.triangles().size(), kFaceBytes + sizeof(glm::vec3),
+                                  flat_faces_of(waiting, next));
+    }
+    return write_face_lines(
+        waiting.triangles(),
+        [&](char* out, std::size_t t) {
+          const std::array corners = waiting.corners(t, next);
+          return put_vector(out, face_normal(corners[0], corners[1], corners[2]));
+        },
+        file());
+  }
 };
 
 }  // namespace
 
 std::unique_ptr<PartwiseWriter> make_partwise_ply_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
-                                                         files::OutputFile& file) {
-  if (options.ascii) return std::make_unique<PartwiseTextPlyWriter>(head, options, file);
-  return std::make_unique<PartwisePlyWriter>(head, options, file);
+                                                         const Context& context, files::OutputFile& file) {
+  return std::make_unique<PartwisePlyWriter>(head, options, context, file);
+}
+
+std::unique_ptr<PartwiseWriter> make_ordered_ply_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
+                                                        const Context& context, files::OutputFile& file) {
+  return std::make_unique<OrderedPlyWriter>(head, options, context, file);
 }
 
 Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file, Notes& notes) {

@@ -19,6 +19,7 @@
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 #include "mesh_io/write/partwise_writer.hpp"
+#include "mesh_io/write/waiting_part.hpp"
 
 namespace isoextract::mesh_io {
 namespace {
@@ -119,18 +120,14 @@ Result<void> write_end(const mesh::Mesh& head, const MeshWriteOptions& options, 
   return options.ascii ? file.write(fmt::format("endsolid {}\n", solid_name(head))) : Result<void>();
 }
 
-// Triangles refer to vertices of the next part, so each part waits for the next one. Positions of far vertices are
-// kept.
 class PartwiseStlWriter final : public PartwiseWriter {
  public:
   PartwiseStlWriter(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,
                     files::OutputFile& file)
-      : head_(head), options_(options), context_(context), file_(file) {}
+      : head_(head), options_(options), file_(file), waiting_(context, file.shown_name()) {}
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
-    far_memory_ = TRY(reserve(shape.far_vertices.size() * (sizeof(std::uint32_t) + sizeof(glm::vec3))));
-    far_ = shape.far_vertices;
-    far_positions_.resize(far_.size());
+    TRY(waiting_.begin(shape));
     TRY(write_start(head_, shape.triangles, options_, file_));
     return true;
   }
@@ -139,20 +136,7 @@ class PartwiseStlWriter final : public PartwiseWriter {
 
   Result<void> take(const mesh::MeshPart& part) override {
     TRY(write_waiting(part.positions));
-    // The vectors keep the room of their largest part; a larger part replaces it.
-    const std::size_t vertices = std::max(part.positions.size(), positions_.capacity());
-    const std::size_t triangles = std::max(part.triangles.size(), triangles_.capacity());
-    const std::uint64_t bytes = vertices * sizeof(glm::vec3) + triangles * sizeof(glm::uvec3);
-    if (bytes > memory_.bytes()) memory_.take(TRY(reserve(bytes - memory_.bytes())));
-    if (vertices > positions_.capacity()) positions_ = {};
-    if (triangles > triangles_.capacity()) triangles_ = {};
-    first_vertex_ = part.first_vertex;
-    positions_.assign(part.positions.begin(), part.positions.end());
-    triangles_.assign(part.triangles.begin(), part.triangles.end());
-    for (std::size_t f = far_place(first_vertex_); f < far_place(first_vertex_ + positions_.size()); ++f) {
-      far_positions_[f] = positions_[far_[f] - first_vertex_];
-    }
-    return {};
+    return waiting_.keep(part);
   }
 
   Result<void> finish(Notes& /*notes*/) override {
@@ -161,26 +145,12 @@ class PartwiseStlWriter final : public PartwiseWriter {
   }
 
  private:
-  [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes) const {
-    return context_.reserve(bytes, file_.shown_name() + ": a part of the mesh");
-  }
-
-  // Returns the number of far vertices before a vertex.
-  [[nodiscard]] std::size_t far_place(std::uint64_t vertex) const {
-    return static_cast<std::size_t>(std::ranges::lower_bound(far_, vertex) - far_.begin());
-  }
-
   // Writes the triangles of the part that waits for the vertices in `next`.
   [[nodiscard]] Result<void> write_waiting(std::span<const glm::vec3> next) {
-    const auto position = [&](std::uint32_t vertex) {
-      if (vertex < first_vertex_) return far_positions_[far_place(vertex)];
-      const std::uint64_t place = vertex - first_vertex_;
-      return place < positions_.size() ? positions_[place] : next[place - positions_.size()];
-    };
     return write_facets(
-        triangles_.size(), options_.ascii,
+        waiting_.triangles().size(), options_.ascii,
         [&](std::size_t t) {
-          const std::array corners{position(triangles_[t].x), position(triangles_[t].y), position(triangles_[t].z)};
+          const std::array corners = waiting_.corners(t, next);
           return Facet{face_normal(corners[0], corners[1], corners[2]), corners};
         },
         file_);
@@ -188,15 +158,8 @@ class PartwiseStlWriter final : public PartwiseWriter {
 
   const mesh::Mesh& head_;
   MeshWriteOptions options_;
-  Context context_;
   files::OutputFile& file_;
-  Reservation far_memory_;
-  std::vector<std::uint32_t> far_;  // vertices, ascending
-  std::vector<glm::vec3> far_positions_;
-  Reservation memory_;  // for the part that waits
-  std::uint64_t first_vertex_ = 0;
-  std::vector<glm::vec3> positions_;
-  std::vector<glm::uvec3> triangles_;
+  WaitingPart waiting_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "extract/dense_masks.hpp"
 #include "mesh/coincident_vertices.hpp"
+#include "mesh/partwise_measures.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
@@ -171,6 +172,59 @@ TEST_P(Partwise, TrianglesReferToTheirPartTheNextOneAndFarVertices) {
         const auto of_vertex = part_of(vertex) - part;
         ASSERT_TRUE(of_vertex == 0 || of_vertex == 1 || std::ranges::binary_search(far, vertex)) << t;
       }
+    }
+  }
+}
+
+void expect_equal(const mesh::Topology& a, const mesh::Topology& b) {
+  EXPECT_EQ(a.edges, b.edges);
+  EXPECT_EQ(a.open_edges, b.open_edges);
+  EXPECT_EQ(a.nonmanifold_edges, b.nonmanifold_edges);
+  EXPECT_EQ(a.misoriented_edges, b.misoriented_edges);
+  EXPECT_EQ(a.nonmanifold_vertices, b.nonmanifold_vertices);
+  EXPECT_EQ(a.unused_vertices, b.unused_vertices);
+  EXPECT_EQ(a.repeated_index_triangles, b.repeated_index_triangles);
+  EXPECT_EQ(a.components, b.components);
+  EXPECT_EQ(a.euler, b.euler);
+}
+
+void expect_equal(const mesh::MeshMeasures& a, const mesh::MeshMeasures& b) {
+  expect_equal(a.topology, b.topology);
+  EXPECT_EQ(a.size.area, b.size.area);
+  EXPECT_EQ(a.size.volume, b.size.volume);
+  EXPECT_EQ(a.size.zero_area_triangles, b.size.zero_area_triangles);
+  EXPECT_EQ(a.bounds.min, b.bounds.min);
+  EXPECT_EQ(a.bounds.max, b.bounds.max);
+  ASSERT_EQ(a.components.size(), b.components.size());
+  for (std::size_t c = 0; c < a.components.size(); ++c) {
+    const mesh::ComponentFacts& one = a.components[c];
+    const mesh::ComponentFacts& other = b.components[c];
+    expect_equal(one.topology, other.topology);
+    EXPECT_EQ(one.triangles, other.triangles);
+    EXPECT_EQ(one.area, other.area);
+    EXPECT_EQ(one.volume, other.volume);
+    EXPECT_EQ(one.bounds.min, other.bounds.min);
+    EXPECT_EQ(one.bounds.max, other.bounds.max);
+  }
+}
+
+// Of few samples inside, there are many components; of half of them, one reaches through all parts.
+TEST_P(Partwise, MeasuresAreThoseOfTheWholeMesh) {
+  const field::ScalarField field = test::random_field<float>({64, 41, 45}, 9, 1000);
+  for (const bool cap : {false, true}) {
+    for (const double iso : {500, 950}) {
+      ExtractOptions options = test::options_of(GetParam(), iso, cap);
+      const Extraction whole = test::extract(field, options);
+      const auto expected = mesh::measure_mesh(whole.mesh, Context());
+      ASSERT_TRUE(expected);
+      EXPECT_GT(expected->components.size(), iso > 900 ? 500 : 5);
+      EXPECT_GT(whole.mesh.triangles.size(), iso > 900 ? 1U << 15U : 1U << 17U);
+      mesh::PartwiseMeasures sink("a mesh", Context());
+      options.sink = &sink;
+      ASSERT_TRUE(test::extract(field, options).taken);
+      auto measures = sink.finish();
+      ASSERT_TRUE(measures) << measures.error().message;
+      expect_equal(*measures, *expected);
     }
   }
 }

@@ -1,0 +1,57 @@
+// The components of a mesh that comes in parts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "mesh/components.hpp"
+#include "mesh/detail/part_vertices.hpp"
+
+namespace isoextract::mesh {
+
+// Finds the components of each part, and joins those with common vertices.
+class LinkedParts {
+ public:
+  // `far` are MeshShape::far_vertices; they must outlive the object. `what` is for messages.
+  LinkedParts(std::span<const std::uint32_t> far, std::string what, const Context& context)
+      : far_(far), what_(std::move(what)), context_(context), far_sets_(far.size(), Components::kNone) {}
+
+  // Adds the next part that has triangles; call it in the order of the parts. Fails with ErrorCode::out_of_memory.
+  [[nodiscard]] Result<void> add(const PartVertices& vertices, std::uint64_t first_vertex, const Components& own);
+  // Numbers the components in the order of their first vertices. Call once, after the last part.
+  void number();
+
+  // Call these after number().
+  //
+  // Returns how many components the mesh has.
+  [[nodiscard]] std::uint32_t count() const { return count_; }
+  // Returns the numbers of the components of a part, in the order of its own. The part is the `index`-th of add().
+  [[nodiscard]] std::span<const std::uint32_t> of_part(std::size_t index) const {
+    if (index >= ends_.size()) return {};
+    const std::size_t first = index == 0 ? 0 : ends_[index - 1];
+    return std::span(sets_).subspan(first, ends_[index] - first);
+  }
+  // Returns the component of the far vertex with this index; Components::kNone if it has no triangle.
+  [[nodiscard]] std::uint32_t of_far(std::size_t index) const { return far_sets_[index]; }
+
+ private:
+  std::span<const std::uint32_t> far_;
+  std::string what_;
+  Context context_;
+  Reservation memory_;
+  std::vector<std::uint32_t> sets_;      // components of parts: their parents, after number() their components
+  std::vector<std::uint32_t> least_;     // the first vertex of each
+  std::vector<std::size_t> ends_;        // end of the components of each part
+  std::vector<std::uint32_t> far_sets_;  // of each far vertex
+  std::uint64_t carried_from_ = 0;       // a vertex, the first in
+  std::vector<std::uint32_t> carried_;   // the sets of the vertices of the last part and of the one behind it
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace isoextract::mesh
