@@ -235,7 +235,7 @@ class Simplifier {
   // Collapses edges in patches of this size. Returns the number of patches.
   Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share) {
     TRY(context_.check());
-    Buffer<PatchTriangle> places = split(size);
+    std::vector<PatchTriangle> places = split(size);
     if (numbers_ + places.size() >= kNone) {
       return fail(ErrorCode::input,
                   fmt::format("{}: the mesh is too large to simplify: its triangles, counted again in each round of "
@@ -288,7 +288,7 @@ class Simplifier {
   }
 
   // Returns the wanted triangles and some rings around them, sorted by the grid cell of their centroids.
-  Buffer<PatchTriangle> split(double size) {
+  std::vector<PatchTriangle> split(double size) {
     std::vector<char> near = wanted_;
     constexpr int kRings = 2;
     const bool all = std::all_of(near.begin(), near.end(), [](char w) { return w != 0; });
@@ -299,9 +299,9 @@ class Simplifier {
         if (state_.gone[t] == 0 && (inner[c.x] | inner[c.y] | inner[c.z]) != 0) mark(near, c);
       });
     }
-    Buffer<PatchTriangle> places =
+    std::vector<PatchTriangle> places =
         remaining_triangles(state_, [&](const glm::uvec3& c) { return (near[c.x] & near[c.y] & near[c.z]) != 0; });
-    const auto [low, high] = box_of_first_corners(state_, places.span());
+    const auto [low, high] = box_of_first_corners(state_, places);
     constexpr double kMostCells = 1 << 20;  // per side
     const glm::dvec3 extent = high - low;
     const double largest = std::max({extent.x, extent.y, extent.z});

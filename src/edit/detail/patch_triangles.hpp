@@ -10,7 +10,6 @@
 
 #include <glm/glm.hpp>
 
-#include "base/buffer.hpp"
 #include "base/parallel.hpp"
 #include "edit/detail/collapse_state.hpp"
 
@@ -30,7 +29,7 @@ struct PatchTriangle {
 // Returns the remaining triangles whose corners satisfy `holds`, in their order, all in cell 0. Several threads call
 // `holds` at once.
 template <class Holds>
-[[nodiscard]] Buffer<PatchTriangle> remaining_triangles(const CollapseState& state, const Holds& holds) {
+[[nodiscard]] std::vector<PatchTriangle> remaining_triangles(const CollapseState& state, const Holds& holds) {
   const std::size_t triangles = state.corners.size();
   const std::size_t ranges = (triangles + kTriangleGrain - 1) / kTriangleGrain;
   const auto for_each_of_range = [&](std::size_t range, const auto& body) {
@@ -46,7 +45,7 @@ template <class Holds>
     first[r + 1] = count;
   });
   std::partial_sum(first.begin(), first.end(), first.begin());
-  Buffer<PatchTriangle> list(first.back());
+  std::vector<PatchTriangle> list(first.back());
   for_each_index(ranges, [&](std::size_t r) {
     std::size_t next = first[r];
     for_each_of_range(r, [&](std::uint32_t t) { list[next++] = {0, t}; });

@@ -42,13 +42,13 @@ TEST(PatchTriangles, AreThoseOfAPlainLoop) {
       const glm::dvec3 p(state.positions[state.corners[t].x]);
       box = {glm::min(box.low, p), glm::max(box.high, p)};
     }
-    const Buffer<PatchTriangle> found = remaining_triangles(state, holds);
+    const std::vector<PatchTriangle> found = remaining_triangles(state, holds);
     ASSERT_EQ(found.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
       ASSERT_EQ(found[i].triangle, expected[i]);
       ASSERT_EQ(found[i].cell, 0U);
     }
-    const CornerBox around = box_of_first_corners(state, found.span());
+    const CornerBox around = box_of_first_corners(state, found);
     EXPECT_EQ(around.low, box.low);
     EXPECT_EQ(around.high, box.high);
   }
