@@ -192,7 +192,7 @@ class PartwiseTest(ProgramTest):
         self.convert("in_#.raw", *layers, "--normals", "none", "-o", "out/{}.ply", "--mkdir", "--jobs", 1, "--memory-limit", "32M",
                      "--table", "t.csv")
         [row, *_] = csv.DictReader(io.StringIO((self.folder / "t.csv").read_text()))
-        self.convert(raw, *layers, "--normals", "none", "-o", "a.ply", *WHOLE, "--report", "r.json")
+        self.convert(raw, *layers, "--normals", "none", "-o", "a.ply", "--report", "r.json")
         [whole] = json.loads((self.folder / "r.json").read_text())["meshes"]
         self.assertEqual((int(row["triangles"]), float(row["area"])), (whole["triangles"], whole["area"]))
 
@@ -250,7 +250,7 @@ class PartwiseTest(ProgramTest):
                 limited = (self.folder / name).read_bytes()
                 streamed = self.convert(*layers, *form, "-o", "-", "--format", name[2:], *limit)
                 self.assertTrue(streamed.out == limited)
-                self.convert(*output, *WHOLE)
+                self.convert(*output)
                 self.assertTrue((self.folder / name).read_bytes() == limited)
 
     def test_sequences_take_no_whole_mesh_and_record_the_hash_of_each_file(self):
