@@ -222,7 +222,7 @@ class PartwiseTest(ProgramTest):
             self.assertGreater((self.folder / name).stat().st_size, 130 * MIB)
             (self.folder / name).unlink()
             whole = self.run_program(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M", *WHOLE)
-            self.assert_fails(2, whole, "triangles", "--memory-limit", "PLY, GLB, OBJ and STL files take a mesh in parts")
+            self.assert_fails(2, whole, "triangles", "--memory-limit", "PLY, glTF, OBJ and STL files take a mesh in parts")
             # The figures of the mesh need two parts, and the corners at their vertices.
             self.convert(*layers, "--normals", "none", "-o", name, "--memory-limit", "60M", "--report", "r.json")
             (self.folder / "r.json").unlink()
