@@ -108,8 +108,7 @@ class PartwiseTest(ProgramTest):
                     run = self.convert(*arguments, *form, "-o", "-", "--format", name[2:], "-v")
                     self.assertTrue(run.out == file)
                     # The indices of a small GLB have 16 bits, and caps with smooth normals need the whole mesh.
-                    is_flat = name == "a.stl" or "flat" in form
-                    is_whole = name == "a.glb" and arguments[0] != GYROID[0] or "--cap" in arguments and not is_flat
+                    is_whole = name == "a.glb" and arguments != shapes[0]
                     self.assertEqual("extracted and written" in run.err, not is_whole)
                     self.assertTrue(self.written_to_pipe(f"pipe_{name}", *arguments, *form) == file)
 
@@ -193,7 +192,7 @@ class PartwiseTest(ProgramTest):
         self.convert("in_#.raw", *layers, "--normals", "none", "-o", "out/{}.ply", "--mkdir", "--jobs", 1, "--memory-limit", "32M",
                      "--table", "t.csv")
         [row, *_] = csv.DictReader(io.StringIO((self.folder / "t.csv").read_text()))
-        self.convert(raw, *layers, "--normals", "none", "-o", "a.ply", *WHOLE, "--report", "r.json")
+        self.convert(raw, *layers, "--normals", "none", "-o", "a.ply", "--report", "r.json")
         [whole] = json.loads((self.folder / "r.json").read_text())["meshes"]
         self.assertEqual((int(row["triangles"]), float(row["area"])), (whole["triangles"], whole["area"]))
 
@@ -223,7 +222,7 @@ class PartwiseTest(ProgramTest):
             self.assertGreater((self.folder / name).stat().st_size, 130 * MIB)
             (self.folder / name).unlink()
             whole = self.run_program(*layers, "--normals", "none", "-o", name, "--memory-limit", "24M", *WHOLE)
-            self.assert_fails(2, whole, "triangles", "--memory-limit", "PLY, GLB, OBJ and STL files take a mesh in parts")
+            self.assert_fails(2, whole, "triangles", "--memory-limit", "PLY, glTF, OBJ and STL files take a mesh in parts")
             # The figures of the mesh need two parts, and the corners at their vertices.
             self.convert(*layers, "--normals", "none", "-o", name, "--memory-limit", "60M", "--report", "r.json")
             (self.folder / "r.json").unlink()
@@ -251,7 +250,7 @@ class PartwiseTest(ProgramTest):
                 limited = (self.folder / name).read_bytes()
                 streamed = self.convert(*layers, *form, "-o", "-", "--format", name[2:], *limit)
                 self.assertTrue(streamed.out == limited)
-                self.convert(*output, *WHOLE)
+                self.convert(*output)
                 self.assertTrue((self.folder / name).read_bytes() == limited)
 
     def test_sequences_take_no_whole_mesh_and_record_the_hash_of_each_file(self):
