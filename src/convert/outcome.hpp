@@ -38,7 +38,7 @@ struct Outcome {
   std::string backend;
   std::string device;  // name of the processor or GPU; empty if the backend could not be opened
   int threads = 0;
-  std::vector<StageReport> reports;  // in the order in which the stages ran; without details and lines
+  std::vector<StageReport> reports;  // in the order in which the stages ran; their details and lines may be missing
   StageTime total;
   std::uint64_t bytes_read = 0;
   std::uint64_t bytes_uploaded = 0;   // to a GPU; 0 on the CPU

@@ -96,7 +96,7 @@ void add_read_files(files::InputFileSet& read, const ConversionJob& job, const C
                           ? attribute_files(job.source, context.beside())
                           : list_source_files(job.source, context.beside());
   if (!inputs) return;
-  for (const fs::path& file : *inputs) read.add(file, "holds the samples of the input");
+  for (const fs::path& file : *inputs) read.add(file, "holds samples or attributes of the input");
 }
 
 void add_read_mesh(files::InputFileSet& read, const std::string& path, const Context& context) {

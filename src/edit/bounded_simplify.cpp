@@ -301,21 +301,20 @@ class Simplifier {
     }
     std::vector<PatchTriangle> places =
         remaining_triangles(state_, [&](const glm::uvec3& c) { return (near[c.x] & near[c.y] & near[c.z]) != 0; });
-    const auto [low, high] = box_of_first_corners(state_, places);
+    const CornerBox box = box_of_first_corners(state_, places);
     constexpr double kMostCells = 1 << 20;  // per side
-    const glm::dvec3 extent = high - low;
+    const glm::dvec3 extent = box.high - box.low;
     const double largest = std::max({extent.x, extent.y, extent.z});
     if (!(size < largest)) return places;
     const double side = std::max(size, largest / kMostCells);
     // Above 0, so that cells of centroids outside the box are not negative.
     const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;
-    const glm::dvec3 corner = low;  // clang does not capture structured bindings
     const auto place = [&](std::size_t i) {
       const glm::uvec3& c = state_.corners[places[i].triangle];
       const glm::dvec3 center =
           (glm::dvec3(state_.positions[c.x]) + glm::dvec3(state_.positions[c.y]) + glm::dvec3(state_.positions[c.z])) /
           3.0;
-      const glm::dvec3 cell = glm::floor(glm::max((center - corner) / side + shift, 0.0));
+      const glm::dvec3 cell = glm::floor(glm::max((center - box.low) / side + shift, 0.0));
       places[i].cell = (static_cast<std::uint64_t>(cell.z) << 42U) + (static_cast<std::uint64_t>(cell.y) << 21U) +
                        static_cast<std::uint64_t>(cell.x);
     };
@@ -389,8 +388,8 @@ class Simplifier {
   CollapseState state_;
   std::vector<char> locked_;
   std::vector<char> wanted_;
-  std::vector<char> refused_;  // vertices that must stay to keep the distance; empty: none
-  std::vector<std::uint32_t> patch_of_;
+  std::vector<char> refused_;            // vertices that must stay to keep the distance; empty: none
+  std::vector<std::uint32_t> patch_of_;  // of lock_patch_borders(): one of each vertex's patches, by any thread
   std::vector<CollapseLog> logs_;
   std::uint64_t numbers_ = 0;         // collapses numbered so far
   bool patches_are_checked_ = false;  // for intersections; a round needs a new check

@@ -90,7 +90,8 @@ class Separation {
     }
     bool one_stays = false;
     for (std::size_t i = 0; i < cones.size(); ++i) {
-      if (!ways[i] && std::exchange(one_stays, true)) ways[i] = cones[i].mean_way(signs[i] != 0 ? signs[i] : -1);
+      const bool lacks_way = !ways[i] && !cones[i].empty();  // a vertex without triangles touches nothing
+      if (lacks_way && std::exchange(one_stays, true)) ways[i] = cones[i].mean_way(signs[i] != 0 ? signs[i] : -1);
       if (ways[i]) together[i].to = glm::vec3(glm::dvec3(together[i].to) + voxel_ * (move * *ways[i]));
     }
   }

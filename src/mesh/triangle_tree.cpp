@@ -138,7 +138,7 @@ std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& no
   return slabs;
 }
 
-inline double TriangleTree::bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const {
+double TriangleTree::bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const {
   const double by_box = filter.bound(tree_.box(node));
   if (node >= slabs_.size()) return by_box;
   const double across = std::max(slabs_[node][0].distance(p), slabs_[node][1].distance(p));

@@ -82,7 +82,7 @@ class TriangleTree {
   void make_slabs();
   [[nodiscard]] std::array<Slab, 2> slabs_of(const BoxTree::Node& node) const;
   // Returns a lower bound for the squared distance of p to the node's triangles.
-  [[nodiscard]] double bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const;
+  [[nodiscard]] inline double bound_squared(std::size_t node, const BoxFilter& filter, const glm::dvec3& p) const;
 
   BoxTree tree_;
   Buffer<Corners> corners_;            // by slot

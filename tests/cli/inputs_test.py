@@ -293,7 +293,7 @@ class StandardInputTest(ProgramTest):
         path.write_bytes(npy(ZYX, samples(1)))
         with subprocess.Popen(["cat", path], stdout=subprocess.PIPE) as pipe:
             run = self.run_program("-", "--iso", "0", "--attribute", "t=t.ply", "-o", "t.ply", stdin=pipe.stdout)
-        self.assert_fails(1, run, "t.ply: this holds the samples of the input; it is not overwritten")
+        self.assert_fails(1, run, "t.ply: this holds samples or attributes of the input; it is not overwritten")
         self.assertEqual(path.read_bytes(), npy(ZYX, samples(1)))
 
     def test_a_file_of_that_name(self):

@@ -104,7 +104,7 @@ class NamesTest(ProgramTest):
             (self.folder / f"h_{frame}.nhdr").write_text(header.format(data))
         before = [(self.folder / f"r_{frame}.json").read_bytes() for frame in (1, 2)]
         run = self.run_program("h_{}.nhdr", "--iso", "50", "-o", "m_{}.ply", "--report", "r_{}.json")
-        self.assert_fails(1, run, "this holds the samples of the input; it is not overwritten")
+        self.assert_fails(1, run, "this holds samples or attributes of the input; it is not overwritten")
         self.assertEqual([(self.folder / f"r_{frame}.json").read_bytes() for frame in (1, 2)], before)
 
     def test_the_file_of_the_options(self):

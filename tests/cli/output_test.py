@@ -122,7 +122,7 @@ class OutputTest(ProgramTest):
         before = path.read_bytes()
         for arguments in (("-o", "a.gltf"), ("-o", "link.ply"), ("-o", "hard.ply"), ("-o", "b.ply", "--report", "a.bin")):
             run = self.run_program("a.nhdr", "--iso", "1.5", "-q", *arguments)
-            self.assert_fails(1, run, "this holds the samples of the input")
+            self.assert_fails(1, run, "this holds samples or attributes of the input")
             self.assertEqual(path.read_bytes(), before)
         self.assertEqual(self.files(), ["a.bin", "a.nhdr", "hard.ply", "link.ply"])
 

@@ -38,7 +38,7 @@ class OverwriteTest(ProgramTest):
             self.write_islands(2, f"f_{frame}.nhdr", f"m_{3 - frame}_1.bin")
         before = (self.folder / "m_2_1.bin").read_bytes()
         run = self.run_program("f_{}.nhdr", "--iso", 50, "--split-components", "-o", "m_{frame}_{piece}.gltf")
-        self.assert_fails(1, run, "m_1_1.bin: this holds the samples of the input; it is not overwritten")
+        self.assert_fails(1, run, "m_1_1.bin: this holds samples or attributes of the input; it is not overwritten")
         for frame in (1, 2):
             self.assertEqual((self.folder / f"m_{frame}_1.bin").read_bytes(), before)
 

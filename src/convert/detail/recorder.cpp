@@ -28,8 +28,8 @@ void Recorder::end(const StageReport& report) {
   if (again_ && !told.time) return;
   listener_.end(told);
   // Only listeners use the sentences. A map of 100,000 labels has as many of them.
-  told.details = {};
-  told.lines = {};
+  std::vector<std::string>().swap(told.details);
+  std::vector<StageReport::Line>().swap(told.lines);
   outcome_.reports.push_back(std::move(told));
 }
 

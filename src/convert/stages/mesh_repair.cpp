@@ -35,7 +35,9 @@ std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& cho
                                 one ? "1 copy" : std::to_string(facts.vertices_split) + " copies"));
   }
   if (facts.unused_removed > 0) {
-    steps.push_back(fmt::format("removed {} without a triangle", counted(facts.unused_removed, "point")));
+    steps.push_back(facts.unused_removed == 1
+                        ? "removed 1 vertex without a triangle"
+                        : fmt::format("removed {} vertices without a triangle", facts.unused_removed));
   }
   if (facts.components_turned > 0) {
     steps.push_back(fmt::format("flipped the winding of {}", counted(facts.components_turned, "component")));

@@ -210,28 +210,27 @@ class PatchMesh {
     for (const std::uint32_t w : ring.neighbors) {
       if (is_curve_edge(ring, w)) ends.push_back(w);
     }
-    if (!ends.empty() && ends.size() != 2) return std::nullopt;
-    // Follows each fan from its first triangle; of a closed fan any is the first.
+    if (ends.size() != 2) return std::nullopt;
+    const auto is_end = [&](std::uint32_t w) { return w == ends[0] || w == ends[1]; };
+    // Follows each fan from its first triangle.
     std::size_t walked = 0;
     std::size_t fans = 0;
     constexpr std::size_t kMost = 255;
     for (std::size_t start = 0; start < around.size() && fans < kMost; ++start) {
-      const bool is_first = ends.empty() ? start == 0 : around[start].from == ends[0] || around[start].from == ends[1];
-      if (!is_first) continue;
+      if (!is_end(around[start].from)) continue;
       ++fans;
       std::size_t at = start;
       for (;; ++walked) {
         if (walked >= around.size()) return std::nullopt;
         const std::uint32_t w = around[at].next;
-        if (ends.empty() ? w == around[start].from : w == ends[0] || w == ends[1]) break;
+        if (is_end(w)) break;
         at = static_cast<std::size_t>(std::ranges::find(around, w, &Around::from) - around.begin());
       }
       ++walked;
-      const bool returns = around[start].from == around[at].next;  // a cone from a curve edge to itself
-      if (!ends.empty() && returns) return std::nullopt;
+      if (around[start].from == around[at].next) return std::nullopt;  // a cone from a curve edge to itself
     }
     if (walked != around.size()) return std::nullopt;
-    return static_cast<std::uint8_t>(ends.empty() ? 0 : fans);
+    return static_cast<std::uint8_t>(fans);
   }
 };
 

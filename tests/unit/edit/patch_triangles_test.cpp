@@ -1,9 +1,11 @@
 // The lists of triangles that parallel loops make are those of plain loops.
+#include <cstddef>
 #include <cstdint>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <glm/glm.hpp>
 
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/patch_triangles.hpp"

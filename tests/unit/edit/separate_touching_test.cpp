@@ -1,6 +1,7 @@
 // Touching sheets: after the move, welding by position finds a closed 2-manifold, and no triangles meet that did not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -157,6 +158,18 @@ TEST(SeparateTouching, FarFromTheOrigin) {
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.positions[v] = glm::vec3(mesh.position(v));
     EXPECT_EQ(welded_topology(std::move(mesh)).is_closed_oriented_manifold(), away < 1e6);
   }
+}
+
+TEST(SeparateTouching, VerticesWithoutTrianglesMoveNothing) {
+  const mesh::Mesh box = test::extract(test::field_of(padded(0b1, false)), test::voxel_options()).mesh;
+  mesh::Mesh mesh;  // first an unused vertex, at the position of the first used one
+  mesh.positions = Buffer<glm::vec3>(box.positions.size() + 1);
+  mesh.positions[0] = box.positions[0];
+  std::copy(box.positions.begin(), box.positions.end(), mesh.positions.begin() + 1);
+  mesh.triangles = Buffer<glm::uvec3>(box.triangles.size());
+  std::transform(box.triangles.begin(), box.triangles.end(), mesh.triangles.begin(),
+                 [](const glm::uvec3& t) { return t + 1U; });
+  EXPECT_EQ(separate_touching_vertices(mesh, kDistance, glm::dmat3(1.0), Context())->moved, 0U);
 }
 
 }  // namespace

@@ -312,7 +312,6 @@ TEST(Selection, TakesParticlesWithTheirAttributes) {
   EXPECT_EQ(take_particles(set, indices, small).error().code, ErrorCode::out_of_memory);
 }
 
-}  // namespace
 TEST(Selection, QuotesWordsThatContainQuotes) {
   for (const std::string& word : std::vector<std::string>{"O", "O5'", "O\"", "a'b\"c"}) {
     const std::string condition = "species == " + word_in_selection(word);
@@ -320,5 +319,7 @@ TEST(Selection, QuotesWordsThatContainQuotes) {
   }
   EXPECT_EQ(word_in_selection("a'b\"c"), "`a'b\"c`");
 }
+
+}  // namespace
 
 }  // namespace isoextract::points
