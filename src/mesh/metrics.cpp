@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+
 #include "base/parallel.hpp"
 #include "mesh/detail/triangle_sums.hpp"
 

@@ -1,14 +1,17 @@
 #include "mesh/partwise_measures.hpp"
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>
 
+#include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/buckets.hpp"
 #include "mesh/detail/linked_parts.hpp"
@@ -65,11 +68,24 @@ std::vector<Piece> split(std::uint64_t first, std::uint64_t count, const NextEnd
   return pieces;
 }
 
+// Returns step(), or ErrorCode::out_of_memory if it throws std::bad_alloc.
+template <class Step>
+auto guarded(const std::string& what, const Step& step) -> decltype(step()) {
+  try {
+    return step();
+  } catch (const std::bad_alloc&) {
+    return tl::unexpected(allocation_error(what + " need more memory than is available"));
+  }
+}
+
 }  // namespace
 
 class PartwiseMeasures::State {
  public:
-  State(const std::string& name, const Context& context) : what_(name + ": its figures"), context_(context) {}
+  State(std::string name, const Context& context)
+      : name_(std::move(name)), what_(name_ + ": its figures"), context_(context) {}
+
+  [[nodiscard]] const std::string& what() const { return what_; }
 
   Result<void> begin(const MeshShape& shape) {
     const std::uint64_t bytes_of_far = 2 * sizeof(std::uint32_t) + sizeof(glm::vec3);
@@ -114,9 +130,9 @@ class PartwiseMeasures::State {
 
  private:
   Result<void> link(const MeshPart& part) {
-    const auto memory = TRY(
-        context_.reserve(PartVertices::bytes(part.triangles.size()) + bytes_of_vertices(part.triangles.size()), what_));
+    const auto memory = TRY(context_.reserve(PartVertices::bytes(part.triangles.size()), what_));
     const PartVertices vertices(part.triangles, part.first_vertex, shape_.far_vertices);
+    const auto more = TRY(context_.reserve(kNumberBytes * vertices.size(), what_));
     return parts_->add(vertices, part.first_vertex, Components(vertices.triangles(), vertices.size()));
   }
 
@@ -125,10 +141,17 @@ class PartwiseMeasures::State {
     if (!space_ && !part.positions.empty()) space_.emplace(SumSpace{.apex = glm::dvec3(part.positions.front())});
     TRY(sum_waiting(part.positions));
     bounds_.add(part.positions);
-    const std::uint64_t bytes =
-        part.positions.size_bytes() + shared_triangles_.size() * sizeof(glm::uvec3) + part.triangles.size_bytes();
-    waiting_memory_.release();
-    waiting_memory_ = TRY(context_.reserve(bytes, what_));
+    // The vectors keep the room of their largest part; a larger part replaces it.
+    const std::size_t most_vertices = std::max(part.positions.size(), positions_.capacity());
+    const std::size_t most_triangles =
+        std::max(shared_triangles_.size() + part.triangles.size(), triangles_.capacity());
+    const std::uint64_t bytes = most_vertices * sizeof(glm::vec3) + most_triangles * sizeof(glm::uvec3);
+    if (bytes > waiting_memory_.bytes()) {
+      waiting_memory_.take(TRY(context_.reserve(bytes - waiting_memory_.bytes(), what_)));
+    }
+    if (most_vertices > positions_.capacity()) positions_ = {};
+    if (most_triangles > triangles_.capacity()) triangles_ = {};
+    triangles_.reserve(most_triangles);
     first_vertex_ = part.first_vertex;
     first_triangle_ = part.first_triangle;
     positions_.assign(part.positions.begin(), part.positions.end());
@@ -142,10 +165,8 @@ class PartwiseMeasures::State {
     return {};
   }
 
-  static std::uint64_t bytes_of_vertices(std::uint64_t triangles) {
-    // A part has about half as many vertices as triangles, and never more than three times as many.
-    return 3 * triangles * sizeof(std::uint32_t);
-  }
+  // Of each vertex of a part: its component, here, in Components and in LinkedParts.
+  static constexpr std::uint64_t kNumberBytes = 3 * sizeof(std::uint32_t);
 
   [[nodiscard]] std::span<const glm::uvec3> own_triangles() const {
     return std::span(triangles_).subspan(shared_triangles_.size());
@@ -153,16 +174,17 @@ class PartwiseMeasures::State {
 
   Result<void> sum_waiting(std::span<const glm::vec3> next) {
     const std::span<const glm::uvec3> own = own_triangles();
-    const std::uint64_t bytes = PartVertices::bytes(own.size()) + bytes_of_vertices(own.size()) +
+    const std::uint64_t bytes = PartVertices::bytes(own.size()) +
                                 (positions_.size() + next.size() + far_positions_.size()) * sizeof(glm::vec3) +
                                 Buckets<Corner>::bytes(3 * triangles_.size(), positions_.size());
     const auto memory = TRY(context_.reserve(bytes, what_));
     const PartVertices vertices(own, first_vertex_, shape_.far_vertices);
+    const auto more = TRY(context_.reserve(kNumberBytes * vertices.size(), what_));
     const Components components(vertices.triangles(), vertices.size());
     std::span<const std::uint32_t> numbers;
     if (!own.empty()) numbers = parts_->of_part(part_++);
     if (components.count() != numbers.size() || vertices.near() > positions_.size() + next.size()) {
-      return fail(ErrorCode::input, fmt::format("{}: the samples changed between two passes", what_),
+      return fail(ErrorCode::input, fmt::format("{}: the samples changed between two passes", name_),
                   "wait until the program that writes the input has finished");
     }
     const auto component_of = [&](std::size_t number) {
@@ -336,7 +358,8 @@ class PartwiseMeasures::State {
                 static_cast<std::int64_t>(all.edges) + static_cast<std::int64_t>(triangles);
   }
 
-  std::string what_;
+  std::string name_;
+  std::string what_;  // starts messages about memory
   Context context_;
   MeshShape shape_;
   bool is_summing_ = false;  // in the second pass
@@ -374,8 +397,10 @@ PartwiseMeasures::PartwiseMeasures(const std::string& name, const Context& conte
 PartwiseMeasures::~PartwiseMeasures() = default;
 
 Result<bool> PartwiseMeasures::begin(const MeshShape& shape) {
-  TRY(state_->begin(shape));
-  return true;
+  return guarded(state_->what(), [&]() -> Result<bool> {
+    TRY(state_->begin(shape));
+    return true;
+  });
 }
 
 std::vector<PartPass> PartwiseMeasures::passes() const {
@@ -383,11 +408,15 @@ std::vector<PartPass> PartwiseMeasures::passes() const {
 }
 
 Result<void> PartwiseMeasures::begin_pass(std::size_t pass) {
-  return pass == 0 ? Result<void>() : state_->begin_sums();
+  return guarded(state_->what(), [&] { return pass == 0 ? Result<void>() : state_->begin_sums(); });
 }
 
-Result<void> PartwiseMeasures::take(const MeshPart& part) { return state_->take(part); }
+Result<void> PartwiseMeasures::take(const MeshPart& part) {
+  return guarded(state_->what(), [&] { return state_->take(part); });
+}
 
-Result<MeshMeasures> PartwiseMeasures::finish() { return state_->finish(); }
+Result<MeshMeasures> PartwiseMeasures::finish() {
+  return guarded(state_->what(), [&] { return state_->finish(); });
+}
 
 }  // namespace isoextract::mesh

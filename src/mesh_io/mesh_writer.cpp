@@ -77,8 +77,9 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
 constexpr std::uint64_t kMostHeldBytes = std::uint64_t{64} << 20;
 
 // Returns whether the parts of a mesh can come in any order: their places in the file do not depend on the others.
+// Normals of faces need the vertices of the next part.
 bool takes_any_order(const fs::path& path, const MeshWriteOptions& options) {
-  return has_fixed_places(options.format, options.ascii) && !files::is_stream(path);
+  return has_fixed_places(options.format, options.ascii) && !options.flat_normals && !files::is_stream(path);
 }
 
 // Returns the size of a mesh without its attributes.
@@ -400,10 +401,11 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
   State& state = *state_;
   const MeshWriteOptions& options = state.options;
   const bool splits_triangles = options.flat_normals && is_gltf(options.format);
-  const bool needs_whole_mesh = !mesh_format_info(options.format).takes_parts || splits_triangles ||
+  const bool has_stream = options.format == MeshFormat::gltf && files::is_stream(state.binary_path());
+  const bool needs_whole_mesh = !mesh_format_info(options.format).takes_parts || splits_triangles || has_stream ||
                                 options.packing.packs() || options.packing.optimize_order || !head.attributes.empty() ||
                                 shape.origin != glm::dvec3(0) ||
-                                (ranks != nullptr && (options.flat_normals || !takes_any_order(state.path, options)));
+                                (ranks != nullptr && !takes_any_order(state.path, options));
   if (needs_whole_mesh || state.count > 0) return false;
   return state.attempt([&]() -> Result<bool> {
     TRY(check(1, state.path, options));

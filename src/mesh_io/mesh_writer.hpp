@@ -29,7 +29,8 @@ constexpr auto words_of(MeshFormat /*type*/) {
 }
 
 // Returns whether a file of this format has one place for each vertex and triangle, so that parts can come in any
-// order, also from several ranks. False for text, and for STL, whose triangles have their own copies of the vertices.
+// order, also from several ranks. False for text, for STL, whose triangles have their own copies of the vertices, and
+// for .gltf, because ranks share no two files.
 [[nodiscard]] bool has_fixed_places(MeshFormat format, bool ascii);
 
 // Returns true for glb and gltf, in which y points up, lengths are in meters and meshes have materials.

@@ -17,9 +17,9 @@ bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
   const bool has_attributes = !job.source.attributes.empty() || (job.color && job.color->attribute);
   const auto* file = job.writes<MeshFileOptions>();
   // The normals of caps are known only when the mesh is whole. glTF with flat normals has three vertices per triangle.
-  const bool fits_normals = job.normals == Normals::area || (job.normals == Normals::smooth && job.surface.cap) ||
-                            (job.normals == Normals::flat && file != nullptr && mesh_io::is_gltf(file->format));
-  return file == nullptr || !source.clip.empty() || edits_mesh || examines_mesh || has_attributes || fits_normals;
+  const bool normals_need_all = job.normals == Normals::area || (job.normals == Normals::smooth && job.surface.cap) ||
+                                (job.normals == Normals::flat && file != nullptr && mesh_io::is_gltf(file->format));
+  return file == nullptr || !source.clip.empty() || edits_mesh || examines_mesh || has_attributes || normals_need_all;
 }
 
 bool writes_one_surface(const ConversionJob& job) {
@@ -61,7 +61,7 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
 void add_partwise_hint(Error& error) {
   if (error.code != ErrorCode::out_of_memory) return;
   error.hint.steps.emplace_back(
-      "PLY, glTF, OBJ and STL files take a mesh in parts, unless edits, attributes or measurements need it whole");
+      "PLY, glTF, OBJ and STL files take a mesh in parts, unless edits, attributes or tests need it whole");
 }
 
 Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {

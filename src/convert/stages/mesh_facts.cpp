@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <functional>
 #include <utility>
-
 #include <vector>
 
 #include "mesh/mesh_measures.hpp"

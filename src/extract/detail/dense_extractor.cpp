@@ -106,7 +106,8 @@ class DenseExtraction final : private VariantChooser {
     TRY(for_each_slab("extracting", own_, room, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
       const MeshSizes first = below_slab(slab.bk);
       const MeshSizes sizes = sizes_in(pass, slab_sizes(slab.bk));
-      if ((sizes.vertices == 0 && sizes.triangles == 0) || !is_as_counted(slab)) return {};
+      if (sizes.vertices == 0 && sizes.triangles == 0) return {};
+      if (!is_as_counted(slab)) return check_samples();
       const auto emit = [&](int bj) { emit_brick_row(part, first, slab.masks, bj, slab.bk); };
       if (pass.in_order) for_each_index(bricks_.rows_y(), emit);
       for (int bj = 0; bj < bricks_.rows_y() && !pass.in_order; ++bj) emit(bj);

@@ -49,7 +49,7 @@ class LinkedParts {
   std::vector<std::uint32_t> least_;     // the first vertex of each
   std::vector<std::size_t> ends_;        // end of the components of each part
   std::vector<std::uint32_t> far_sets_;  // of each far vertex
-  std::uint64_t carried_from_ = 0;       // a vertex, the first in
+  std::uint64_t carried_from_ = 0;       // the number of the first vertex in
   std::vector<std::uint32_t> carried_;   // the sets of the vertices of the last part and of the one behind it
   std::uint32_t count_ = 0;
 };

@@ -265,11 +265,49 @@ files::FillRecords flat_faces_of(const WaitingPart& waiting, std::span<const glm
   };
 }
 
-// Writes vertices, and then faces. Normals of faces need the vertices of the next part, so parts wait for it then.
-class VerticesThenFaces : public PartwiseWriter {
+// Writes each vertex and face to its place in a binary file without normals of faces.
+class PartwisePlyWriter final : public PartwiseWriter {
  public:
-  VerticesThenFaces(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,
-                    files::OutputFile& file)
+  PartwisePlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
+      : head_(head), options_(options), file_(file) {}
+
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    Notes none;  // header() has notes about attributes only
+    TRY(file_.write(header(head_, shape, options_, none)));
+    vertex_bytes_ = shape.has_normals ? kShadedVertexBytes : sizeof(glm::vec3);
+    vertices_at_ = TRY(file_.extend(shape.vertices * vertex_bytes_));
+    triangles_at_ = TRY(file_.extend(shape.triangles * kFaceBytes));
+    return true;
+  }
+
+  Result<void> take(const mesh::MeshPart& part) override {
+    const std::uint64_t vertices_at = vertices_at_ + part.first_vertex * vertex_bytes_;
+    if (part.normals.empty()) {
+      TRY(file_.fill(vertices_at, std::as_bytes(part.positions)));
+    } else {
+      TRY(files::fill_records(file_, vertices_at, part.positions.size(), vertex_bytes_, vertices_of(part)));
+    }
+    return files::fill_records(file_, triangles_at_ + part.first_triangle * kFaceBytes, part.triangles.size(),
+                               kFaceBytes, faces_of(part));
+  }
+
+  Result<void> finish(Notes& /*notes*/) override { return {}; }
+
+ private:
+  const mesh::Mesh& head_;
+  MeshWriteOptions options_;
+  files::OutputFile& file_;
+  std::size_t vertex_bytes_ = 0;
+  std::uint64_t vertices_at_ = 0;   // place of the first vertex in the file
+  std::uint64_t triangles_at_ = 0;  // place of the first triangle
+};
+
+// Writes vertices, and then faces, in order: text, streams, and normals of faces, which need the vertices of the next
+// part. So parts wait for it then.
+class OrderedPlyWriter final : public PartwiseWriter {
+ public:
+  OrderedPlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,
+                   files::OutputFile& file)
       : head_(head), options_(options), file_(file), waiting_(context, file.shown_name()) {}
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
@@ -279,30 +317,60 @@ class VerticesThenFaces : public PartwiseWriter {
     return true;
   }
 
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
+    return {{.in_order = true, .triangles = false},
+            {.in_order = true, .positions = options_.flat_normals, .normals = false}};
+  }
+
   Result<void> begin_pass(std::size_t pass) override {
     writes_flat_faces_ = options_.flat_normals && pass == 1;
     return {};
   }
 
   Result<void> take(const mesh::MeshPart& part) override {
-    if (!writes_flat_faces_) return write(part);
-    TRY(write_flat_faces(waiting_, part.positions));
+    if (!writes_flat_faces_) return options_.ascii ? write_text(part) : write_binary_part(part);
+    TRY(write_flat_faces(part.positions));
     return waiting_.keep(part);
   }
 
-  Result<void> finish(Notes& /*notes*/) override {
-    return writes_flat_faces_ ? write_flat_faces(waiting_, {}) : Result<void>();
-  }
-
- protected:
-  // Writes vertices, and faces without normals.
-  [[nodiscard]] virtual Result<void> write(const mesh::MeshPart& part) = 0;
-  // Writes the faces of the part that waits for the vertices in `next`, with their normals.
-  [[nodiscard]] virtual Result<void> write_flat_faces(const WaitingPart& waiting, std::span<const glm::vec3> next) = 0;
-  [[nodiscard]] const MeshWriteOptions& options() const { return options_; }
-  [[nodiscard]] files::OutputFile& file() const { return file_; }
+  Result<void> finish(Notes& /*notes*/) override { return writes_flat_faces_ ? write_flat_faces({}) : Result<void>(); }
 
  private:
+  Result<void> write_text(const mesh::MeshPart& part) {
+    const auto put_normal = [&](char* out, std::size_t v) {
+      return part.normals.empty() ? out : put_vector(out, part.normals[v]);
+    };
+    TRY(write_vertex_lines(
+        part.positions.size(), [&](std::size_t v) { return part.positions[v]; }, kMaxVectorText<float>, put_normal,
+        file_));
+    return write_face_lines(
+        part.triangles, [](char* out, std::size_t /*triangle*/) { return out; }, file_);
+  }
+
+  Result<void> write_binary_part(const mesh::MeshPart& part) {
+    if (part.normals.empty()) {
+      TRY(file_.write(std::as_bytes(part.positions)));
+    } else {
+      TRY(files::write_records(file_, part.positions.size(), kShadedVertexBytes, vertices_of(part)));
+    }
+    return files::write_records(file_, part.triangles.size(), kFaceBytes, faces_of(part));
+  }
+
+  // Writes the faces of the part that waits for the vertices in `next`, with their normals.
+  Result<void> write_flat_faces(std::span<const glm::vec3> next) {
+    if (!options_.ascii) {
+      return files::write_records(file_, waiting_.triangles().size(), kFaceBytes + sizeof(glm::vec3),
+                                  flat_faces_of(waiting_, next));
+    }
+    return write_face_lines(
+        waiting_.triangles(),
+        [&](char* out, std::size_t t) {
+          const std::array corners = waiting_.corners(t, next);
+          return put_vector(out, face_normal(corners[0], corners[1], corners[2]));
+        },
+        file_);
+  }
+
   const mesh::Mesh& head_;
   MeshWriteOptions options_;
   files::OutputFile& file_;
@@ -310,100 +378,11 @@ class VerticesThenFaces : public PartwiseWriter {
   bool writes_flat_faces_ = false;
 };
 
-// Writes each vertex and face to its place in a binary file.
-class PartwisePlyWriter final : public VerticesThenFaces {
- public:
-  using VerticesThenFaces::VerticesThenFaces;
-
-  Result<bool> begin(const mesh::MeshShape& shape) override {
-    TRY(VerticesThenFaces::begin(shape));
-    vertex_bytes_ = shape.has_normals ? kShadedVertexBytes : sizeof(glm::vec3);
-    face_bytes_ = kFaceBytes + (options().flat_normals ? sizeof(glm::vec3) : 0);
-    vertices_at_ = TRY(file().extend(shape.vertices * vertex_bytes_));
-    triangles_at_ = TRY(file().extend(shape.triangles * face_bytes_));
-    return true;
-  }
-
-  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
-    if (!options().flat_normals) return {mesh::PartPass()};
-    return {{.normals = false, .triangles = false}, {.in_order = true, .normals = false}};
-  }
-
- private:
-  Result<void> write(const mesh::MeshPart& part) override {
-    const std::uint64_t vertices_at = vertices_at_ + part.first_vertex * vertex_bytes_;
-    if (part.normals.empty()) {
-      TRY(file().fill(vertices_at, std::as_bytes(part.positions)));
-    } else {
-      TRY(files::fill_records(file(), vertices_at, part.positions.size(), vertex_bytes_, vertices_of(part)));
-    }
-    return files::fill_records(file(), triangles_at_ + part.first_triangle * face_bytes_, part.triangles.size(),
-                               face_bytes_, faces_of(part));
-  }
-
-  Result<void> write_flat_faces(const WaitingPart& waiting, std::span<const glm::vec3> next) override {
-    return files::fill_records(file(), triangles_at_ + waiting.first_triangle() * face_bytes_,
-                               waiting.triangles().size(), face_bytes_, flat_faces_of(waiting, next));
-  }
-
-  std::size_t vertex_bytes_ = 0;
-  std::size_t face_bytes_ = 0;
-  std::uint64_t vertices_at_ = 0;   // place of the first vertex in the file
-  std::uint64_t triangles_at_ = 0;  // place of the first triangle
-};
-
-// Writes in order: text, and binary files that are streams.
-class OrderedPlyWriter final : public VerticesThenFaces {
- public:
-  using VerticesThenFaces::VerticesThenFaces;
-
-  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
-    return {{.in_order = true, .triangles = false},
-            {.in_order = true, .positions = options().flat_normals, .normals = false}};
-  }
-
- private:
-  Result<void> write(const mesh::MeshPart& part) override {
-    if (!options().ascii) return write_binary_part(part);
-    const auto put_normal = [&](char* out, std::size_t v) {
-      return part.normals.empty() ? out : put_vector(out, part.normals[v]);
-    };
-    TRY(write_vertex_lines(
-        part.positions.size(), [&](std::size_t v) { return part.positions[v]; }, kMaxVectorText<float>, put_normal,
-        file()));
-    return write_face_lines(
-        part.triangles, [](char* out, std::size_t /*triangle*/) { return out; }, file());
-  }
-
-  Result<void> write_binary_part(const mesh::MeshPart& part) {
-    if (part.normals.empty()) {
-      TRY(file().write(std::as_bytes(part.positions)));
-    } else {
-      TRY(files::write_records(file(), part.positions.size(), kShadedVertexBytes, vertices_of(part)));
-    }
-    return files::write_records(file(), part.triangles.size(), kFaceBytes, faces_of(part));
-  }
-
-  Result<void> write_flat_faces(const WaitingPart& waiting, std::span<const glm::vec3> next) override {
-    if (!options().ascii) {
-      return files::write_records(file(), waiting.triangles().size(), kFaceBytes + sizeof(glm::vec3),
-                                  flat_faces_of(waiting, next));
-    }
-    return write_face_lines(
-        waiting.triangles(),
-        [&](char* out, std::size_t t) {
-          const std::array corners = waiting.corners(t, next);
-          return put_vector(out, face_normal(corners[0], corners[1], corners[2]));
-        },
-        file());
-  }
-};
-
 }  // namespace
 
 std::unique_ptr<PartwiseWriter> make_partwise_ply_writer(const mesh::Mesh& head, const MeshWriteOptions& options,
-                                                         const Context& context, files::OutputFile& file) {
-  return std::make_unique<PartwisePlyWriter>(head, options, context, file);
+                                                         const Context& /*context*/, files::OutputFile& file) {
+  return std::make_unique<PartwisePlyWriter>(head, options, file);
 }
 
 std::unique_ptr<PartwiseWriter> make_ordered_ply_writer(const mesh::Mesh& head, const MeshWriteOptions& options,

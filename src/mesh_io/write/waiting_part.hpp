@@ -41,7 +41,6 @@ class WaitingPart {
     if (vertices > positions_.capacity()) positions_ = {};
     if (triangles > triangles_.capacity()) triangles_ = {};
     first_vertex_ = part.first_vertex;
-    first_triangle_ = part.first_triangle;
     positions_.assign(part.positions.begin(), part.positions.end());
     triangles_.assign(part.triangles.begin(), part.triangles.end());
     for (std::size_t f = far_place(first_vertex_); f < far_place(first_vertex_ + positions_.size()); ++f) {
@@ -50,7 +49,6 @@ class WaitingPart {
     return {};
   }
 
-  [[nodiscard]] std::uint64_t first_triangle() const { return first_triangle_; }
   [[nodiscard]] std::span<const glm::uvec3> triangles() const { return triangles_; }
   // Returns the corners of a triangle of the part; `next` are the positions of the next part.
   [[nodiscard]] std::array<glm::vec3, 3> corners(std::size_t triangle, std::span<const glm::vec3> next) const {
@@ -81,7 +79,7 @@ class WaitingPart {
   std::vector<glm::vec3> far_positions_;
   Reservation memory_;  // for the part
   std::uint64_t first_vertex_ = 0;
-  std::uint64_t first_triangle_ = 0;
+
   std::vector<glm::vec3> positions_;
   std::vector<glm::uvec3> triangles_;
 };
