@@ -101,9 +101,9 @@ class TutorialsTest(ProgramTest):
             program = ["python3", "-c", block]
             if language == "sh":
                 program = ["bash", "-e", "-o", "pipefail", "-c", with_exit_codes(block)]
-            run = subprocess.run(program, cwd=self.folder, env=environment, capture_output=True, text=True, check=False,
-                                 timeout=SECONDS)
-            self.assertEqual(run.returncode, 0, f"{page}:\n{block}\n{run.stdout[-2000:]}\n{run.stderr[-2000:]}")
+            run = subprocess.run(program, cwd=self.folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                 text=True, check=False, timeout=SECONDS)
+            self.assertEqual(run.returncode, 0, f"{page}:\n{block}\n{run.stdout[-4000:]}")
             if language == "sh":
                 printed = run.stdout
         for name in (name for language, block in blocks if language == "sh" for name in outputs_of(block)):
