@@ -54,7 +54,7 @@ CASES = (
     ("isoextract label.npy --voxel-size 3 --labels all -o 'label_{label}.stl'", ["label_1", "label_3", "label_5"]),
     ("isoextract cells.npy --labels 7 --triangles 10% -o cell.stl", ["cell"]),
     ("isoextract broken.stl --repair --require printable -o repaired.stl", ["broken", "repaired"]),
-    ("isoextract demo:random?size=24 --iso 0.3 --cap --require printable -o noise.stl", ["noise"]),
+    ("isoextract 'demo:random?size=24' --iso 0.3 --cap --require printable -o noise.stl", ["noise"]),
 )
 NOT_CLOSED = ("open", "keep", "broken")  # the other files must be closed
 

@@ -164,7 +164,8 @@ class BatchFaultsTest(ProgramTest):
         self.write_frames(3)
         arguments = (*self.arguments, "--iso", "40.5")
         whole = self.undisturbed(*arguments, name="{frame:02}_{iso}.ply")
-        # The program waits with the rest of its first mesh of frame 2 until the pipe is read.
+        # The program waits with the rest of its first mesh of frame 2 until the pipe is read. It makes that mesh while it
+        # writes it, so what the pipe gets after the cut may have other positions: the exit code tells.
         (self.folder / "out").mkdir()
         pipe = self.folder / "out/02_1.5.ply"
         os.mkfifo(pipe)
@@ -175,7 +176,7 @@ class BatchFaultsTest(ProgramTest):
             self.assertTrue(select.select([mesh], [], [], 60)[0], "nothing was written")
             os.set_blocking(mesh.fileno(), True)
             os.truncate(self.folder / "in_02.raw", 4096)
-            self.assertEqual(short(mesh.read()), whole["02_1.5.ply"])
+            self.assertLessEqual(len(mesh.read()), whole["02_1.5.ply"][0])
         _, err = process.communicate(timeout=60)
         pipe.unlink()
         self.assertEqual(process.returncode, 5, err)

@@ -198,9 +198,9 @@ class BatchTest(ProgramTest):
         self.write_frames(range(1))
         (self.folder / "out").mkdir()
         with open(self.folder / "out/isoextract.manifest", "wb") as manifest:
-            manifest.truncate(2 ** 28 + 1)  # no block of it is on the disk
+            manifest.truncate(2 ** 32 + 1)  # no block of it is on the disk
         run = self.batch("-o", "out/s_{:02}.ply", code=4)
-        self.assertIn("isoextract.manifest: expected the manifest of a batch of at most 256 MiB, found", run.err)
+        self.assertIn("isoextract.manifest: expected the manifest of a batch of at most 4 GiB, found", run.err)
 
     def test_progress_for_programs(self):
         self.write_frames((1, 2))
