@@ -1,5 +1,5 @@
 // Finds the places of sparse samples that the surface passes. Looks up the value of a sample and whether it is inside.
-// Both the CPU and the GPU backend start from here.
+// The CPU and the GPU backend both begin their work on sparse samples with these places.
 #pragma once
 
 #include <array>

@@ -336,12 +336,7 @@ class PartwiseMeasures::State {
     std::uint64_t triangles = 0;
     for (std::size_t c = 0; c < parts.size(); ++c) {
       const Topology& part = parts[c];
-      all.edges += part.edges;
-      all.open_edges += part.open_edges;
-      all.nonmanifold_edges += part.nonmanifold_edges;
-      all.misoriented_edges += part.misoriented_edges;
-      all.nonmanifold_vertices += part.nonmanifold_vertices;
-      all.unused_vertices += part.unused_vertices;
+      add_counts(part, all);
       if (c == facts_.size()) break;  // a mesh without components
       ComponentFacts& fact = facts_[c];
       const std::int64_t vertices = fact.topology.euler;

@@ -21,19 +21,28 @@ class IntersectionGuard {
  public:
   using Corners = std::array<glm::vec3, 3>;
 
+ private:
+  // A triangle of the patch, in the stored positions.
+  struct Placed {
+    Corners corners;
+    std::uint32_t triangle;    // its position in the patch
+    std::uint32_t looked = 0;  // the last look in which it was around the vertex
+    bool counts = true;        // false: removed, or without area
+  };
+
+ public:
   // A triangle of the patch, by its position in the patch, with its corners after a collapse.
   struct Changed {
     std::uint32_t triangle;
     Corners corners;
   };
 
+  // Bytes for each triangle of the patch: in `placed_`, `slots_` and the tree with its boxes.
+  static constexpr std::uint64_t kTriangleBytes =
+      sizeof(Placed) + 2 * sizeof(std::uint32_t) + sizeof(mesh::BoxTree::Item) + sizeof(mesh::FloatBox);
+
   // `patch` are existing triangles of the state, at least one. Keeps references to both.
   IntersectionGuard(CollapseState& state, std::span<const std::uint32_t> patch);
-
-  // Bytes for each triangle of the patch.
-  static constexpr std::uint64_t kTriangleBytes = sizeof(Corners) + 4 * sizeof(std::uint32_t) +
-                                                  sizeof(mesh::BoxTree::Item) + sizeof(std::uint32_t) +
-                                                  sizeof(mesh::FloatBox);
 
   // Returns whether a collapse that changes or removes the triangles `around` its vertex, and leaves `changed` of them,
   // makes no triangles intersect. Triangles that intersected before may go on to do so: the collapse must not give a
@@ -44,13 +53,6 @@ class IntersectionGuard {
   void replace(std::span<const std::uint32_t> around, std::span<const Changed> changed);
 
  private:
-  // A triangle of the patch, in the stored positions.
-  struct Placed {
-    Corners corners;
-    std::uint32_t triangle;    // its position in the patch
-    std::uint32_t looked = 0;  // the last look in which it was around the vertex
-    bool counts = true;        // false: removed, or without area
-  };
   // A triangle near the changed ones.
   struct Near {
     std::uint32_t triangle;

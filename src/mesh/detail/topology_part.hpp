@@ -13,6 +13,16 @@
 
 namespace isoextract::mesh {
 
+// Adds the counts of edges and vertices that TopologyPart makes to those of `all`.
+inline void add_counts(const Topology& part, Topology& all) {
+  all.edges += part.edges;
+  all.open_edges += part.open_edges;
+  all.nonmanifold_edges += part.nonmanifold_edges;
+  all.misoriented_edges += part.misoriented_edges;
+  all.nonmanifold_vertices += part.nonmanifold_vertices;
+  all.unused_vertices += part.unused_vertices;
+}
+
 // The facts that one thread finds, vertex by vertex, for each part of a mesh. An edge counts at the lower of its ends.
 // Euler characteristics and components are left to the caller.
 class TopologyPart {
@@ -43,15 +53,7 @@ class TopologyPart {
 
   // Adds the facts of each part to those of `all`, which has as many parts.
   void add_to(std::vector<Topology>& all) const {
-    for (std::size_t i = 0; i < facts_.size(); ++i) {
-      const Topology& facts = facts_[i];
-      all[i].edges += facts.edges;
-      all[i].open_edges += facts.open_edges;
-      all[i].nonmanifold_edges += facts.nonmanifold_edges;
-      all[i].misoriented_edges += facts.misoriented_edges;
-      all[i].nonmanifold_vertices += facts.nonmanifold_vertices;
-      all[i].unused_vertices += facts.unused_vertices;
-    }
+    for (std::size_t i = 0; i < facts_.size(); ++i) add_counts(facts_[i], all[i]);
   }
 
  private:
