@@ -221,10 +221,12 @@ class BatchTest(ProgramTest):
         self.assert_fails(1, run, "r.json", "--report r_{:04}.json", "--table")
 
     def test_two_runs_in_one_folder_do_not_mix(self):
-        arguments = [PROGRAM, FRAME, "--frames", "0-99", "--iso", "0.5", "-o", "out/{:02}.ply", "--mkdir", "--jobs", "1"]
+        frame = FRAME.replace("24", "64")  # slow enough that it still runs when the folder has its manifest
+        arguments = [PROGRAM, frame, "--frames", "0-99", "--iso", "0.5", "-o", "out/{:02}.ply", "--mkdir", "--jobs", "1"]
         first = subprocess.Popen(arguments, cwd=self.folder, stderr=subprocess.PIPE)
         while first.poll() is None and not (self.folder / "out/isoextract.manifest").exists():
             time.sleep(0.002)
+        first.send_signal(signal.SIGSTOP)  # else it may end before the second run looks
         self.assert_fails(4, self.run_program(*arguments[1:]), "another run writes into this folder")
         first.kill()
         first.communicate()

