@@ -35,10 +35,12 @@ def run_once(command, cwd=None, watch=None):
 
 
 class Watcher:
-    """Resident memory and open files of a process, as /proc tells them now and then."""
+    """Resident memory and open files of a process, as /proc tells them now and then, from when `begun()` is true: a
+    process that still loads its libraries tells nothing of its work."""
 
-    def __init__(self, seconds):
+    def __init__(self, seconds, begun):
         self.seconds = seconds
+        self.begun = begun
         self.samples = []  # [seconds since the start, resident MiB, open files]
 
     def __call__(self, process):
@@ -47,13 +49,15 @@ class Watcher:
     def look(self, folder):
         start = time.perf_counter()
         page = os.sysconf("SC_PAGE_SIZE") / 2**20
+        working = False
         while True:
             try:
                 resident = int((folder / "statm").read_text().split()[1]) * page
                 files = len(os.listdir(folder / "fd"))
             except (OSError, IndexError):
                 return  # over
-            if resident > 0:
+            working = working or self.begun()
+            if working and resident > 0:
                 self.samples.append([round(time.perf_counter() - start, 3), round(resident, 2), files])
             time.sleep(self.seconds)
 

@@ -97,7 +97,8 @@ def tiny_frames(setting):
     frames, seconds = (300, 0.002) if setting.quick else (10000, 0.05)
     command = ["isoextract", "demo:sphere?size=16&time=0.{:05}", "--frames", f"0-{frames - 1}", "--iso", 0, "-q", "-o",
                "tiny/f_{:05}.glb", "--mkdir"]
-    watcher = processes.Watcher(seconds)
+    first = setting.folder / "tiny" / "f_00000.glb"
+    watcher = processes.Watcher(seconds, first.exists)
     found = processes.run_once([setting.isoextract, *command[1:]], cwd=setting.folder, watch=watcher)
     shutil.rmtree(setting.folder / "tiny")
     if len(watcher.samples) < 4:

@@ -23,10 +23,10 @@ WHOLE = ("--require", "no-duplicates")  # needs the mesh in memory, and changes 
 
 
 class PartwiseTest(ProgramTest):
-    def assert_same_bytes(self, name, *arguments):
+    def assert_same_bytes(self, name, *arguments, whole=WHOLE):
         """Returns the bytes."""
         self.convert(*arguments, "-o", f"parts_{name}")
-        self.convert(*arguments, "-o", f"whole_{name}", *WHOLE, "--quiet")
+        self.convert(*arguments, "-o", f"whole_{name}", *whole, "--quiet")
         parts, whole = ((self.folder / f"{how}_{name}").read_bytes() for how in ("parts", "whole"))
         self.assertEqual(len(parts), len(whole), arguments)
         self.assertTrue(parts == whole, arguments)
@@ -47,7 +47,7 @@ class PartwiseTest(ProgramTest):
             self.assertTrue(files[0] == files[1], normals)
 
     def test_bytes_in_order_are_those_of_whole_meshes(self):
-        for arguments in self.conversions(("demo:gyroid?size=65", "--iso", 0)):
+        for arguments in self.conversions(("demo:gyroid?size=40", "--iso", 0)):
             for name, *form in ORDERED:
                 if name != "a.stl" or "--normals" not in arguments:  # STL has no choice
                     with self.subTest(arguments=arguments, name=name, form=form):
@@ -121,7 +121,8 @@ class PartwiseTest(ProgramTest):
                 f"space directions: (1,1,0) {axis} (0,0,1)\n\n".encode() + samples)
             for form in ((), ("--touching", "keep")):
                 self.assert_by_parts(not skewed, "a.nrrd", "--iso", 2, "-o", "a.stl", *form)
-                self.assert_same_bytes("a.stl", "a.nrrd", "--iso", 2, *form)
+                # If touching vertices stay, some triangles get the corners of others.
+                self.assert_same_bytes("a.stl", "a.nrrd", "--iso", 2, *form, whole=("--drop-components", 1))
 
     def test_holes_around_nan(self):
         samples = [((x * 7 + y * 5 + z * 3) % 11) / 11 for z in range(9) for y in range(9) for x in range(9)]
