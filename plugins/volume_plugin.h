@@ -49,7 +49,7 @@ typedef struct isoextract_volume_request {
   uint64_t level;           /* "level": of a pyramid of resolutions; 0 is the finest */
   double spacing[3];        /* "spacing": of the box of samples, for data that do not lie on a lattice; 0: the plug-in
                                chooses, and says so in a note */
-  int32_t evens_out;        /* "evens_out": nonzero to resample unevenly spaced samples; otherwise they are an error */
+  int32_t resamples;        /* "resamples": nonzero to resample unevenly spaced samples; otherwise they are an error */
 } isoextract_volume_request;
 
 /* Name and color of one label of a label map. */
@@ -102,7 +102,7 @@ typedef struct isoextract_volume_list {
 /* What list() and open() return if they fail. */
 enum isoextract_read_failure {
   ISOEXTRACT_READ_FAILED = 1,
-  ISOEXTRACT_UNEVEN_SAMPLES = 2 /* samples are spaced unevenly, and evens_out is not set */
+  ISOEXTRACT_UNEVEN_SAMPLES = 2 /* samples are spaced unevenly, and resamples is not set */
 };
 
 #define ISOEXTRACT_COMPONENT_LENGTH (-1)

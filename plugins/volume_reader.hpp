@@ -27,7 +27,7 @@ struct ReadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The samples are spaced unevenly, and Request::evens_out is not set.
+// The samples are spaced unevenly, and Request::resamples is not set.
 struct UnevenError : ReadError {
   using ReadError::ReadError;
 };
@@ -122,7 +122,7 @@ struct Request {
   std::uint64_t volume = 0;
   std::uint64_t level = 0;
   std::array<double, 3> spacing{};
-  bool evens_out = false;
+  bool resamples = false;
 };
 
 inline std::uint64_t sample_size(std::int32_t type) {
@@ -330,7 +330,7 @@ isoextract_volume_plugin_v4 volume_plugin(const char* id, const char* format) {
       wanted.volume = request->volume;
       wanted.level = request->level;
       std::copy_n(request->spacing, 3, wanted.spacing.begin());
-      wanted.evens_out = request->evens_out != 0;
+      wanted.resamples = request->resamples != 0;
       auto listed = std::make_unique<detail::Listed>();
       listed->file = kOpen(wanted, *host);
       const VolumeFile& file = *listed->file;

@@ -73,7 +73,7 @@ double largest_error(const std::vector<Vector>& positions, const Vector& step, c
 
 }  // namespace
 
-Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool evens_out) {
+Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool resamples) {
   Line line;
   line.origin = positions.front();
   line.count = positions.size();
@@ -104,7 +104,7 @@ Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool eve
                    " mm beside the line from the first to the last";
     return line;
   }
-  if (!evens_out) {
+  if (!resamples) {
     line.is_uneven = true;
     line.problem = "expected evenly spaced slices, " + describe_distances(distances);
     return line;

@@ -148,8 +148,8 @@ struct Series {
   std::vector<std::string> notes;
 };
 
-// Splits images into series, sorted by series number. `evens_out`: resamples uneven slice distances.
-std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>& objects, bool evens_out,
+// Splits images into series, sorted by series number. `resamples`: resamples uneven slice distances.
+std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>& objects, bool resamples,
                                 std::vector<std::string>& notes);
 
 // Positions along a straight line, evenly spaced but for `places`.
@@ -161,8 +161,8 @@ struct Line {
   bool is_uneven = false;  // the problem is that distances differ
   std::string note;
 };
-// Fits a line to sorted positions of slices. Throws nothing: uneven distances are its problem unless evens_out.
-Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool evens_out);
+// Fits a line to sorted positions of slices. Throws nothing: uneven distances are its problem unless resamples.
+Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool resamples);
 
 Vector cross(const Vector& a, const Vector& b);
 double dot(const Vector& a, const Vector& b);

@@ -106,7 +106,7 @@ std::vector<Part> split_by(const Slices& slices, const std::vector<std::size_t>&
 // Splits the slices of one shape until no two slices of a volume have the same position.
 class Splitter {
  public:
-  Splitter(bool evens_out, std::vector<Series>& series) : evens_out_(evens_out), series_(series) {}
+  Splitter(bool resamples, std::vector<Series>& series) : resamples_(resamples), series_(series) {}
 
   void split(Slices slices, const std::string& suffix) {
     const Vector normal = normal_of(slices.front().frame);
@@ -240,7 +240,7 @@ class Splitter {
     }
     std::vector<Vector> positions;
     for (const Slice& slice : slices) positions.push_back(slice.frame.position);
-    Line line = fit_line(positions, shape, evens_out_);
+    Line line = fit_line(positions, shape, resamples_);
     if (series.problem.empty()) {
       series.problem = line.problem;
       series.is_uneven = line.is_uneven;
@@ -287,7 +287,7 @@ class Splitter {
     }
   }
 
-  bool evens_out_;
+  bool resamples_;
   std::vector<Series>& series_;
 };
 
@@ -310,7 +310,7 @@ std::string series_name(const Object& object) {
   return name.empty() ? object.modality : name;
 }
 
-std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>& objects, bool evens_out,
+std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>& objects, bool resamples,
                                 std::vector<std::string>& notes) {
   std::map<std::string, std::vector<Slices>> groups;
   std::set<std::string> instances;
@@ -334,7 +334,7 @@ std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>
                     " of the same image passed over");
 
   std::vector<Series> series;
-  Splitter splitter(evens_out, series);
+  Splitter splitter(resamples, series);
   for (auto& [key, shapes] : groups) {
     for (Slices& slices : shapes) {
       if (slices.front().object->problem.empty() && is_placed(slices.front().frame)) {

@@ -124,7 +124,7 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
       segmentations_.push_back(std::make_unique<SegmentationGrids>(object, host));
       format = "DICOM SEG";
     }
-    series_ = make_series(objects, request.evens_out, notes);
+    series_ = make_series(objects, request.resamples, notes);
     if (!series_.empty()) format = "DICOM";
     for (const auto& object : objects) {
       if (creator.empty()) creator = object->device;

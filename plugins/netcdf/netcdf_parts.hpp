@@ -103,7 +103,7 @@ struct Variable {
 };
 
 // Describes a variable. Returns false if it has fewer than three dimensions.
-bool describe_variable(int group, int id, const std::string& name, bool evens_out, Variable& variable, Grid& grid);
+bool describe_variable(int group, int id, const std::string& name, bool resamples, Variable& variable, Grid& grid);
 
 // Fills selection.box.
 ReadFacts read_variable(const Variable& variable, const Grid& grid, const isoextract_volume_selection& selection,

@@ -153,7 +153,7 @@ std::string distances_text(const Axis& axis) {
 }
 
 // Sets dimensions, placement and the note of both; resamples uneven axes if asked to.
-void place(Variable& variable, Grid& grid, bool evens_out) {
+void place(Variable& variable, Grid& grid, bool resamples) {
   std::array<std::uint64_t, 3> dims{};
   for (std::size_t axis = 0; axis < 3; ++axis) dims[axis] = variable.axes[axis].length;
   const auto world = world_axes(variable.axes);
@@ -168,7 +168,7 @@ void place(Variable& variable, Grid& grid, bool evens_out) {
       if (!along.is_monotonic()) {
         variable.problem = "its axis " + along.name + " neither increases nor decreases throughout";
         step = 1;
-      } else if (!evens_out) {
+      } else if (!resamples) {
         variable.problem = found;
         variable.is_uneven = true;
       } else {
@@ -217,7 +217,7 @@ void describe_volumes(Variable& variable, const std::vector<Axis>& dimensions, G
 
 }  // namespace
 
-bool describe_variable(int group, int id, const std::string& name, bool evens_out, Variable& variable, Grid& grid) {
+bool describe_variable(int group, int id, const std::string& name, bool resamples, Variable& variable, Grid& grid) {
   int rank = 0;
   check(nc_inq_varndims(group, id, &rank), "netCDF cannot read its variable " + name);
   if (rank < 3) return false;
@@ -246,7 +246,7 @@ bool describe_variable(int group, int id, const std::string& name, bool evens_ou
   if (!offset.empty()) grid.intercept = offset[0];
   variable.unsigned_range = unsigned_range(group, id, variable.type);
   variable.missing = missing_values(variable, grid.slope, grid.intercept);
-  place(variable, grid, evens_out);
+  place(variable, grid, resamples);
   const bool is_resampled =
       std::ranges::any_of(variable.resampling, [](const Resampling& r) { return !r.lower.empty(); });
   grid.sample_type = sample_type(variable, variable.missing.any() || is_resampled);

@@ -60,7 +60,7 @@ std::set<std::string> bounds_variables(int group, int count) {
 class NetcdfFile final : public isoextract_plugin::VolumeFile {
  public:
   NetcdfFile(const isoextract_plugin::Request& request, const isoextract_plugin_host& host)
-      : file_(request.path), evens_out_(request.evens_out) {
+      : file_(request.path), resamples_(request.resamples) {
     int kind = 0;
     check(nc_inq_format(file_.id(), &kind), "netCDF cannot read its format");
     format = format_name(kind);
@@ -90,7 +90,7 @@ class NetcdfFile final : public isoextract_plugin::VolumeFile {
       if (skipped.contains(name.data())) continue;
       Variable variable;
       isoextract_plugin::Grid grid;
-      if (!describe_variable(group, id, path + name.data(), evens_out_, variable, grid)) continue;
+      if (!describe_variable(group, id, path + name.data(), resamples_, variable, grid)) continue;
       variables_.push_back(std::move(variable));
       grids.push_back(std::move(grid));
     }
@@ -106,7 +106,7 @@ class NetcdfFile final : public isoextract_plugin::VolumeFile {
   }
 
   OpenFile file_;
-  bool evens_out_;
+  bool resamples_;
   std::vector<Variable> variables_;
 };
 

@@ -169,7 +169,7 @@ class EvenedGrid final : public VolumeFile {
 }  // namespace
 
 Opened evened_grid(DataSets& data, vtkRectilinearGrid* grid, const Request& request) {
-  if (!request.evens_out) {
+  if (!request.resamples) {
     std::string text = "expected evenly spaced samples, found distances from ";
     bool first = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -10,13 +10,13 @@
 namespace isoextract::accuracy {
 namespace {
 
-// Returns 1 for each component with a vertex inside `clipped`.
+// Returns 1 for each component with a vertex inside `kept`.
 std::vector<std::uint8_t> components_kept(const mesh::Mesh& surface, const mesh::Components& components,
-                                          std::span<const mesh::HalfSpace> clipped) {
-  std::vector<std::uint8_t> counts(components.count(), clipped.empty() ? 1 : 0);
-  for (std::size_t v = 0; v < surface.positions.size() && !clipped.empty(); ++v) {
+                                          std::span<const mesh::HalfSpace> kept) {
+  std::vector<std::uint8_t> counts(components.count(), kept.empty() ? 1 : 0);
+  for (std::size_t v = 0; v < surface.positions.size() && !kept.empty(); ++v) {
     const std::uint32_t label = components.of_vertex(v);
-    if (label < counts.size() && is_kept(surface.position(v), clipped)) counts[label] = 1;
+    if (label < counts.size() && is_kept(surface.position(v), kept)) counts[label] = 1;
   }
   return counts;
 }
@@ -42,8 +42,8 @@ std::uint64_t count_found(const mesh::Mesh& mesh, const mesh::Mesh& surface, con
 
 }  // namespace
 
-bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> clipped) {
-  return std::ranges::all_of(clipped, [&](const mesh::HalfSpace& kept) { return kept.depth(p) >= 0; });
+bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> kept) {
+  return std::ranges::all_of(kept, [&](const mesh::HalfSpace& side) { return side.depth(p) >= 0; });
 }
 
 std::uint64_t coverage_bytes(std::uint64_t vertices, std::uint64_t triangles) {
@@ -51,9 +51,9 @@ std::uint64_t coverage_bytes(std::uint64_t vertices, std::uint64_t triangles) {
 }
 
 void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
-                      std::span<const mesh::HalfSpace> clipped, const Context& context, SurfaceCoverage& coverage) {
+                      std::span<const mesh::HalfSpace> kept, const Context& context, SurfaceCoverage& coverage) {
   const mesh::Components components(surface.triangles.span(), surface.positions.size());
-  const std::vector<std::uint8_t> counts = components_kept(surface, components, clipped);
+  const std::vector<std::uint8_t> counts = components_kept(surface, components, kept);
   coverage.components = coverage.lost = static_cast<std::uint64_t>(std::ranges::count(counts, 1));
   if (mesh.triangles.empty() || tree == nullptr) return;
   context.progress().begin("counting lost components", mesh.positions.size());

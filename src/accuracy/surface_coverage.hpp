@@ -19,25 +19,26 @@ namespace isoextract::accuracy {
 struct SurfaceCoverage {
   // From points on the isosurface to the mesh, weighted by area; no points if the isosurface or the mesh is empty.
   ErrorStatistics distances;
-  // Upper bound of the distances of all isosurface points from the mesh; distances.max covers the measured points only.
-  // The bound holds for the small triangles that approximate the isosurface; the program estimates how far the
-  // isosurface bulges out of them.
+  // Estimated upper bound of the distance from any isosurface point to the mesh; distances.max covers the measured
+  // points only. For small triangles that approximate the isosurface it is a true bound; added to it is an estimate of
+  // how far the isosurface bulges out of them.
   Length max_at_most;
   std::uint64_t components = 0;  // components of the isosurface
   std::uint64_t lost = 0;        // components that the mesh lacks
 };
 
-// Sets `components` and `lost` of `coverage`. `surface` is the isosurface extracted on undivided cells; `tree` contains
-// the triangles of `surface`, or is null if there are none. If the mesh was clipped, only components with a vertex
-// inside `clipped` count. The caller reserves coverage_bytes(). If the context is cancelled, `lost` is
+// Sets `components` and `lost` of `coverage`. `surface` is the isosurface extracted on the field's own cells, not on
+// subcells (field_error.hpp); `tree` contains the triangles of `surface`, or is null if there are none. Only components
+// with a vertex that is_kept() count. The caller reserves coverage_bytes(). If the context is cancelled, `lost` is
 // meaningless. Throws std::bad_alloc.
 void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
-                      std::span<const mesh::HalfSpace> clipped, const Context& context, SurfaceCoverage& coverage);
+                      std::span<const mesh::HalfSpace> kept, const Context& context, SurfaceCoverage& coverage);
 
 // Returns the memory that count_components() uses for an isosurface of this size.
 [[nodiscard]] std::uint64_t coverage_bytes(std::uint64_t vertices, std::uint64_t triangles);
 
-// Returns whether a point in the mesh's coordinates is inside or on the boundary of all half-spaces.
-[[nodiscard]] bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> clipped);
+// Returns whether a point in the mesh's coordinates is inside or on the boundary of all half-spaces in which a clipped
+// mesh lies.
+[[nodiscard]] bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> kept);
 
 }  // namespace isoextract::accuracy

@@ -10,9 +10,8 @@ namespace isoextract {
 // while other threads read the same pages.
 void release_pages(const void* begin, std::size_t bytes);
 
-// Gives the allocator's free pages, and the blocks that Buffer keeps for reuse, back to the system. Call it now and
-// then while several threads allocate many short-lived blocks and a few lasting ones: otherwise the free space between
-// the lasting blocks adds up.
+// Gives the allocator's free pages, and the blocks that Buffer keeps for reuse, back to the system. Worthwhile after a
+// stage that needs much more memory than those after it: to get the pages again takes longer than to fill them.
 void release_free_memory();
 
 // Makes the allocator give each block of 1 MiB or more back to the system as soon as it is freed, from now on. By

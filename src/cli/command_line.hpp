@@ -21,7 +21,7 @@ namespace isoextract::cli {
 
 struct Parsed {
   Command* command = nullptr;      // the program itself if the first word is one of its own options
-  std::optional<HelpDetail> help;  // show it instead of running the command; unset for the program
+  std::optional<HelpDetail> help;  // show it instead of running the command; never set if `command` is the program
 };
 
 // Parses `arguments`, which do not include the program's name and are not empty. Fails with ErrorCode::usage.
@@ -32,7 +32,7 @@ struct Parsed {
 [[nodiscard]] Result<void> parse_words(Command& command, std::vector<std::string> words);
 // Reads as many as possible of the words that parse_words() refused. The command's options must have their defaults.
 // Skips "--", options without their value, and values that their options refuse. Words that belong to no option become
-// operands; "--unknown=FILE" becomes the operand FILE.
+// operands; so do the values of "--unknown=FILE" and "--flag=FILE".
 void read_words_leniently(Command& command, const std::vector<std::string>& words);
 
 }  // namespace isoextract::cli

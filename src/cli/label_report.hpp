@@ -19,7 +19,7 @@ struct LabelReport {
   field::LabelMap map;
   std::vector<field::LabelName> names;  // of the described volume, in ascending order of label
   std::size_t layers = 0;               // of masks: the number of label maps that hold them; else 0
-  std::string table;                    // path of the table beside the file that has the names; may be empty
+  std::string table;                    // path of the table beside the input, if the names come from it; else empty
 
   // Returns the entry with the name and color of a label, or null.
   [[nodiscard]] const field::LabelName* find(std::int64_t label) const;
@@ -34,7 +34,7 @@ struct LabelReport {
 // Returns the labels of masks; nothing if no mask has a voxel.
 [[nodiscard]] std::optional<LabelReport> report_masks(const convert::MaskLayers& masks);
 
-// Adds the kind of the field, and the first labels with voxels, volume, bounds and names.
+// Adds the kind of the field, and for each of the first labels the number of its voxels, its volume, bounds and name.
 void add_label_map(NamedLines& lines, const LabelReport& report, const field::ScalarField& field);
 
 // Describes the meshes that --labels all makes of the labels.

@@ -177,7 +177,7 @@ Result<volume_io::ReadOptions> plan_read(const InputFlags& flags) {
   read.axis_order = flags.axis_order;
   read.no_data = flags.no_data;
   read.level = flags.level;
-  read.evens_out = flags.resample;
+  read.resamples = flags.resample;
   read.spacing = flags.spacing;
   read.origin = flags.origin;
   if (flags.inside == InsideChoice::above) read.kind = field::FieldKind::density;

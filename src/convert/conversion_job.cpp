@@ -164,7 +164,7 @@ Json JobJson::of_job(const ConversionJob& job) {
   add("component", job.source.read.component);
   add("raw", job.source.read.raw);
   add("level", job.source.read.level);
-  add("resample", job.source.read.evens_out);
+  add("resample", job.source.read.resamples);
   add("axis_order", job.source.read.axis_order);
   add("no_data", job.source.read.no_data);
   add("spacing", job.source.read.spacing);

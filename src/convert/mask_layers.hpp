@@ -5,8 +5,9 @@
 // mask that shares voxels with each of the first eight layers gets a layer of its own. Each layer is a label map, as in
 // a segmentation with layers (field::LabelName::layer).
 //
-// Memory does not grow with the number of masks: it holds one mask, one layer and, while the layers are chosen, a byte
-// for each voxel. Each mask is read once; masks of later layers are read again for their layer.
+// Each mask is read once; masks of later layers are read again for their layer. Memory is the same for 3 masks and for
+// 200: layer 0, one later layer at a time, one mask and, while the layers are chosen, a byte for each voxel. A layer
+// takes a byte for each voxel, two if there are more than 255 masks.
 #pragma once
 
 #include <cstdint>

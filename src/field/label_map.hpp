@@ -55,10 +55,10 @@ struct LabelMap {
 };
 
 // Returns the labels of a label map or mask, else nothing. One parallel pass over the samples, linear in their number
-// whatever the number of labels. In fields of more than 2^17 samples it first judges 2^17 of them. It returns nothing
-// then if one is no label or if they have too many values. With three or more values, it also returns nothing then if
-// less than a quarter of the pairs are equal. For 64-bit ids (ScalarField::label_ids) it judges by the indices of the
-// ids, and returns the ids. Reserves no memory; takes about 150 bytes a label and thread.
+// whatever the number of labels. In fields of more than 2^17 samples, it first looks at no more than 2^17 of them. It
+// returns nothing at once if one of these is not a label or if they have too many values. The same holds if they have
+// three or more values, but less than a quarter of their pairs are equal. For 64-bit ids (ScalarField::label_ids) it
+// judges by the indices of the ids, and returns the ids. Reserves no memory; takes about 150 bytes a label and thread.
 [[nodiscard]] std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* progress = nullptr);
 
 // Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks

@@ -16,8 +16,14 @@ namespace isoextract::files {
 Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes, const FillRecords& fill) {
   constexpr std::size_t kBlockBytes = std::size_t{1} << 20;  // small enough to be in the cache when the system copies
                                                              // it
-  const std::size_t per_block = std::max<std::size_t>(1, kBlockBytes / max_record_bytes);
+  if (count == 0) return {};
+  const std::size_t per_block = std::min(count, std::max<std::size_t>(1, kBlockBytes / max_record_bytes));
   const std::size_t block_count = (count + per_block - 1) / per_block;
+  if (block_count == 1) {  // a pipeline costs more than a small mesh
+    Buffer<char> bytes(count * max_record_bytes);
+    const char* end = fill(0, count, bytes.data());
+    return file.write(std::as_bytes(std::as_const(bytes).span().first(static_cast<std::size_t>(end - bytes.data()))));
+  }
 
   struct Block {
     Buffer<char> bytes;
@@ -52,12 +58,10 @@ Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_
     written = file.write(std::as_bytes(block->bytes.span().first(block->used)));
     failed = !written;
   };
-  if (block_count > 0) {
-    tbb::parallel_pipeline(blocks.size(),
-                           tbb::make_filter<void, Block*>(tbb::filter_mode::serial_in_order, begin) &
-                               tbb::make_filter<Block*, Block*>(tbb::filter_mode::parallel, fill_block) &
-                               tbb::make_filter<Block*, void>(tbb::filter_mode::serial_in_order, write_block));
-  }
+  tbb::parallel_pipeline(blocks.size(),
+                         tbb::make_filter<void, Block*>(tbb::filter_mode::serial_in_order, begin) &
+                             tbb::make_filter<Block*, Block*>(tbb::filter_mode::parallel, fill_block) &
+                             tbb::make_filter<Block*, void>(tbb::filter_mode::serial_in_order, write_block));
   return written;
 }
 

@@ -149,7 +149,7 @@ VolumeRequest::VolumeRequest(const VolumeInput& input, std::span<const char* con
   request_.volume = input.volume;
   request_.level = input.level;
   std::ranges::copy(input.spacing, request_.spacing);
-  request_.evens_out = input.evens_out ? 1 : 0;
+  request_.resamples = input.resamples ? 1 : 0;
 }
 
 isoextract_volume_selection selection_of(const VolumeSelection& wanted, void* box) {

@@ -39,7 +39,7 @@ struct VolumeInput {
   std::uint64_t volume = 0;
   std::uint64_t level = 0;
   std::array<double, 3> spacing{};
-  bool evens_out = false;
+  bool resamples = false;
   Context context;
 };
 

@@ -119,7 +119,8 @@ Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, con
 
 Error not_one_input(const std::string& input) {
   return {ErrorCode::input,
-          fmt::format("{}: expected an archive with the files of one input, such as slices, found none or several",
+          fmt::format("{}: expected the files of one input in the archive, such as the slices of a volume, found no "
+                      "input or several",
                       files::input_label(input)),
           "unpack the archive, then list its files, or give their folder"};
 }

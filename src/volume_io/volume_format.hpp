@@ -80,7 +80,7 @@ struct ReadOptions {
   bool no_data_for_dense_only = false;       // ignore no_data for sparse samples, for which it is otherwise an error
   std::optional<std::uint64_t> level;        // of a pyramid of resolutions; default 0, the finest
   std::optional<glm::dvec3> sampling;        // spacing of the samples of data that do not lie on a lattice
-  bool evens_out = false;                    // resample unevenly spaced samples, otherwise an error
+  bool resamples = false;                    // resample unevenly spaced samples, otherwise an error
   bool flat = false;                         // accept arrays [y, x], as volumes of one slice
   bool label_ids = false;                    // 64-bit integers are ids of labels: kept exactly (ScalarField::label_ids)
   std::optional<field::Box> region;          // samples beyond it need not be read; in world coordinates
@@ -140,7 +140,7 @@ struct FormatDescription {
   bool needs_layout = false;    // files have no header; needs ReadOptions::raw
   bool has_levels = false;      // files may have several resolutions, selected by ReadOptions::level
   bool takes_sampling = false;  // samples need not lie on a lattice; uses ReadOptions::sampling
-  bool takes_evening = false;   // samples may be spaced unevenly; uses ReadOptions::evens_out
+  bool can_resample = false;    // samples may be spaced unevenly; uses ReadOptions::resamples
   bool takes_slices = false;    // single pictures: a pattern or folder of them is one volume (detail/slice_stack.hpp)
   std::string library = {};     // the reader's library: "GDCM"; empty for the program's own code
   std::string package = {};     // the Debian package that building the plug-in needs
@@ -149,9 +149,9 @@ struct FormatDescription {
 };
 
 // A format lives as long as the program, keeps no state of a file between calls, and is safe to use from several
-// threads. `input` is the path of a file or a text with the format's prefix. Options have been checked against the
-// description. volume_reader.hpp catches exceptions such as std::bad_alloc. Failures are ErrorCode::input unless stated
-// otherwise; messages name the file.
+// threads. `input` is the path of a file or folder, a pattern of slices (FormatDescription::takes_slices), or a text
+// with the format's prefix. Options have been checked against the description. volume_reader.hpp catches exceptions
+// such as std::bad_alloc. Failures are ErrorCode::input unless stated otherwise; messages name the file.
 class VolumeFormat {
  public:
   explicit VolumeFormat(FormatDescription about) : about_(std::move(about)) {}

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/label_choice.hpp"
@@ -209,7 +208,6 @@ Result<void> SurfaceMaker::make_labels(std::span<const ResolvedIso> asked, const
     one_by_one = one_by_one || taken < made.size();
     is_alone = made.empty() && next.size() == 1;
     if (taken < made.size()) next.clear();
-    if (made.size() > 1) release_free_memory();  // the reports that stay lie between freed meshes
     made = std::move(next);
   }
   return {};

@@ -153,8 +153,8 @@ NpyParticleFile open_npy_particles(const files::InputFile& file) {
   const bool has_frames = are_frames(npy.header);
   if (!has_frames && !are_rows(npy.header)) {
     throw InvalidParticleFile(
-        fmt::format("expected an array with one row per particle, N x 3 to N x {}, frames of rows, F x N x 3, or a "
-                    "structured array with one axis, found shape ({}) of {}",
+        fmt::format("expected a row for each particle (N x 3 to N x {}), frames of rows (F x N x 3) or a structured "
+                    "array with one axis, found shape ({}) of {}",
                     kMaxParticleColumns, fmt::join(npy.header.shape, ", "), printable(npy.header.descr, 40)));
   }
   if (has_frames && npy.header.fortran_order) {

@@ -12,7 +12,7 @@ namespace isoextract::plugin_host {
 enum class MessageKind : std::uint64_t {
   // From the program, for volumes:
   list_volume,  // path, 1 for a file or 0, first bytes of the file; number of files, path of each; volume, level,
-                // spacing, evens_out
+                // spacing, resamples
   open_grid,  // members of isoextract_volume_selection but the box, bytes of the full box; shared memory comes with the
               // message unless these bytes are 0
   // From the program, for particles:

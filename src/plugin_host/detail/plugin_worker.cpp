@@ -226,7 +226,7 @@ std::optional<HeardRequest> heard_request(MessageReader& message) {
   input.volume = message.number();
   input.level = message.number();
   for (double& spacing : input.spacing) spacing = message.real();
-  input.evens_out = message.number() != 0;
+  input.resamples = message.number() != 0;
   if (!message.is_whole()) return std::nullopt;
   for (const std::string& file : input.files) heard.files.push_back(file.c_str());
   return heard;

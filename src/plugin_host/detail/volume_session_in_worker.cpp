@@ -110,7 +110,7 @@ class WorkerVolumeSession final : public VolumeSession {
     for (const std::string& file : input.files) request.text(file);
     request.number(input.volume).number(input.level);
     for (const double spacing : input.spacing) request.real(spacing);
-    request.number(input.evens_out ? 1 : 0);
+    request.number(input.resamples ? 1 : 0);
     talk_->tell(request);
     auto answer = TRY(answer_after_requests(listing_));
     if (answer.what == MessageKind::wrong_format)

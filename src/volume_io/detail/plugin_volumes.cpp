@@ -161,7 +161,7 @@ class PluginFormat final : public VolumeFormat {
     wanted.volume = static_cast<std::uint64_t>(std::max<std::int64_t>(0, options.volume.value_or(0)));
     wanted.level = options.level.value_or(0);
     if (options.sampling) wanted.spacing = {options.sampling->x, options.sampling->y, options.sampling->z};
-    wanted.evens_out = options.evens_out;
+    wanted.resamples = options.resamples;
     wanted.files = TRY(slices_of(input));
     if (!wanted.files.empty()) wanted.path = wanted.files.front();
     std::error_code none;
@@ -395,7 +395,7 @@ FormatDescription describe_plugin(const plugin_host::PluginTable& table, const p
   about.has_components = true;
   about.has_levels = uses("level");
   about.takes_sampling = uses("spacing");
-  about.takes_evening = uses("evens_out");
+  about.can_resample = uses("resamples");
   about.takes_slices = uses("slices");
   about.library = table.library;
   about.package = table.package;

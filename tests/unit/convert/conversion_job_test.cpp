@@ -27,7 +27,7 @@ ConversionJob full_job() {
   job.source.read.component = volume_io::ComponentChoice{};
   job.source.read.axis_order = volume_io::AxisOrder::xyz;
   job.source.read.level = 2;
-  job.source.read.evens_out = true;
+  job.source.read.resamples = true;
   job.source.read.no_data = -9999.5;
   job.source.particles = {.expected = true,
                           .method = points::Method::anisotropic,
