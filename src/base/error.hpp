@@ -192,7 +192,7 @@ T taken(const tl::expected<T, E>& result) {
 }  // namespace detail
 }  // namespace isoextract
 
-// The macro declares a variable called `result`, so it cannot be in parentheses.
+// `result` names the variable that the macro declares; decltype((result)) would be another type than decltype(result).
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define ISOEXTRACT_JOINED(a, b) a##b
 #define ISOEXTRACT_TRY(expression, result)                                              \

@@ -45,12 +45,12 @@ struct Frames {
 //   a pattern     the files and volume folders that match it (frame_pattern.hpp); if a file has exactly this name, only
 //                 that file
 //   demo:NAME     with a pattern in it: one input for each number of `range`, which is then required
-//   a folder      its volume files; without volume files its particle files, else its pictures, else its meshes, found
-//                 by extension. They are one sequence, or files in natural order that form no sequence. Ignores hidden
-//                 files, and sample files that have a header (scan.raw with scan.nhdr).
 //   a volume      a folder that is one volume (volume_io::is_volume_folder()): one frame
 //   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, whose input is the
 //                 pattern or folder; with `pictures_are_frames` each picture is a frame
+//   a folder      any other folder: its volume files; without volume files its particle files, else its pictures, else
+//                 its meshes, found by extension. They are one sequence, or files in natural order that form no
+//                 sequence. Ignores hidden files, and sample files that have a header (scan.raw with scan.nhdr).
 //   other inputs  a list of paths, one frame each, as without_sample_files() returns it; a missing file is a frame
 //                 that fails when it is read
 //

@@ -30,9 +30,9 @@ struct ResolvedIso {
 // Returns whether no choice has to be found in the field (IsoChoice::is_found()). Labels count as known.
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);
 
-// Returns one iso value for each choice, in order. Examines the samples only for percentiles, for suggestions that
-// field::default_iso() does not settle, and, up to 2^17 of them, to word the error about IsoChoice::zero(). If no
-// sample is finite, percentiles are 0 and suggestions give no surface.
+// Returns one iso value for each choice, in order. Examines all samples for percentiles, and for suggestions that
+// field::default_iso() does not settle; at most 2^17 samples to word the error about IsoChoice::zero(). If no sample is
+// finite, percentiles and these suggestions are 0.
 //
 // Fails with ErrorCode::usage if IsoChoice::zero() is asked of a field that is not a level set. Fails with
 // ErrorCode::no_surface if a suggestion is asked for and no value separates the finite samples; with `empty_is_fine` it

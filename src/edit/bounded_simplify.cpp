@@ -238,8 +238,8 @@ class Simplifier {
     std::vector<PatchTriangle> places = split(size);
     if (numbers_ + places.size() >= kNone) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: the mesh is too large to simplify: its triangles, counted again in each round of "
-                              "simplification, add up to {}; the limit is {}",
+                  fmt::format("{}: the mesh is too large to simplify: the rounds of simplification would process {} "
+                              "triangles in all; the limit is {}",
                               mesh_.name, numbers_ + places.size(), kNone - 1),
                   {Remedy::use, Setting::parts});
     }

@@ -1,7 +1,7 @@
 // Judges whether the samples of a field are labels or a binary mask, and measures each label.
 //
 // A field can be a label map or a binary mask if it is a density with an identity scale, and no demo field. It must
-// have at least 512 samples, all of them labels (label_value.hpp) or NaN. NaN samples count nowhere. Sparse
+// have at least 512 samples, all of them labels (label_value.hpp) or NaN. NaN samples count nowhere else. Sparse
 // floating-point grids are neither, because fog often has a single value.
 //
 // A binary mask has exactly two values; the background of a sparse grid is one of them. A label map has more, and:
@@ -56,9 +56,9 @@ struct LabelMap {
 
 // Returns the labels of a label map or mask, else nothing. One parallel pass over the samples, linear in their number
 // whatever the number of labels. In fields of more than 2^17 samples, it first looks at no more than 2^17 of them. It
-// returns nothing at once if one of these is not a label or if they have too many values. The same holds if they have
-// three or more values, but less than a quarter of their pairs are equal. For 64-bit ids (ScalarField::label_ids) it
-// judges by the indices of the ids, and returns the ids. Reserves no memory; takes about 150 bytes a label and thread.
+// makes no full pass if these samples show that the field has no labels, as most fields do. For 64-bit ids
+// (ScalarField::label_ids) it judges by the indices of the ids, and returns the ids. Reserves no memory; takes about
+// 150 bytes a label and thread.
 [[nodiscard]] std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* progress = nullptr);
 
 // Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks

@@ -32,7 +32,8 @@ struct RawLayout {
   std::endian endian = std::endian::little;
   std::uint64_t skip = 0;        // bytes before the first sample
   std::uint64_t components = 1;  // numbers per sample
-  bool planar = false;           // each volume has one component after another, else sample by sample
+  bool planar = false;           // a volume has all samples of component 0, then all of component 1, and so on;
+                                 // otherwise the components of each sample lie together
 
   friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };

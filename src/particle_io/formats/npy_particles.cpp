@@ -268,9 +268,10 @@ class NpyParticles final : public ParticleFormat {
     }
     const std::uint64_t later = checked_product(npy.frames - frame - 1, npy.frame_bytes).value_or(~std::uint64_t{0});
     if (content.max_remaining_bytes() > later) {
-      throw InvalidParticleFile(fmt::format("expected {} particles of {} bytes, found {} bytes more",
-                                            npy.frames * npy.particles, npy.layout.bytes,
-                                            content.max_remaining_bytes() - later));
+      throw InvalidParticleFile(
+          fmt::format("expected the end of the file after {} particles of {} bytes each, found {} "
+                      "more bytes",
+                      npy.frames * npy.particles, npy.layout.bytes, content.max_remaining_bytes() - later));
     }
     result.notes = notes_of(npy, options);
     result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());

@@ -426,7 +426,7 @@ TEST(ParticlesNpy, RejectsInvalidArrays) {
     std::string bytes;
     const char* message;
   } bad[]{{npy_bytes("'<f8'", "(3, 3)", data.substr(1)), "3 particles need at least 72 bytes, at most 71 follow"},
-          {npy_bytes("'<f8'", "(3, 3)", data + "x"), "found 1 bytes more"},
+          {npy_bytes("'<f8'", "(3, 3)", data + "x"), "found 1 more bytes"},
           {npy_bytes("'<f8'", "(4294967296, 3)", data), "4294967296 particles need at least"},
           {npy_bytes("'<f8'", "(18446744073709551615, 3)", data), "need at least 2^64 bytes"},
           {npy_bytes("'<f8'", "(3, 2)", data), "expected a row for each particle"},
