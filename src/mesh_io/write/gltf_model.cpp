@@ -58,6 +58,16 @@ nlohmann::json document_of(tinygltf::Model& model, const std::string& placement)
   return nlohmann::json::parse(text);
 }
 
+// Replaces null, which TinyGLTF writes for a node without members and a scene without nodes, and which glTF forbids.
+void mend_empty_entries(nlohmann::json& document) {
+  for (const char* list : {"nodes", "scenes"}) {
+    if (!document.contains(list)) continue;
+    for (auto& entry : document[list]) {
+      if (entry.is_null()) entry = nlohmann::json::object();
+    }
+  }
+}
+
 // Sets the node's translation and scale for packed positions.
 void place_packed(const GltfPackedPart& packed, tinygltf::Node& node) {
   const glm::dvec3& origin = packed.translation;
@@ -68,7 +78,15 @@ void place_packed(const GltfPackedPart& packed, tinygltf::Node& node) {
 
 }  // namespace
 
-void GltfModel::add(const GltfPart& part) { scene_.nodes.push_back(node(part)); }
+void GltfModel::add(const GltfPart& part) {
+  constexpr std::size_t kNodesAtOnce = 128;
+  scene_.nodes.push_back(node(part));
+  if (model_.nodes.size() < kNodesAtOnce) return;
+  take([&](nlohmann::json& document) {
+    mend_empty_entries(document);
+    earlier_.add(document);
+  });
+}
 
 int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden) {
   tinygltf::Node frame;
@@ -145,13 +163,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   model_.defaultScene = 0;
   JsonTree tree(document_of(model_, placement_));
   nlohmann::json& document = tree.root();
-  // TinyGLTF writes null for a node without members and a scene without nodes, which glTF forbids.
-  for (const char* list : {"nodes", "scenes"}) {
-    if (!document.contains(list)) continue;
-    for (auto& entry : document[list]) {
-      if (entry.is_null()) entry = nlohmann::json::object();
-    }
-  }
+  mend_empty_entries(document);
   if (offset_ > 0) {
     document["buffers"] = nlohmann::json::array();
     nlohmann::json& buffer = document["buffers"].emplace_back(nlohmann::json::object());
@@ -160,7 +172,12 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   }
   describe_packed_views(document);
   if (const nlohmann::json unpacked = unpacked_buffer(); !unpacked.is_null()) document["buffers"].push_back(unpacked);
-  return printable_json(document.dump(indent));
+  if (earlier_.empty()) return printable_json(document.dump(indent));
+  earlier_.add(document);
+  const std::string text = earlier_.take(JsonLists::MemberOrder::by_name);
+  if (indent < 0) return text;
+  JsonTree all(nlohmann::json::parse(text));
+  return printable_json(all.root().dump(indent));
 }
 
 int GltfModel::material(const GltfPart& part) {

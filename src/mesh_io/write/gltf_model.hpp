@@ -16,6 +16,7 @@
 #include "mesh/metrics.hpp"
 #include "mesh_io/write/gltf_packed_part.hpp"
 #include "mesh_io/write/gltf_part.hpp"
+#include "mesh_io/write/json_lists.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 
 namespace isoextract::mesh_io {
@@ -26,7 +27,8 @@ class GltfModel {
   // `placement` is MeshWriteOptions::placement.
   explicit GltfModel(std::string placement = {}) : placement_(std::move(placement)) {}
 
-  // Adds a node and, if the part has triangles, its mesh.
+  // Adds a node and, if the part has triangles, its mesh. A model of many meshes becomes JSON text bit by bit: TinyGLTF
+  // needs ten times the memory.
   void add(const GltfPart& part);
 
   // Returns the JSON text and appends notes. The one buffer is described in the finished JSON, because TinyGLTF would
@@ -82,6 +84,7 @@ class GltfModel {
   tinygltf::Model model_;
   tinygltf::Scene scene_;
   Taken taken_;
+  JsonLists earlier_;  // what add() has added before, except for the entries of model_
   std::uint64_t offset_ = 0;
   struct MaterialEntry {
     bool vertex_colors;

@@ -43,20 +43,26 @@ std::size_t JsonLists::add(const std::string& list, std::string_view entry) {
   return there.count++;
 }
 
-std::string JsonLists::take() {
+std::string JsonLists::take(MemberOrder order) {
   std::string text = "{";
   text.reserve(bytes_);
   const auto begin = [&](const std::string& name) { text += fmt::format(R"({}"{}":)", text == "{" ? "" : ",", name); };
-  for (const auto& [name, other] : others_) {
-    begin(name);
-    text += other;
-  }
+  auto other = others_.begin();
+  const auto add_others = [&](const std::string* end) {
+    for (; other != others_.end() && (end == nullptr || other->first < *end); ++other) {
+      begin(other->first);
+      text += other->second;
+    }
+  };
+  if (order == MemberOrder::others_first) add_others(nullptr);
   for (auto& [name, list] : lists_) {
+    add_others(&name);
     begin(name);
     text += '[';
     text += std::exchange(list.text, {});
     text += ']';
   }
+  add_others(nullptr);
   text += '}';
   *this = {};
   return text;

@@ -23,8 +23,12 @@ class JsonLists {
   // Returns the size of the whole text, or up to a few bytes per list more.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
+  enum class MemberOrder : std::uint8_t { others_first, by_name };
+
   // Returns the whole text and clears all lists.
-  [[nodiscard]] std::string take();
+  [[nodiscard]] std::string take(MemberOrder order = MemberOrder::others_first);
+
+  [[nodiscard]] bool empty() const { return lists_.empty() && others_.empty(); }
 
  private:
   struct List {

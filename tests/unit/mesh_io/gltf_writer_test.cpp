@@ -58,6 +58,32 @@ TEST_P(GltfWriter, KeepsPositionsAndTriangles) {
   EXPECT_TRUE(result_.notes.empty());
 }
 
+// The JSON of many meshes is joined from the text of some at a time.
+TEST_P(GltfWriter, JoinsTheJsonOfManyMeshes) {
+  std::vector<mesh::Mesh> meshes;
+  for (int i = 0; i < 300; ++i) {
+    mesh::Mesh mesh = i % 7 == 3 ? mesh::Mesh() : tetrahedron();
+    mesh.name = i % 11 == 5 ? std::string() : "mesh " + std::to_string(i / 2);
+    mesh.origin = glm::dvec3(i % 5, 0, 0);
+    meshes.push_back(std::move(mesh));
+  }
+  const auto found = round_trip(meshes);
+  ASSERT_EQ(model_["nodes"].size(), meshes.size());
+  ASSERT_EQ(model_["scenes"][0]["nodes"].size(), meshes.size());
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    EXPECT_EQ(model_["scenes"][0]["nodes"][i], i);
+    EXPECT_EQ(model_["nodes"][i].value("name", ""), meshes[i].name);
+    if (meshes[i].triangles.empty()) continue;
+    ASSERT_LT(at, found.size());
+    expect_same_mesh(meshes[i], found[at++]);
+  }
+  EXPECT_EQ(at, found.size());
+  const bool is_glb = GetParam() == MeshFormat::glb;
+  const std::string text = is_glb ? bytes_.substr(20, model_.dump().size()) : bytes_;
+  EXPECT_EQ(text, is_glb ? model_.dump() : model_.dump(2) + "\n");  // members in alphabetical order, as in small files
+}
+
 TEST_P(GltfWriter, KeepsVertexNormals) {
   const std::vector<mesh::Mesh> meshes = one(sphere(9, true));
   const auto found = round_trip(meshes);
