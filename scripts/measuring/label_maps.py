@@ -4,6 +4,7 @@
     label_maps.py ball RADIUS FILE.npy       a ball as label 1
     label_maps.py cells SIDE N TYPE FILE.npy the cells of N random points in a cube, as labels of a type
     label_maps.py vtk FILE.npy FILTER RUNS   its surfaces by a filter of VTK; times, triangles and area as JSON
+    label_maps.py skimage FILE.npy           its surfaces by scikit-image, each label in its bounding box
     label_maps.py meet FILE.npy PATTERN      of PLY files by label: the triangles that two of them have in common
 """
 
@@ -83,6 +84,17 @@ def by_vtk(labels, name, runs):
     return figures | {"triangles": len(triangles), "area": area_of(points, triangles)}
 
 
+def by_skimage(labels):
+    from scipy.ndimage import find_objects
+    from skimage.measure import marching_cubes
+
+    labels = np.pad(labels, 1)
+    for label, box in enumerate(find_objects(labels.astype(np.int32)), 1):
+        if box is not None:
+            around = tuple(slice(part.start - 1, part.stop + 1) for part in box)
+            marching_cubes((labels[around] == label).astype(np.float32), 0.5)
+
+
 def read_ply(path):
     """Points and triangles of a binary PLY file as isoextract writes it without normals."""
     data = open(path, "rb").read()
@@ -137,6 +149,8 @@ def main(what, *arguments):
         np.save(arguments[1], ball(int(arguments[0])))
     elif what == "cells":
         np.save(arguments[3], cells(int(arguments[0]), int(arguments[1]), arguments[2]))
+    elif what == "skimage":
+        by_skimage(np.load(arguments[0]))
     elif what == "vtk":
         print(json.dumps(by_vtk(np.load(arguments[0]), arguments[1], int(arguments[2]))))
     else:

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shutil
 import subprocess
 import time
 
@@ -81,17 +82,27 @@ def used_by(command):
     return {"cpu_s": usage.ru_utime + usage.ru_stime, "wall_s": time.perf_counter() - begin, "peak_mib": usage.ru_maxrss / 1024}
 
 
-def cells(setting, maps=((64, 4096, "u2"), (256, 3000, "u4"), (256, 3000, "u8"))):
-    """What thousands of labels take, with reading and writing."""
+# Side, labels, type.
+MAPS = ((64, 512, "u2"), (64, 1000, "u2"), (64, 2197, "u2"), (64, 4096, "u2"), (256, 3000, "u4"), (256, 3000, "u8"),
+        (256, 32768, "u4"), (512, 100000, "u8"))
+
+
+def cells(setting, rounds):
+    """What thousands of labels take, with reading and writing; and scikit-image, one label after the other."""
     rows = []
     path = setting.folder / "cells.npy"
-    for side, count, kind in maps[:1] if setting.quick else maps:
+    for side, count, kind in MAPS[:1] if setting.quick else MAPS:
         script("cells", side, count, kind, path)
-        for output in ("{label}.ply", "cells.glb"):
-            used = used_by([setting.isoextract, path, "--labels", "all", "-o", setting.folder / output, "-q"])
-            rows.append({"side": side, "labels": count, "type": kind, "output": output, **used})
-            for old in setting.folder.glob("[0-9]*.ply"):
-                old.unlink()
+        about = {"side": side, "labels": count, "type": kind, "input_mib": path.stat().st_size / 2**20}
+        large = side > 256
+        for output in ("{label}.ply",) if large else ("{label}.ply", "cells.glb"):
+            for _ in range(1 if large else rounds):
+                used = used_by([setting.isoextract, path, "--labels", "all", "-o", setting.folder / "out" / output, "--mkdir", "-q"])
+                rows.append(about | {"output": output, **used})
+                shutil.rmtree(setting.folder / "out")
+        if kind != "u8":  # find_objects() makes a list as long as the largest label
+            rows += [about | {"output": "skimage", **used_by([PYTHON, SCRIPT, "skimage", path])}]
+    path.unlink()
     return rows
 
 
@@ -99,35 +110,38 @@ def measure(setting):
     measured = record.Record(NAME, setting.isoextract, setting.quick)
     rounds = 1 if setting.quick else 5
     rows, meet, versions = head(setting, rounds)
-    figures = {"rounds": rounds, "head": rows, "meet": meet, "balls": balls(setting), "cells": cells(setting)}
+    figures = {"rounds": rounds, "head": rows, "meet": meet, "balls": balls(setting), "cells": cells(setting, rounds)}
     commands = ["label_maps.py head ch2.nii.gz head.npy",
                 f"isoextract head.npy --labels {LABELS} -o 'part_{{iso}}.ply' --report report.json",
                 "label_maps.py meet head.npy 'part_{iso}.ply'", f"label_maps.py vtk head.npy edges+sinc {rounds}",
+                "label_maps.py cells 64 512 u2 cells.npy", "isoextract cells.npy --labels all -o out/{label}.ply --mkdir -q",
+                "isoextract cells.npy --labels all -o out/cells.glb --mkdir -q", "label_maps.py skimage cells.npy",
                 "label_maps.py ball 20 ball.npy", "isoextract ball.npy --labels 1 -o mesh.ply --report report.json"]
     return measured.finish([record.cores()], versions, commands, figures)
 
 
 def cells_text(figures):
-    """The section about many labels; beside an earlier program if the record has one."""
-    if "cells" not in figures:
-        return ""
+    """The section about many labels."""
     named = {"u2": "u16", "u4": "u32", "u8": "u64"}
-    runs = [*([figures["cells_before"]] if "cells_before" in figures else []), {"name": "", "rows": figures["cells"]}]
-    of = [f", {run['name']}" if run["name"] else "" for run in runs]
-    times = table(["map", "labels:", "output", *(f"processor time{name}, s:" for name in of), *(f"peak{name}, MiB:" for name in of)],
-                  [[f"{row['side']}³, {named[row['type']]}", number(row["labels"]),
-                    "a file each" if "{" in row["output"] else "one GLB",
-                    *(f"{run['rows'][n]['cpu_s']:.2f}" for run in runs),
-                    *(number(round(run["rows"][n]["peak_mib"])) for run in runs)]
-                   for n, row in enumerate(figures["cells"])])
-    where = f"\n\n{figures['cells_where']}" if "cells_where" in figures else ""
+    outputs = {"{label}.ply": "isoextract, a file each", "cells.glb": "isoextract, one GLB", "skimage": "scikit-image, no files"}
+    groups = {}
+    for row in figures["cells"]:
+        groups.setdefault((row["side"], row["labels"], row["type"], row["output"]), []).append(row)
+    lines = []
+    for (side, count, kind, output), runs in groups.items():
+        wall, cpu = (median([run[what] for run in runs]) for what in ("wall_s", "cpu_s"))
+        peak = max(run["peak_mib"] for run in runs)
+        lines.append([f"{side}³, {named[kind]}", number(count), outputs[output], number(wall), number(cpu), number(1e6 * cpu / count),
+                      number(round(peak)), number(round(runs[0]["input_mib"]))])
+    columns = ["map", "labels:", "program", "time, s:", "processor time, s:", "of it per label, µs:", "peak, MiB:", "input, MiB:"]
     return f"""
 ## Thousands of labels
 
-The cells of random points (Voronoi) in a cube, `--labels all`: the whole program with reading and writing, once each, on two
-threads. Processor time is that of user and system.
+The cells of random points (Voronoi) in a cube: the whole program with reading, `--labels all` and writing, on two threads; the median of
+{figures['rounds']} runs, or one run for the largest map. Processor time is that of user and system. scikit-image runs
+`marching_cubes` in the bounding box of each label, on one thread; its surfaces have the steps of the voxels, and it writes no files.
 
-{times}{where}
+{table(columns, lines)}
 """
 
 

@@ -28,9 +28,9 @@ struct SurfaceCoverage {
 };
 
 // Sets `components` and `lost` of `coverage`. `surface` is the isosurface extracted on the field's own cells, not on
-// subcells (field_error.hpp); `tree` contains the triangles of `surface`, or is null if there are none. Only components
-// with a vertex that is_kept() count. The caller reserves coverage_bytes(). If the context is cancelled, `lost` is
-// meaningless. Throws std::bad_alloc.
+// subcells (field_error.hpp); `tree` contains the triangles of `surface`, or is null if there are none. Counts only
+// components with at least one vertex for which is_kept() is true. The caller reserves coverage_bytes(). If the context
+// is cancelled, `lost` is meaningless. Throws std::bad_alloc.
 void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
                       std::span<const mesh::HalfSpace> kept, const Context& context, SurfaceCoverage& coverage);
 

@@ -1,6 +1,6 @@
 // Errors are values: functions in the rooms (folders of src) below `cli` that can fail return Result<T>. These rooms do
-// not print, and only the child processes of `sandbox` exit. The only exception that crosses a room's border is
-// std::bad_alloc. `cli` prints the Error on stderr and exits with exit_code_of().
+// not print, and only the child processes of `sandbox` exit. Other exceptions than std::bad_alloc cross a room's border
+// only where a header says so. `cli` prints the Error on stderr and exits with exit_code_of().
 //
 // Code below `cli` does not know the names of options: a hint is a list of steps, each a Remedy and a Setting, which
 // `cli` turns into text.

@@ -29,7 +29,7 @@ constexpr std::array kGuide{
               "of length, so --radii takes it to be angstrom.",
               "Write a column element into the file. Give the file's unit with --unit."},
     NoteGuide{extra_bytes, "The file is longer than its header says; the reader ignores the rest.",
-              "Check --dims, --dtype and --skip for raw files. Otherwise the file may be damaged."},
+              "Check the sizes and types in the header; if they are right, the file may be damaged."},
     NoteGuide{format_not_by_name, "The content or --format says another format than the name of the file.",
               "Rename the file, or choose the format with --input-format or --format."},
     NoteGuide{frame_order, "The names of the frames allow several orders; the note says which one the program uses.",

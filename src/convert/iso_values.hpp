@@ -31,13 +31,12 @@ struct ResolvedIso {
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);
 
 // Returns one iso value for each choice, in order. Examines all samples for percentiles, and for suggestions that
-// field::default_iso() does not settle; at most 2^17 samples to word the error about IsoChoice::zero(). If no sample is
-// finite, percentiles and these suggestions are 0.
+// field::default_iso() does not settle. Percentiles are 0 if no sample is finite.
 //
-// Fails with ErrorCode::usage if IsoChoice::zero() is asked of a field that is not a level set. Fails with
-// ErrorCode::no_surface if a suggestion is asked for and no value separates the finite samples; with `empty_is_fine` it
-// returns a value that gives no surface instead. Fails as Context::reserve() and Context::check() do, and with
-// ErrorCode::input if the field's mapped file was truncated.
+// Fails with ErrorCode::usage if IsoChoice::zero() is asked of a field that is not a level set; looks at some samples
+// then, to tell whether they are labels. Fails with ErrorCode::no_surface if a suggestion is asked for and no value
+// separates the finite samples; with `empty_is_fine` it returns a value that gives no surface instead. Fails as
+// Context::reserve() and Context::check() do, and with ErrorCode::input if the field's mapped file was truncated.
 [[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices,
                                                             const field::ScalarField& field, bool empty_is_fine,
                                                             const Context& context);

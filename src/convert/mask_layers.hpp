@@ -28,8 +28,8 @@ namespace isoextract::convert {
 class MaskLayers {
  public:
   // Reads the masks at `paths`, at least one, and chooses their layers. Samples of a mask are 0 outside and one other
-  // value inside, of any type; they may be scaled, but without an offset. Sends the report and the notes of each file,
-  // and notes about masks without voxels and about overlaps.
+  // value inside, of any type; they may be scaled, but without an offset. Sends the stage of reading and the notes of
+  // each file, and notes about masks without voxels and about overlaps.
   //
   // Fails with ErrorCode::input if a mask has more values or is sparse, and if its shape or placement differs from
   // the first mask's by more than a thousandth of a voxel. Fails with ErrorCode::usage for more than 65535 masks,
@@ -53,8 +53,8 @@ class MaskLayers {
   // Returns the number of faces of voxels on the surfaces of all masks.
   [[nodiscard]] std::uint64_t faces() const { return faces_; }
 
-  // Returns a layer as a label map with the background 0. Fails as read() does, and with ErrorCode::input if a mask has
-  // changed since.
+  // Returns a layer as a label map with the background 0. For layers other than 0, fails as read() does, and with
+  // ErrorCode::input if the number or the bounds of a mask's voxels have changed since.
   [[nodiscard]] Result<field::ScalarField> layer(std::int64_t number, const Context& context) const;
 
  private:

@@ -329,8 +329,8 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
   if (!(cells <= kMostCells)) {
     return fail(
         ErrorCode::input,
-        fmt::format("{}: a wall of {:.4g} is too thin for a surface of {:.4g} x {:.4g} x {:.4g}: the grid of its "
-                    "distances would have more than 2^24 cells along an axis",
+        fmt::format("{}: a wall of {:.4g} is too thin for a surface of {:.4g} x {:.4g} x {:.4g}: the grid of distances "
+                    "to the surface would have more than 2^24 cells along an axis",
                     outer.name, options.thickness, extent.x, extent.y, extent.z),
         "choose a thicker wall");
   }

@@ -1,8 +1,8 @@
 // Judges whether the samples of a field are labels or a binary mask, and measures each label.
 //
 // A field can be a label map or a binary mask if it is a density with an identity scale, and no demo field. It must
-// have at least 512 samples, all of them labels (label_value.hpp) or NaN. NaN samples count nowhere else. Sparse
-// floating-point grids are neither, because fog often has a single value.
+// have at least 512 samples, all of them labels (label_value.hpp) or NaN. The rules that
+// follow leave out NaN samples. Sparse floating-point grids are neither, because fog often has a single value.
 //
 // A binary mask has exactly two values; the background of a sparse grid is one of them. A label map has more, and:
 // - few values: at most 2^20, and at most one for each eight samples

@@ -1,5 +1,6 @@
 // The interface of volume formats, and their list. A new format is a class and a line in the list (volume_format.cpp).
-// Help, man page and the choice of a format use its FormatDescription; detection also uses probe().
+// Help and man page use its FormatDescription; so does the choice of a format by name or extension. The choice by
+// content uses probe().
 #pragma once
 
 #include <array>
@@ -59,7 +60,7 @@ struct ReferenceVolume {
   std::string source;  // name for messages
   glm::ivec3 dims{0};  // 0 if sparse
   field::Affine index_to_world;
-  std::optional<glm::dvec3> spacing;  // of the file to be placed; its origin is then `origin`, or (0, 0, 0)
+  std::optional<glm::dvec3> spacing;  // for the file to be placed, whose origin is then `origin`, or (0, 0, 0)
   std::optional<glm::dvec3> origin;
 
   friend bool operator==(const ReferenceVolume&, const ReferenceVolume&) = default;
@@ -140,8 +141,6 @@ struct FormatDescription {
   bool has_axis_order = false;  // files do not specify the order of axes; ReadOptions::axis_order may
   bool needs_layout = false;    // files have no header; needs ReadOptions::raw
   bool has_levels = false;      // files may have several resolutions, selected by ReadOptions::level
-  bool takes_sampling = false;  // samples need not lie on a lattice; uses ReadOptions::sampling
-  bool can_resample = false;    // samples may be spaced unevenly; uses ReadOptions::resamples
   bool takes_slices = false;    // single pictures: a pattern or folder of them is one volume (detail/slice_stack.hpp)
   std::string library = {};     // the reader's library: "GDCM"; empty for the program's own code
   std::string package = {};     // the Debian package that building the plug-in needs
@@ -151,8 +150,9 @@ struct FormatDescription {
 
 // A format lives as long as the program, keeps no state of a file between calls, and is safe to use from several
 // threads. `input` is the path of a file or folder, a pattern of slices (FormatDescription::takes_slices), or a text
-// with the format's prefix. Options have been checked against the description. volume_reader.hpp catches exceptions
-// such as std::bad_alloc. Failures are ErrorCode::input unless stated otherwise; messages name the file.
+// with the format's prefix. Options have been checked against the description; formats ignore `sampling` and
+// `resamples` if their samples lie on a lattice. volume_reader.hpp catches exceptions such as std::bad_alloc. Failures
+// are ErrorCode::input unless stated otherwise; messages name the file.
 class VolumeFormat {
  public:
   explicit VolumeFormat(FormatDescription about) : about_(std::move(about)) {}

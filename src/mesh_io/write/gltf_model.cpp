@@ -59,7 +59,7 @@ nlohmann::json document_of(tinygltf::Model& model, const std::string& placement)
 }
 
 // Replaces null, which TinyGLTF writes for a node without members and a scene without nodes, and which glTF forbids.
-void mend_empty_entries(nlohmann::json& document) {
+void fix_empty_entries(nlohmann::json& document) {
   for (const char* list : {"nodes", "scenes"}) {
     if (!document.contains(list)) continue;
     for (auto& entry : document[list]) {
@@ -83,7 +83,7 @@ void GltfModel::add(const GltfPart& part) {
   scene_.nodes.push_back(node(part));
   if (model_.nodes.size() < kNodesAtOnce) return;
   take([&](nlohmann::json& document) {
-    mend_empty_entries(document);
+    fix_empty_entries(document);
     earlier_.add(document);
   });
 }
@@ -163,7 +163,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   model_.defaultScene = 0;
   JsonTree tree(document_of(model_, placement_));
   nlohmann::json& document = tree.root();
-  mend_empty_entries(document);
+  fix_empty_entries(document);
   if (offset_ > 0) {
     document["buffers"] = nlohmann::json::array();
     nlohmann::json& buffer = document["buffers"].emplace_back(nlohmann::json::object());

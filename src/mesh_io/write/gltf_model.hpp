@@ -84,7 +84,7 @@ class GltfModel {
   tinygltf::Model model_;
   tinygltf::Scene scene_;
   Taken taken_;
-  JsonLists earlier_;  // what add() has added before, except for the entries of model_
+  JsonLists earlier_;  // the entries that add() has moved out of model_
   std::uint64_t offset_ = 0;
   struct MaterialEntry {
     bool vertex_colors;

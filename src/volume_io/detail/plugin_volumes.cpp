@@ -394,8 +394,6 @@ FormatDescription describe_plugin(const plugin_host::PluginTable& table, const p
   about.has_volumes = true;
   about.has_components = true;
   about.has_levels = uses("level");
-  about.takes_sampling = uses("spacing");
-  about.can_resample = uses("resamples");
   about.takes_slices = uses("slices");
   about.library = table.library;
   about.package = table.package;
