@@ -192,7 +192,7 @@ T taken(const tl::expected<T, E>& result) {
 }  // namespace detail
 }  // namespace isoextract
 
-// `result` names the variable that the macro declares; decltype((result)) would be another type than decltype(result).
+// `result` stays without parentheses: it is the name of the declared variable, and decltype((result)) is another type.
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define ISOEXTRACT_JOINED(a, b) a##b
 #define ISOEXTRACT_TRY(expression, result)                                              \

@@ -130,7 +130,7 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
   return {};
 }
 
-// Returns "no: 12 open edges, 1 non-manifold vertex", or "yes" with the genus.
+// Returns "no: 12 open edges, 3 vertices where surfaces touch", or "yes" with the genus.
 std::string closed_text(const mesh::Topology& topology) {
   if (topology.is_closed_oriented_manifold()) return fmt::format("yes; genus {}", topology.genus());
   std::string text = "no";

@@ -5,6 +5,7 @@
 #include "mesh_io/mesh_writer.hpp"
 #include "particle_io/particle_format.hpp"
 #include "plugin_host/plugin_kinds.hpp"
+#include "volume_io/grid_tools.hpp"
 #include "volume_io/volume_format.hpp"
 
 namespace isoextract::cli {
@@ -63,7 +64,14 @@ std::vector<ListedFormat> list_formats() {
   const auto add = [&](FormatUse use, const char* id, const char* title, const char* library) {
     formats.push_back({use, id, title, {fmt::format(".{}", id)}, library});
   };
-  add(FormatUse::write_field, "vdb", "OpenVDB, one grid of floats, or with --half of 16-bit ones", "OpenVDB");
+  formats.push_back({FormatUse::write_field,
+                     "vdb",
+                     "OpenVDB, one grid of floats, or with --half of 16-bit ones",
+                     {".vdb"},
+                     "OpenVDB",
+                     true,
+                     volume_io::grid_tools_path(),
+                     "libopenvdb-dev"});
   add(FormatUse::write_field, "nrrd", "NRRD with the transform, dense, in the type of the samples", "");
   add(FormatUse::write_field, "npy",
       "NumPy array [z, y, x], dense; without spacing and origin; 16-bit floats with --half", "");

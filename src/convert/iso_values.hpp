@@ -27,11 +27,11 @@ struct ResolvedIso {
 // Continues a sentence about the surface: " at iso p99", " of mesh 2"; empty for a whole mesh file.
 [[nodiscard]] std::string place_text(const ResolvedIso& asked);
 
-// Returns whether no choice has to be found in the field (IsoChoice::is_found()). Labels count as known.
+// Returns whether all iso values are known without the field: IsoChoice::is_found() is false for each.
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);
 
 // Returns one iso value for each choice, in order. Examines all samples for percentiles, and for suggestions that
-// field::default_iso() does not settle. Percentiles are 0 if no sample is finite.
+// field::default_iso() does not settle. If no sample is finite, percentiles are 0, and no suggestion fails.
 //
 // Fails with ErrorCode::usage if IsoChoice::zero() is asked of a field that is not a level set; looks at some samples
 // then, to tell whether they are labels. Fails with ErrorCode::no_surface if a suggestion is asked for and no value

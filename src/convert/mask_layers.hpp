@@ -28,8 +28,8 @@ namespace isoextract::convert {
 class MaskLayers {
  public:
   // Reads the masks at `paths`, at least one, and chooses their layers. Samples of a mask are 0 outside and one other
-  // value inside, of any type; they may be scaled, but without an offset. Sends the stage of reading and the notes of
-  // each file, and notes about masks without voxels and about overlaps.
+  // value inside, of any type; they may be scaled, but without an offset. Reports to `events` the stage of reading and
+  // the notes of each file, and notes about masks without voxels and about overlaps.
   //
   // Fails with ErrorCode::input if a mask has more values or is sparse, and if its shape or placement differs from
   // the first mask's by more than a thousandth of a voxel. Fails with ErrorCode::usage for more than 65535 masks,

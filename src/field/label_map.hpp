@@ -1,14 +1,14 @@
 // Judges whether the samples of a field are labels or a binary mask, and measures each label.
 //
 // A field can be a label map or a binary mask if it is a density with an identity scale, and no demo field. It must
-// have at least 512 samples, all of them labels (label_value.hpp) or NaN. The rules that
-// follow leave out NaN samples. Sparse floating-point grids are neither, because fog often has a single value.
+// have at least 512 samples, all of them labels (label_value.hpp) or NaN. The rules that follow leave out NaN samples.
+// Sparse floating-point grids are neither: fog often has one value inside, and would look like a mask.
 //
 // A binary mask has exactly two values; the background of a sparse grid is one of them. A label map has more, and:
 // - few values: at most 2^20, and at most one for each eight samples
 // - flat patches: of the pairs of neighbors along i, j and k, at least half have equal values, and along each axis at
-//   least a quarter. Pairs of two background samples do not count; the background of a dense field is its most frequent
-//   value.
+//   least a quarter. Pairs of two samples of the most frequent value (in a sparse grid: of its background) do not
+//   count.
 // - unordered values, if it has more than eight: of the pairs with different values, at most three quarters differ by
 //   exactly 1. A smooth field with rounded values has flat patches, too, but steps of 1 between them.
 //

@@ -24,12 +24,16 @@ namespace {
 using Tools = isoextract_grid_tools_plugin_v4;
 
 // Searches the folders on every call, which is cheap beside the work; the loaded library stays open.
-Result<const Tools*> grid_tools_for(const std::string& work) {
-  const plugin_host::PluginLibrary library(
+plugin_host::PluginLibrary grid_tools_library() {
+  return {
       {"isoextract-grids-", "isoextract_grid_tools_plugin",
        plugin_host::call_plugin_function<isoextract_grid_tools_plugin_v4>, ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false},
-      plugin_host::kOpenVdbPlugin, plugin_host::plugin_folders());
-  const auto opened = TRY(library.opened(work));
+      plugin_host::kOpenVdbPlugin,
+      plugin_host::plugin_folders()};
+}
+
+Result<const Tools*> grid_tools_for(const std::string& work) {
+  const auto opened = TRY(grid_tools_library().opened(work));
   return static_cast<const Tools*>(opened);
 }
 
@@ -223,6 +227,8 @@ Result<std::uint64_t> write_grids(const std::filesystem::path& path, std::span<c
 }
 
 }  // namespace
+
+std::string grid_tools_path() { return grid_tools_library().path(); }
 
 Result<void> check_grid_tools(const std::string& work) {
   const auto tools = grid_tools_for(work);

@@ -47,6 +47,9 @@ struct SphereField {
   std::uint64_t left_out = 0;  // number of omitted particles
 };
 
+// Returns the path of the plug-in; an empty text if it is missing.
+[[nodiscard]] std::string grid_tools_path();
+
 // Fails if the plug-in is missing, so that callers can check before preparing the work; `work` starts the message.
 [[nodiscard]] Result<void> check_grid_tools(const std::string& work);
 

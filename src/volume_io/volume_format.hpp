@@ -53,14 +53,14 @@ constexpr auto words_of(AxisOrder /*type*/) {
   return std::array{Word{AxisOrder::zyx, "zyx"}, Word{AxisOrder::xyz, "xyz"}};
 }
 
-// Placement for a file that states none, such as the file of --attribute NAME=FILE. With `spacing`: by `spacing` and
-// `origin`. Without `spacing`: by `index_to_world` (with `origin` in place of its offset, if given), and the file must
-// have `dims` samples.
+// Places a file that states no placement, such as the file of --attribute NAME=FILE. If `spacing` is set, the file gets
+// this spacing, and its first sample lies at `origin`, by default (0, 0, 0). Otherwise the file must have `dims`
+// samples and gets `index_to_world`, in which `origin` replaces the offset if it is set.
 struct ReferenceVolume {
   std::string source;  // name for messages
   glm::ivec3 dims{0};  // 0 if sparse
   field::Affine index_to_world;
-  std::optional<glm::dvec3> spacing;  // for the file to be placed, whose origin is then `origin`, or (0, 0, 0)
+  std::optional<glm::dvec3> spacing;
   std::optional<glm::dvec3> origin;
 
   friend bool operator==(const ReferenceVolume&, const ReferenceVolume&) = default;
@@ -81,7 +81,7 @@ struct ReadOptions {
   std::optional<double> no_data;             // dense samples of this value become NaN (field/no_data.hpp)
   bool no_data_for_dense_only = false;       // ignore no_data for sparse samples, for which it is otherwise an error
   std::optional<std::uint64_t> level;        // of a pyramid of resolutions; default 0, the finest
-  std::optional<glm::dvec3> sampling;        // spacing of the samples of data that do not lie on a lattice
+  std::optional<glm::dvec3> sampling;        // spacing at which the reader samples data without a lattice
   bool resamples = false;                    // resample unevenly spaced samples, otherwise an error
   bool flat = false;                         // accept arrays [y, x], as volumes of one slice
   bool label_ids = false;                    // 64-bit integers are ids of labels: kept exactly (ScalarField::label_ids)

@@ -461,8 +461,7 @@ class PluginTest(FieldsTest):
         alone.parent.mkdir()
         shutil.copy(PROGRAM, alone)
         self.write_csv("a.csv", [(0, 0, 0), (1, 0, 0)])
-        level_set = [SPHERE, "-o", "a.vdb"]
-        for command in (level_set, ["a.csv", "--particles", "spheres", "-o", "a.ply"],
+        for command in ([SPHERE, "-o", "a.vdb"], ["a.csv", "--particles", "spheres", "-o", "a.ply"],
                         ["a.csv", "--particles", "smooth", "-o", "a.ply"]):
             none = {name: value for name, value in os.environ.items() if name != "ISOEXTRACT_PLUGINS"}
             run = subprocess.run([alone, *command], cwd=self.folder, check=False, capture_output=True, text=True, env=none)
@@ -475,6 +474,10 @@ class PluginTest(FieldsTest):
                 self.assertEqual(run.returncode, 0, run.stderr)
                 (self.folder / command[-1]).unlink()
         self.assertEqual(self.files(), ["a.csv", "alone"])
+        for environment in (none, found) if HAS_PLUGIN else (none,):
+            listed = json.loads(subprocess.check_output([alone, "formats", "--json"], env=environment))
+            [vdb] = [one for one in listed if (one["use"], one["id"]) == ("write field", "vdb")]
+            self.assertEqual((vdb["is_plugin"], vdb["is_there"]), (True, environment is not none))
 
     @needs_plugin
     def test_a_limited_address_space(self):

@@ -57,27 +57,24 @@ class GlbWriter final : public FormatWriter {
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
     auto part = TRY(GltfPart::make(mesh, options_, context_, notes));
     parts_.push_back(std::move(part));
+    binary_bytes_ += parts_.back().bytes();
+    // Measures no bounds for a file that is too large.
+    if (check_glb_length(0, binary_bytes_, file_)) model_.add(parts_.back());
     return {};
   }
 
   Result<void> finish(Notes& notes) override {
-    std::uint64_t binary_bytes = 0;
-    for (const GltfPart& part : parts_) binary_bytes += part.bytes();
-    // Checks the length before measuring the bounds, which would be wasted on a file that is too large, and exactly
-    // below.
-    TRY(check_glb_length(0, binary_bytes, file_));
-    GltfModel model(options_.placement);
-    for (const GltfPart& part : parts_) model.add(part);
-    std::string text = model.json({}, -1, notes);
+    TRY(check_glb_length(0, binary_bytes_, file_));
+    std::string text = model_.json({}, -1, notes);
     pad_glb_json(text);
     if (parts_.size() == 1 && reserves_bounds(parts_.front())) {
       text.resize(longest_json(parts_.front(), options_.placement), ' ');
     }
-    TRY(check_glb_length(text.size(), binary_bytes, file_));
-    auto written = file_.write(glb_start(text.size(), binary_bytes));
+    TRY(check_glb_length(text.size(), binary_bytes_, file_));
+    auto written = file_.write(glb_start(text.size(), binary_bytes_));
     if (written) written = file_.write(text);
-    if (!written || binary_bytes == 0) return written;
-    written = file_.write(glb_binary_head(binary_bytes));
+    if (!written || binary_bytes_ == 0) return written;
+    written = file_.write(glb_binary_head(binary_bytes_));
     for (std::size_t p = 0; p < parts_.size() && written; ++p) written = write_part(parts_[p], file_);
     return written;
   }
@@ -93,6 +90,8 @@ class GlbWriter final : public FormatWriter {
   Context context_;
   files::OutputFile& file_;
   std::vector<GltfPart> parts_;
+  GltfModel model_{options_.placement};
+  std::uint64_t binary_bytes_ = 0;
 };
 
 class MovingGlbWriter final : public FormatWriter {

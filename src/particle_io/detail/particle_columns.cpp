@@ -413,7 +413,7 @@ void set_box(const points::SimulationBox& box, bool in_axis_order, ParticleFile&
 
 void throw_particle_error(std::size_t particle, std::size_t particles) {
   throw InvalidParticleFile(
-      fmt::format("expected {} particles, found values of one more, particle {}", particles, particle + 1));
+      fmt::format("expected {} particles, found values of a further one (particle {})", particles, particle + 1));
 }
 
 std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& choice) {
