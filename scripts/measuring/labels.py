@@ -2,12 +2,9 @@
 
 import json
 import math
-import os
 import shutil
-import subprocess
-import time
 
-from measuring import programs, record
+from measuring import processes, programs, record
 from measuring.tables import median, number, table
 
 NAME = "labels"
@@ -70,18 +67,6 @@ def balls(setting):
     return rows
 
 
-def used_by(command):
-    """Processor time, time and memory of a program that must succeed."""
-    words = [str(word) for word in command]
-    begin = time.perf_counter()
-    with subprocess.Popen(words, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise programs.Failed(f"{programs.shown(words)} ended with {process.returncode}")
-    return {"cpu_s": usage.ru_utime + usage.ru_stime, "wall_s": time.perf_counter() - begin, "peak_mib": usage.ru_maxrss / 1024}
-
-
 # Side, labels, type.
 MAPS = ((64, 512, "u2"), (64, 1000, "u2"), (64, 2197, "u2"), (64, 4096, "u2"), (256, 3000, "u4"), (256, 3000, "u8"),
         (256, 32768, "u4"), (512, 100000, "u8"))
@@ -97,11 +82,11 @@ def cells(setting, rounds):
         large = side > 256
         for output in ("{label}.ply",) if large else ("{label}.ply", "cells.glb"):
             for _ in range(1 if large else rounds):
-                used = used_by([setting.isoextract, path, "--labels", "all", "-o", setting.folder / "out" / output, "--mkdir", "-q"])
-                rows.append(about | {"output": output, **used})
+                command = [setting.isoextract, path, "--labels", "all", "-o", setting.folder / "out" / output, "--mkdir", "-q"]
+                rows.append(about | {"output": output, **processes.run_once(command)})
                 shutil.rmtree(setting.folder / "out")
         if kind != "u8":  # find_objects() makes a list as long as the largest label
-            rows += [about | {"output": "skimage", **used_by([PYTHON, SCRIPT, "skimage", path])}]
+            rows.append(about | {"output": "skimage", **processes.run_once([PYTHON, SCRIPT, "skimage", path])})
     path.unlink()
     return rows
 
@@ -129,8 +114,8 @@ def cells_text(figures):
         groups.setdefault((row["side"], row["labels"], row["type"], row["output"]), []).append(row)
     lines = []
     for (side, count, kind, output), runs in groups.items():
-        wall, cpu = (median([run[what] for run in runs]) for what in ("wall_s", "cpu_s"))
-        peak = max(run["peak_mib"] for run in runs)
+        wall, cpu = (median([run[what] for run in runs]) for what in ("wall", "cpu"))
+        peak = max(run["peak"] for run in runs)
         lines.append([f"{side}³, {named[kind]}", number(count), outputs[output], number(wall), number(cpu), number(1e6 * cpu / count),
                       number(round(peak)), number(round(runs[0]["input_mib"]))])
     columns = ["map", "labels:", "program", "time, s:", "processor time, s:", "of it per label, µs:", "peak, MiB:", "input, MiB:"]

@@ -49,15 +49,13 @@ class Watcher:
     def look(self, folder):
         start = time.perf_counter()
         page = os.sysconf("SC_PAGE_SIZE") / 2**20
-        working = False
         while True:
             try:
                 resident = int((folder / "statm").read_text().split()[1]) * page
                 files = len(os.listdir(folder / "fd"))
             except (OSError, IndexError):
                 return  # over
-            working = working or self.begun()
-            if working and resident > 0:
+            if resident > 0 and (self.samples or self.begun()):
                 self.samples.append([round(time.perf_counter() - start, 3), round(resident, 2), files])
             time.sleep(self.seconds)
 

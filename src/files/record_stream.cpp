@@ -16,9 +16,9 @@ namespace isoextract::files {
 Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes, const FillRecords& fill) {
   constexpr std::size_t kBlockBytes = std::size_t{1} << 20;  // small enough to be in the cache when the system copies
                                                              // it
-  if (count == 0) return {};
-  const std::size_t per_block = std::min(count, std::max<std::size_t>(1, kBlockBytes / max_record_bytes));
+  const std::size_t per_block = std::max<std::size_t>(1, kBlockBytes / max_record_bytes);
   const std::size_t block_count = (count + per_block - 1) / per_block;
+  if (block_count == 0) return {};
   if (block_count == 1) {  // a pipeline costs more than a small mesh
     Buffer<char> bytes(count * max_record_bytes);
     const char* end = fill(0, count, bytes.data());
