@@ -1,13 +1,13 @@
 // Headers of objects, read up to the pixels.
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <fstream>
 #include <string_view>
 
 #include <gdcmMediaStorage.h>
 
 #include "dicom_dataset.hpp"
+#include "dicom_patient.hpp"
 #include "dicom_structure.hpp"
 
 namespace isoextract_dicom {
@@ -32,34 +32,12 @@ void read_layout(const gdcm::DataSet& data, Pixels& pixels) {
   pixels.photometric = text_of(data, gdcm::Tag(0x0028, 0x0004));
 }
 
-// Returns whether a text has a part of the patient's name, or the patient's identity, at least three characters long.
-bool names_patient(const gdcm::DataSet& data, const std::string& text) {
-  const auto letters = [](std::string from) {
-    std::ranges::transform(from, from.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return from;
-  };
-  const std::string searched = letters(text);
-  for (const gdcm::Tag& tag : {gdcm::Tag(0x0010, 0x0010), gdcm::Tag(0x0010, 0x0020), gdcm::Tag(0x0010, 0x0030),
-                               gdcm::Tag(0x0010, 0x1000), gdcm::Tag(0x0010, 0x1001)}) {
-    const std::string value = letters(text_of(data, tag)) + "^";
-    std::string word;
-    for (const char c : value) {
-      if (std::string_view("^ =,\\").find(c) == std::string_view::npos) {
-        word += c;
-        continue;
-      }
-      if (word.size() >= 3 && searched.find(word) != std::string::npos) return true;
-      word.clear();
-    }
-  }
-  return false;
-}
-
-// Texts for the user, without the patient's data.
+// Texts for the user, without the patient's data. Comes after read_segments().
 void read_names(const gdcm::DataSet& data, const std::string& character_set, Object& object) {
+  const Patient patient(data, character_set);
   const auto text = [&](std::uint16_t group, std::uint16_t element) {
     std::string found = text_of(data, gdcm::Tag(group, element), character_set);
-    return names_patient(data, found) ? std::string() : found;
+    return patient.is_in(found) ? std::string() : found;
   };
   object.series_number = text(0x0020, 0x0011);
   object.description = text(0x0008, 0x103e);
@@ -68,6 +46,10 @@ void read_names(const gdcm::DataSet& data, const std::string& character_set, Obj
   object.device = text(0x0008, 0x0070);
   if (const std::string model = text(0x0008, 0x1090); !model.empty()) {
     object.device += (object.device.empty() ? "" : " ") + model;
+  }
+  for (Segment& segment : object.segments) {
+    std::string& name = segment.label.name;
+    if (name.empty() || patient.is_in(name)) name = "segment " + std::to_string(segment.number);
   }
 }
 
@@ -111,6 +93,7 @@ std::shared_ptr<const Object> read_object(const std::string& path, const isoextr
   object->instance_number = decimal_of(data, gdcm::Tag(0x0020, 0x0013)).value_or(0);
   object->time_step = decimal_of(data, gdcm::Tag(0x0020, 0x0110)).value_or(0);
   const std::string character_set = text_of(data, gdcm::Tag(0x0008, 0x0005));
+  read_segments(data, character_set, *object);
   read_names(data, character_set, *object);
   if (text_of(data, gdcm::Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos && object->problem.empty())
     object->problem = "expected one slice per image, found a mosaic of slices in one image (Siemens)";
@@ -119,7 +102,6 @@ std::shared_ptr<const Object> read_object(const std::string& path, const isoextr
   if (pixels.photometric == "MONOCHROME1")
     object->note = "low values are bright (MONOCHROME1); the values are those of the file";
   if (pixels.photometric == "PALETTE COLOR") object->note = "values are the numbers of palette colors";
-  read_segments(data, character_set, *object);
   read_frames(data, *object);
   return object;
 }

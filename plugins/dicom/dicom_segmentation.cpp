@@ -31,7 +31,6 @@ void read_segments(const gdcm::DataSet& data, const std::string& character_set, 
     segment.number = short_of(items[i], gdcm::Tag(0x0062, 0x0004)).value_or(static_cast<std::uint32_t>(i + 1));
     segment.label.value = segment.number;
     segment.label.name = text_of(items[i], gdcm::Tag(0x0062, 0x0005), character_set);
-    if (segment.label.name.empty()) segment.label.name = "segment " + std::to_string(segment.number);
     if (const auto lab = shorts_of(items[i], gdcm::Tag(0x0062, 0x000d)); lab.size() == 3) {
       segment.label.color = srgb_of_dicom_lab({double(lab[0]), double(lab[1]), double(lab[2])});
       segment.label.has_color = true;

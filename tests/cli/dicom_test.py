@@ -154,6 +154,22 @@ class SeriesTest(DicomTestCase):
         self.assertEqual((grid["name"], grid["creator"]), ("1", "Maker"))
         self.assert_field(["scan"], VOLUME)
 
+    def test_descriptions_with_other_forms_of_the_patient(self):
+        def names(description, **attributes):
+            dicom.write_series(self.folder / "scan", VOLUME, PLACES, description=description, **attributes)
+            return self.info("scan")["grids"][0]["name"]
+
+        leaking = (("CT Li abdomen", {"PatientName": "Li^A"}), ("of MÜLLER", {"PatientName": "Müller", "SpecificCharacterSet": "ISO_IR 100"}),
+                   ("АННА 2", {"PatientName": "Анна", "SpecificCharacterSet": "ISO_IR 192"}), ("born 09-29-1547", {}),
+                   ("born 1547-09-29", {}), ("29.09.1547", {}), ("Leia Organa", {"PatientBirthName": "Organa^Leia"}),
+                   ("luc 3", {"PatientName": "Durand^Jean-Luc"}),
+                   ("no. 77-12", {"OtherPatientIDsSequence": pydicom.Sequence([dicom.item(PatientID="77-12")])}))
+        for description, attributes in leaking:
+            self.assertEqual(names(description, **attributes), "1", description)
+        for description, attributes in (("Limb", {"PatientName": "Li^A"}), ("T1 a", {"PatientName": "Li^A"}),
+                                        ("Thorax CT", {"PatientID": "CT-001"}), ("1547 slices", {})):
+            self.assertIn(description, names(description, **attributes))
+
     def test_no_positions(self):
         dicom.write_series(self.folder / "scan", VOLUME, [None] * SHAPE[0], SliceThickness="3")
         report = self.assert_field(["scan"], VOLUME, note="no positions in the headers")
@@ -288,6 +304,12 @@ class SegmentationTest(DicomTestCase):
         numpy.testing.assert_allclose(data.SegmentSequence[0].RecommendedDisplayCIELabValue, (16732, 45246, 42677), atol=8)
         numpy.testing.assert_allclose(grid["labels"][0]["color"], (128 / 255, 0, 0), atol=2e-3)
         self.assertIsNone(grid["labels"][1]["color"])
+
+    def test_a_segment_named_by_the_patient(self):
+        mask = ball((15, 20, 5), 4)
+        dicom.save(dicom.segmentation([mask, ~mask], ["Liver Quixote", "Leber"], [None, None]), self.folder / "seg.dcm")
+        (grid,) = self.info("seg.dcm")["grids"]
+        self.assertEqual([label["name"] for label in grid["labels"]], ["segment 1", "Leber"])
 
     def test_volumes_of_the_meshes(self):
         left, right = ball((15, 20, 5), 4), ball((33, 20, 5), 4)
