@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "base/context.hpp"
 #include "base/parallel.hpp"
@@ -12,8 +11,10 @@
 #include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
 #include "convert/stages/mesh_hollow.hpp"
+#include "convert/stages/surface_stages.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/inner_wall.hpp"
+#include "extract/label_map_size.hpp"
 #include "field/resample.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
@@ -63,6 +64,22 @@ std::uint64_t hollow_bytes(const ConversionJob& job, const Source& source, std::
   return extract::estimated_wall_bytes(triangles, area, wall_cell(thickness, source));
 }
 
+// Returns the memory of the surfaces of labels: the largest of what finding the labels, making their surfaces and
+// editing one of them takes.
+Result<std::uint64_t> memory_of_labels(const ConversionJob& job, const Source& source,
+                                       const extract::LabelChoice& choice, const Context& context) {
+  const extract::LabelMapSize size =
+      TRY(extract::estimate_label_map(source.field, extract_options_of(job, source, 0), choice, context));
+  const ConversionSize samples = size_of_samples(source.field);
+  const auto* dense = std::get_if<field::DenseSamples>(&source.field.samples);
+  const bool is_read_once = dense != nullptr && dense->file_backed;
+  const std::uint64_t faces = job.edits.simplify ? size.faces : size.faces_at_once;
+  const std::uint64_t surfaces = (is_read_once ? 0 : samples.sample_bytes + samples.lookup_bytes) + size.kept_bytes +
+                                 extract::label_surface_bytes(faces) + edit_bytes(job, size.largest_faces);
+  const std::uint64_t finding = samples.resident_bytes + samples.lookup_bytes + size.finding_bytes;
+  return kProgramBytes + kConversionBytes + std::max(finding, surfaces) + attribute_bytes(source, size.largest_faces);
+}
+
 // Returns the memory of the samples, and of what is made of them for the file: a tree, or dense samples.
 std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::VolumeFileFormat format) {
   const ConversionSize size = size_of_samples(field);
@@ -98,12 +115,11 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   if (const auto* file = job.writes<FieldFileOptions>()) {
     most = std::max(most, kProgramBytes + field_file_bytes(source.field, file->format));
   }
-  bool has_labels = false;
+  if (const auto labels = chosen_labels(source.isos, job.surface.background))
+    return std::max(most, TRY(memory_of_labels(job, source, *labels, context)));
   for (const ResolvedIso& iso : source.isos) {
-    // For labels, 0.5 estimates the surface around all of them together.
-    if (iso.asked.is_label() && std::exchange(has_labels, true)) continue;
-    const ConversionSize size = size_of(source.field, iso.asked.is_label() ? 0.5 : iso.id.iso());
-    const bool by_parts = use != MeshUse::whole && !iso.asked.is_label() && goes_by_parts(job, source, iso.id.iso());
+    const ConversionSize size = size_of(source.field, iso.id.iso());
+    const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso());
     const bool has_figures = use == MeshUse::figures || !job.edits.require.empty();
     std::uint64_t bytes =
         by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals, has_figures) : estimated_bytes(size);
@@ -113,7 +129,7 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     const double cell_area = std::pow(std::abs(source.output_from_index.determinant()), 2.0 / 3);
     after = std::max(
         after, hollow_bytes(job, source, estimated_triangles(size), static_cast<double>(size.vertices) * cell_area));
-    if (job.error && !iso.asked.is_label()) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
+    if (job.error) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
     bytes += after;
     most = std::max(most, bytes);
   }

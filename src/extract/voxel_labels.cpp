@@ -1,6 +1,7 @@
 // Finds the voxels of each label of a label map in one pass, and sorts the parts that the chunks have of them by label.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -74,12 +75,6 @@ Result<void> check_constants(const field::ScalarField& field, const field::Spars
   return {};
 }
 
-// Returns the background label of a sparse field; nullopt for NaN and for dense fields.
-std::optional<std::int64_t> label_around(const field::SparseSamples* sparse) {
-  if (sparse == nullptr || std::isnan(sparse->background)) return std::nullopt;
-  return static_cast<std::int64_t>(sparse->background);
-}
-
 Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice, NanPolicy nan) {
   if (!field.scale.is_identity()) {
     return fail(ErrorCode::usage,
@@ -96,6 +91,34 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
                           field.source, *around),
               "choose the other labels, without this one");
 }
+
+// Releases the pages of each layer of chunks in a large mapped file as soon as all of its chunks are read.
+template <class T>
+class LayerReleases {
+ public:
+  LayerReleases(const DenseView<T>& view, const ChunkGrid& grid)
+      : view_(view),
+        chunks_(static_cast<std::size_t>(grid.size.x * grid.size.y)),
+        left_(static_cast<std::size_t>(grid.size.z), chunks_) {}
+
+  // Tells that chunks begin to end - 1 are read. Safe to call from several threads.
+  void finish(std::size_t begin, std::size_t end) {
+    while (begin < end) {
+      const std::size_t layer = begin / chunks_;
+      const std::size_t next = std::min(end, (layer + 1) * chunks_);
+      if (std::atomic_ref(left_[layer]).fetch_sub(next - begin) == next - begin) {
+        const int first = kVoxelChunk.z * static_cast<int>(layer);
+        view_.leave_slices(first, std::min(first + kVoxelChunk.z, view_.dims.z));
+      }
+      begin = next;
+    }
+  }
+
+ private:
+  const DenseView<T>& view_;
+  std::size_t chunks_;             // in a layer
+  std::vector<std::size_t> left_;  // chunks of each layer that are not read yet
+};
 
 }  // namespace
 
@@ -159,14 +182,17 @@ struct LabelVoxels::Found {
     base = region.min;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       const DenseView<T> view = part_of(dense_view<T>(samples), region);
+      LayerReleases<T> releases(view, grid);
       run(grid.count(), context,
           [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
             for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
               chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
+            releases.finish(begin, end);
           });
     });
     stats.nan_samples = std::reduce(nan_samples.begin(), nan_samples.end());
-    // Nothing needs the samples again, but the system would keep the pages of a file among those of the process.
+    // Nothing needs the samples again, but the system would keep the pages of a file among those of the process. Those
+    // of small files, and those that layers share, are left.
     if (samples.file_backed) release_pages(samples.data, samples.count() * field::sample_size(samples.type));
   }
 
@@ -326,17 +352,9 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   const Stopwatch watch;
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
-  field::IndexBox stored = dense != nullptr ? field::IndexBox{glm::ivec3(0), dense->dims - 1} : stored_box(*sparse);
-  field::IndexBox region = stored;
-  if (stored.empty()) {
-    stored = region = {glm::ivec3(0), glm::ivec3(0)};
-  } else if (dense != nullptr) {
-    region = TRY(voxel_region(field, stored, options));
-  } else {
-    const auto reach = TRY(sparse_bounds(field, *sparse, options, false));
-    region = reach.region;
-  }
-  const OutputPlacement frame = voxel_placement(field, options, stored, options.region ? region : stored);
+  const SparseBounds bounds = TRY(label_bounds(field, options));
+  const field::IndexBox& region = bounds.region;
+  const OutputPlacement frame = voxel_placement(field, options, bounds.stored, options.region ? region : bounds.stored);
   auto found =
       std::make_shared<Found>(field.source + ": the voxels with labels", region, frame, LabelIds(field.label_ids));
   const bool nets = options.method == Method::surface_nets;

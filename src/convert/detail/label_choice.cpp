@@ -11,6 +11,7 @@
 #include "base/parallel.hpp"
 #include "base/printable.hpp"
 #include "convert/label_selection.hpp"
+#include "extract/label_map_size.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -124,15 +125,13 @@ Result<void> check_piece_names(const ConversionJob& job, const ChosenLabels& cho
 }
 
 LabelGroup next_group(std::span<const ResolvedIso> next, const extract::LabelVoxels& found) {
-  constexpr std::uint64_t kMostChunks = 2048;  // their faces take at most some ten MiB
-  constexpr std::size_t kMostLabels = 256;
   if (next.empty()) return {};
   if (usable_threads() == 1) return {1, false};
   std::size_t size = 0;
-  for (std::uint64_t chunks = 0; size < std::min(next.size(), kMostLabels); ++size) {
+  for (std::uint64_t chunks = 0; size < std::min(next.size(), extract::kSmallLabels); ++size) {
     const extract::FoundLabel* const label = found.find(next[size].id.label());
     chunks += label != nullptr ? label->chunks : 0;
-    if (chunks > kMostChunks) break;
+    if (chunks > extract::kSmallLabelChunks) break;
   }
   return size > 0 ? LabelGroup{size, true} : LabelGroup{1, false};
 }

@@ -88,6 +88,12 @@ class LabelIds {
   field::LabelIdTable table_;
 };
 
+// Returns the background label of a sparse field; nullopt for NaN and for dense fields.
+[[nodiscard]] inline std::optional<std::int64_t> label_around(const field::SparseSamples* sparse) {
+  if (sparse == nullptr || std::isnan(sparse->background)) return std::nullopt;
+  return static_cast<std::int64_t>(sparse->background);
+}
+
 // The labels to look for.
 class LabelFilter {
  public:

@@ -85,8 +85,7 @@ constexpr std::array<int, kFacesAround> kWaysDown = make_ways_down();
 Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
                                 const std::string& what) {
   NetFaces faces;
-  auto held = TRY(context.reserve(
-      grid.size() * sizeof(std::uint16_t) + (64 * grid.origins().size() + 1) * sizeof(std::uint32_t), what));
+  auto held = TRY(context.reserve(bytes(grid.size(), 0, grid.origins().size()), what));
   faces.memory_.push_back(std::move(held));
   faces.find_sides(grid, labels);
   TRY(context.check());

@@ -40,6 +40,10 @@ class NetFaces {
   [[nodiscard]] static Result<NetFaces> make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
                                              const std::string& what);
 
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks) {
+    return points * sizeof(std::uint16_t) + (64 * chunks + 1) * sizeof(std::uint32_t) + faces * sizeof(Shells);
+  }
+
   [[nodiscard]] std::size_t size() const { return of_shells_.size() / 2; }
   [[nodiscard]] std::uint32_t shells() const { return shells_; }
   [[nodiscard]] Shells shells_of(std::size_t face) const { return {of_shells_[2 * face], of_shells_[2 * face + 1]}; }

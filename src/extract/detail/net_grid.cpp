@@ -34,11 +34,7 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
   });
   TRY(context.check());
   const auto chunks = static_cast<std::size_t>(std::count(flags->values.begin(), flags->values.end(), std::uint8_t{1}));
-  auto held = context.reserve(VoxelChunks::bytes(chunks) + chunks * (sizeof(glm::ivec3) + sizeof(NearChunkNumbers) +
-                                                                     sizeof(ChunkBits) + sizeof(RowBases)),
-                              what);
-  if (!held) return tl::unexpected(held.error());
-  grid.memory_ = std::move(*held);
+  grid.memory_ = TRY(context.reserve(bytes(chunks), what));
   grid.origins_.reserve(chunks);
   grid.index_ = field::OriginIndex(chunks);
   for (std::size_t c = 0; c < candidates.size(); ++c) {

@@ -32,6 +32,12 @@ class NetGrid {
   // `what` starts the message about memory.
   [[nodiscard]] static Result<NetGrid> make(const LabelChunks& labels, const Context& context, const std::string& what);
 
+  // Returns the bytes of the numbers in so many chunks that have points.
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t chunks) {
+    return VoxelChunks::bytes(chunks) +
+           chunks * (sizeof(glm::ivec3) + sizeof(NearChunkNumbers) + sizeof(ChunkBits) + sizeof(RowBases));
+  }
+
   [[nodiscard]] std::uint64_t size() const { return points_; }
   // Returns the chunks that have points, in chunk_order().
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }

@@ -35,6 +35,11 @@ class NetPoints {
                                               const glm::dmat3& output_from_index, const Context& context,
                                               const std::string& what);
 
+  // Returns the bytes of so many points in so many chunks, without edges that have an extra vertex.
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t points, std::uint64_t chunks) {
+    return NetGrid::bytes(chunks) + chunks * sizeof(std::int32_t) + (points + 1) * sizeof(glm::vec3);
+  }
+
   // Returns the number of points.
   [[nodiscard]] std::uint64_t size() const { return grid_.size(); }
 

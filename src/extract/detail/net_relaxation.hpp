@@ -28,6 +28,11 @@ inline constexpr float kNetReach = 0.5F - kNetMargin;
 [[nodiscard]] Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint64_t rounds,
                                      Buffer<glm::vec3>& offsets, const Context& context, const std::string& what);
 
+// Returns the bytes that relax_net() takes while it runs.
+[[nodiscard]] inline std::uint64_t relaxing_bytes(std::uint64_t points) {
+  return points * (2 * sizeof(glm::vec3) + sizeof(std::uint8_t));
+}
+
 // Returns the axes, as bits, along which a corner is at the data boundary. Its point does not move along these axes.
 [[nodiscard]] inline unsigned fixed_axes(const glm::ivec3& corner, const field::IndexBox& bounds) {
   unsigned axes = 0;

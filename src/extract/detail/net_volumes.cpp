@@ -482,4 +482,8 @@ Result<void> keep_volumes(const NetGrid& grid, const LabelChunks& labels, const 
   return VolumeKeeper(grid, faces, labels.bounds(), output_from_index, areas->values, offsets).run(context, what);
 }
 
+std::uint64_t volume_keeping_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks) {
+  return NetFaces::bytes(points, faces, chunks) + faces * sizeof(glm::vec3) + VolumeKeeper::bytes(0, chunks);
+}
+
 }  // namespace isoextract::extract

@@ -24,4 +24,7 @@ inline constexpr double kNetVolumeTolerance = 0.0005;
                                         const glm::dmat3& output_from_index, Buffer<glm::vec3>& offsets,
                                         const Context& context, const std::string& what);
 
+// Returns the bytes that keep_volumes() takes while it runs, without those of the shells.
+[[nodiscard]] std::uint64_t volume_keeping_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks);
+
 }  // namespace isoextract::extract

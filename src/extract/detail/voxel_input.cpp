@@ -71,6 +71,14 @@ Result<SparseBounds> sparse_bounds(const field::ScalarField& field, const field:
   return reach;
 }
 
+Result<SparseBounds> label_bounds(const field::ScalarField& field, const ExtractOptions& options) {
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
+  const field::IndexBox stored = sparse != nullptr ? stored_box(*sparse) : field.extents();
+  if (stored.empty()) return SparseBounds{{glm::ivec3(0), glm::ivec3(0)}, {glm::ivec3(0), glm::ivec3(0)}};
+  if (sparse != nullptr) return sparse_bounds(field, *sparse, options, false);
+  return SparseBounds{stored, TRY(voxel_region(field, stored, options))};
+}
+
 OutputPlacement sparse_voxel_placement(const field::ScalarField& field, const ExtractOptions& options,
                                        const SparseBounds& reach) {
   return voxel_placement(field, options, reach.stored, options.region ? reach.region : reach.stored);

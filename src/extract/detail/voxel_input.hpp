@@ -38,6 +38,10 @@ struct SparseBounds {
 [[nodiscard]] OutputPlacement sparse_voxel_placement(const field::ScalarField& field, const ExtractOptions& options,
                                                      const SparseBounds& reach);
 
+// Returns the bounds of a label map, dense or sparse; sample (0, 0, 0) alone if no sample is stored. Fails as
+// sparse_bounds() does.
+[[nodiscard]] Result<SparseBounds> label_bounds(const field::ScalarField& field, const ExtractOptions& options);
+
 // The chunks of a box of samples. Chunk 0 begins at the lowest sample, which becomes voxel 0.
 struct ChunkGrid {
   explicit ChunkGrid(const field::IndexBox& box)

@@ -1,0 +1,311 @@
+#include "extract/label_map_size.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/parallel.hpp"
+#include "extract/detail/face_rectangles.hpp"
+#include "extract/detail/label_chunks.hpp"
+#include "extract/detail/label_parts.hpp"
+#include "extract/detail/net_points.hpp"
+#include "extract/detail/net_relaxation.hpp"
+#include "extract/detail/net_volumes.hpp"
+#include "extract/detail/voxel_input.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+constexpr std::size_t kMostChunks = 8192;  // to count
+
+// What a part of the chunks has.
+struct Counts {
+  std::uint64_t parts = 0;   // labels of each chunk
+  std::uint64_t chunks = 0;  // chunks with points
+  std::uint64_t points = 0;  // corners of voxels with different labels
+  std::uint64_t faces = 0;   // between these voxels
+  std::unordered_map<std::int64_t, std::uint64_t> faces_of;
+
+  void add(const Counts& more) {
+    parts += more.parts;
+    chunks += more.chunks;
+    points += more.points;
+    faces += more.faces;
+    for (const auto& [label, count] : more.faces_of) faces_of[label] += count;
+  }
+};
+
+// The labels of a chunk of voxels, and of the voxels one step below it along each axis.
+class LabelWindow {
+ public:
+  static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min();
+
+  // rows_at(origin) returns the rows of samples of a chunk (SampleRows).
+  template <class RowsAt>
+  LabelWindow(const glm::ivec3& origin, const LabelFilter& filter, const RowsAt& rows_at) {
+    labels_.fill(kNone);
+    for (int n = 0; n < 8; ++n) {
+      const glm::ivec3 below(n & 1, n >> 1 & 1, n >> 2);
+      put(rows_at(origin - kVoxelChunk * below), below, filter);
+    }
+  }
+
+  // Sets `found` to the labels of the chunk, each once.
+  void list(std::vector<std::int64_t>& found) const {
+    found.clear();
+    std::int64_t last = kNone;
+    for (int z = 1; z <= kVoxelChunk.z; ++z) {
+      for (int y = 1; y <= kVoxelChunk.y; ++y) {
+        for (std::size_t place = place_of(1, y, z); place < place_of(kVoxelChunk.x + 1, y, z); ++place) {
+          const std::int64_t label = labels_[place];
+          if (label == last || label == kNone) continue;
+          last = label;
+          if (std::ranges::find(found, label) == found.end()) found.push_back(label);
+        }
+      }
+    }
+  }
+
+  // Counts the corners and faces at the lower sides of the chunk's voxels.
+  void count(Counts& counts) const {
+    const std::uint64_t points_before = counts.points;
+    Faces faces(counts);
+    for (int z = 1; z <= kVoxelChunk.z; ++z) {
+      for (int y = 1; y <= kVoxelChunk.y; ++y) {
+        for (std::size_t place = place_of(1, y, z); place < place_of(kVoxelChunk.x + 1, y, z); ++place) {
+          const std::int64_t label = labels_[place];
+          bool differ = false;
+          for (std::size_t n = 1; n < 8; ++n) differ |= labels_[place - kBelow[n]] != label;
+          if (!differ) continue;
+          ++counts.points;
+          for (const std::size_t n : {1, 2, 4}) faces.add(label, labels_[place - kBelow[n]]);
+        }
+      }
+    }
+    counts.chunks += counts.points > points_before ? 1 : 0;
+  }
+
+ private:
+  static constexpr glm::ivec3 kSize = kVoxelChunk + 1;
+
+  [[nodiscard]] static constexpr std::size_t place_of(int x, int y, int z) {
+    return static_cast<std::size_t>(x + kSize.x * (y + kSize.y * z));
+  }
+  static constexpr std::array<std::size_t, 8> kBelow{
+      place_of(0, 0, 0), place_of(1, 0, 0), place_of(0, 1, 0), place_of(1, 1, 0),
+      place_of(0, 0, 1), place_of(1, 0, 1), place_of(0, 1, 1), place_of(1, 1, 1)};
+
+  // Sums the faces of a label before it looks the label up: neighbors usually have the same one.
+  class Faces {
+   public:
+    explicit Faces(Counts& counts) : counts_(counts) {}
+    Faces(const Faces&) = delete;
+    Faces& operator=(const Faces&) = delete;
+    ~Faces() {
+      for (const auto& [label, count] : latest_) flush(label, count);
+    }
+
+    void add(std::int64_t label, std::int64_t other) {
+      if (label == other) return;
+      ++counts_.faces;
+      for (const std::int64_t side : {label, other}) {
+        auto& [of, count] = latest_[static_cast<std::uint64_t>(side) % latest_.size()];
+        if (of != side) flush(of, count);
+        count = (of == side ? count : 0) + 1;
+        of = side;
+      }
+    }
+
+   private:
+    void flush(std::int64_t label, std::uint64_t count) {
+      if (label != kNone && count > 0) counts_.faces_of[label] += count;
+    }
+
+    Counts& counts_;
+    std::array<std::pair<std::int64_t, std::uint64_t>, 16> latest_{};
+  };
+
+  // below: 1 along the axes along which the chunk is the one below.
+  template <class T>
+  void put(const SampleRows<T>& rows, const glm::ivec3& below, const LabelFilter& filter) {
+    const int first = std::max(rows.begin, below.x != 0 ? kVoxelChunk.x - 1 : 0);
+    std::int64_t last_label = kNone;
+    bool is_wanted = false;
+    for (int z = below.z != 0 ? kVoxelChunk.z - 1 : 0; z < kVoxelChunk.z; ++z) {
+      for (int y = below.y != 0 ? kVoxelChunk.y - 1 : 0; y < kVoxelChunk.y; ++y) {
+        const T* const row = rows.rows[chunk_row(y, z)];
+        if (row == nullptr) continue;
+        for (int x = first; x < rows.end; ++x) {
+          if (is_no_number(row[x]) || !is_label(row[x])) continue;
+          const auto label = static_cast<std::int64_t>(row[x]);
+          if (label != last_label) is_wanted = filter(label);
+          last_label = label;
+          const glm::ivec3 at = glm::ivec3(x, y, z) + 1 - kVoxelChunk * below;
+          if (is_wanted) labels_[place_of(at.x, at.y, at.z)] = label;
+        }
+      }
+    }
+  }
+
+  std::array<std::int64_t, std::size_t{65} * 9 * 9> labels_;
+};
+
+// The chunks to count, and how many there are for each of them.
+struct ChunkSample {
+  std::vector<glm::ivec3> origins;
+  double scale = 1;
+};
+
+// Takes every n-th row of chunks along x; n has no factor in common with the number of rows in a layer.
+ChunkSample sample_of_dense(const glm::ivec3& dims) {
+  const ChunkGrid grid({glm::ivec3(0), dims});  // one sample more along each axis, for the upper faces of the data
+  const auto rows = static_cast<std::uint64_t>(grid.size.y * grid.size.z);
+  const auto row_chunks = static_cast<std::uint64_t>(grid.size.x);
+  std::uint64_t step = (rows * row_chunks + kMostChunks - 1) / kMostChunks;
+  while (std::gcd(step, static_cast<std::uint64_t>(grid.size.y)) > 1) ++step;
+  ChunkSample sample;
+  std::uint64_t taken = 0;
+  for (std::uint64_t row = step / 2; row < rows; row += step, ++taken) {
+    for (std::uint64_t x = 0; x < row_chunks; ++x) sample.origins.push_back(grid.origin(row * row_chunks + x));
+  }
+  sample.scale = taken > 0 ? static_cast<double>(rows) / static_cast<double>(taken) : 1;
+  return sample;
+}
+
+ChunkSample sample_of_sparse(const std::vector<glm::ivec3>& listed) {
+  std::vector<glm::ivec3> all;
+  all.reserve(8 * listed.size());
+  for (const glm::ivec3& origin : listed) {
+    for (int n = 0; n < 8; ++n) all.push_back(origin + chunk_step(n));
+  }
+  const auto before = [](const glm::ivec3& a, const glm::ivec3& b) { return chunk_order(a) < chunk_order(b); };
+  std::sort(all.begin(), all.end(), before);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  const std::size_t step = (all.size() + kMostChunks - 1) / kMostChunks;
+  ChunkSample sample;
+  for (std::size_t n = step / 2; n < all.size(); n += step) sample.origins.push_back(all[n]);
+  sample.scale = sample.origins.empty() ? 1 : static_cast<double>(all.size()) / static_cast<double>(sample.origins.size());
+  return sample;
+}
+
+// make_rows() returns a function for LabelWindow.
+template <class MakeRows>
+Counts count_chunks(const ChunkSample& sample, const LabelFilter& filter, const Context& context,
+                    const MakeRows& make_rows) {
+  constexpr std::size_t kGrain = 64;
+  return reduce_ranges(
+      sample.origins.size(), kGrain, Counts(),
+      [&](std::size_t begin, std::size_t end, Counts counts) {
+        auto rows = make_rows();
+        std::vector<std::int64_t> labels;
+        for (std::size_t n = begin; n < end && !context.cancelled(); ++n) {
+          const LabelWindow window(sample.origins[n], filter, rows);
+          window.count(counts);
+          window.list(labels);
+          counts.parts += labels.size();
+        }
+        return counts;
+      },
+      [](Counts a, const Counts& b) {
+        a.add(b);
+        return a;
+      });
+}
+
+template <class T>
+struct DenseRows {
+  DenseView<T> view;
+
+  SampleRows<T> operator()(const glm::ivec3& origin) const {
+    const bool is_outside = glm::any(glm::lessThan(origin, glm::ivec3(0))) ||
+                            glm::any(glm::greaterThanEqual(origin, view.dims));
+    return is_outside ? SampleRows<T>() : dense_rows(view, origin);
+  }
+};
+
+Counts count_dense(const field::DenseSamples& samples, const field::IndexBox& region, const LabelFilter& filter,
+                   const Context& context, double& scale) {
+  const ChunkSample sample = sample_of_dense(glm::ivec3(region.dims()));
+  scale = sample.scale;
+  return field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
+    const DenseView<T> view = part_of(dense_view<T>(samples), region);
+    return count_chunks(sample, filter, context, [&] { return DenseRows<T>{view}; });
+  });
+}
+
+Result<Counts> count_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
+                            const field::IndexBox& region, const LabelFilter& filter, const Context& context,
+                            double& scale) {
+  std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
+  const auto held = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), field.source));
+  const field::SparseLookup lookup(samples, std::move(nodes));
+  Reservation list_memory;
+  const auto origins = TRY(sparse_chunks(field, samples, region, false,
+                                         std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory));
+  const ChunkSample sample = sample_of_sparse(origins);
+  scale = sample.scale;
+  return field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
+    return count_chunks(sample, filter, context, [&] {
+      return [rows = std::make_shared<SparseRows<T>>(samples, lookup, region)](
+                 const glm::ivec3& origin) -> const SampleRows<T>& { return rows->read(origin); };
+    });
+  });
+}
+
+std::uint64_t scaled(std::uint64_t count, double scale) {
+  return static_cast<std::uint64_t>(static_cast<double>(count) * scale);
+}
+
+}  // namespace
+
+Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const ExtractOptions& options,
+                                        const LabelChoice& choice, const Context& context) {
+  const auto bounds = TRY(label_bounds(field, options));
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
+  const bool nets = options.method == Method::surface_nets;
+  const LabelFilter filter(choice, nets, label_around(sparse), LabelIds(field.label_ids));
+  double scale = 1;
+  Counts counts;
+  if (dense != nullptr) {
+    counts = count_dense(*dense, bounds.region, filter, context, scale);
+  } else {
+    counts = TRY(count_sparse(field, *sparse, bounds.region, filter, context, scale));
+  }
+  TRY(context.check());
+  LabelMapSize size;
+  const LabelFilter chosen(choice, false, label_around(sparse), LabelIds(field.label_ids));
+  for (const auto& [label, faces] : counts.faces_of) {
+    if (!chosen(label)) continue;
+    size.faces += scaled(faces, scale);
+    size.largest_faces = std::max(size.largest_faces, scaled(faces, scale));
+  }
+  const std::uint64_t parts = std::max<std::uint64_t>(scaled(counts.parts, scale), 1);
+  const std::uint64_t small_faces = size.faces / parts * 2 * kSmallLabelChunks;
+  size.faces_at_once = std::max(size.largest_faces, std::min(size.faces, small_faces));
+  size.kept_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t));
+  size.finding_bytes = size.kept_bytes;
+  if (!nets) return size;
+  const std::uint64_t chunks = scaled(counts.chunks, scale);
+  const std::uint64_t points = scaled(counts.points, scale);
+  const std::uint64_t faces = scaled(counts.faces, scale);
+  const std::uint64_t rounds = options.relaxations;
+  size.kept_bytes += NetPoints::bytes(points, chunks);
+  size.finding_bytes = size.kept_bytes + LabelChunks::bytes(parts) +
+                       (rounds > 0 ? std::max(relaxing_bytes(points), volume_keeping_bytes(points, faces, chunks)) : 0);
+  return size;
+}
+
+std::uint64_t label_surface_bytes(std::uint64_t faces) {
+  // About a vertex and two triangles for each face.
+  return faces * (sizeof(FaceRectangle) + 2 * sizeof(glm::vec3) + 2 * sizeof(glm::uvec3));
+}
+
+}  // namespace isoextract::extract
