@@ -48,7 +48,7 @@ class HostMemory {
     if (host_.reserve(host_.self, bytes) != 0) throw std::bad_alloc();
     bytes_ += bytes;
   }
-  // The memory stays reserved until the host frees the call's results.
+  // Leaves the memory reserved until the host frees the call's results.
   void keep() { bytes_ = 0; }
 
  private:
@@ -68,7 +68,7 @@ struct Label {
   bool has_color = false;
 };
 
-// The members mean what isoextract_volume_grid says.
+// Members as in isoextract_volume_grid. volume_times counts only with one time for each volume.
 struct Grid {
   std::string name;
   std::string type_name;
@@ -97,7 +97,7 @@ struct ReadFacts {
   std::uint64_t parts = 0;
 };
 
-// An opened file. Derived classes fill the members when they are made, and read samples.
+// An opened file. The constructor of a derived class fills the members; read() reads samples.
 class VolumeFile {
  public:
   VolumeFile() = default;
@@ -165,8 +165,8 @@ decltype(auto) with_sample_type(std::int32_t type, F&& use) {
   }
 }
 
-// Samples of a grid in memory: sample (i, j, k) has its first component at data + (i * step[0] + j * step[1] +
-// k * step[2]) samples, and component c `component_step` samples further each.
+// Samples of a grid in memory. Component c of sample (i, j, k) is number i * step[0] + j * step[1] + k * step[2] +
+// c * component_step from `data`.
 struct SamplesInMemory {
   const void* data = nullptr;
   std::array<std::int64_t, 3> step{};
@@ -200,7 +200,7 @@ void visit_box(const SamplesInMemory& from, const isoextract_volume_selection& s
 
 }  // namespace detail
 
-// Fills the selection's box from samples that are all in memory. Half floats have no lengths.
+// Fills the selection's box from samples that are all in memory. Throws ReadError for lengths of half floats.
 inline void fill_box(const Grid& grid, const SamplesInMemory& from, const isoextract_volume_selection& selection) {
   with_sample_type(grid.sample_type, [&]<class T>(T) {
     if (selection.component != ISOEXTRACT_COMPONENT_LENGTH) {

@@ -1,4 +1,4 @@
-// Values of a GDCM data set. Every function returns an empty value for attributes that are missing or malformed.
+// Values of a GDCM data set. The functions ..._of() return an empty value if the attribute is missing or malformed.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@
 
 namespace isoextract_dicom {
 
-// Returns a text without padding: the whole value, with its backslashes. Valid UTF-8 for the character sets UTF-8 and
-// Latin-1; other characters become "?".
+// Returns a text as UTF-8 without padding: the whole value, with its backslashes. Converts from the character sets
+// UTF-8 and Latin-1; in other sets, bytes above 127 become "?".
 std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag, const std::string& character_set = {});
-// Numbers in text (DS, IS), separated by backslashes. Empty if one of them is no finite number.
+// Returns the numbers of a text (DS, IS), separated by backslashes; empty if one of them is not a finite number.
 std::vector<double> decimals_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<double> decimal_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 // Returns binary numbers: US, UL, FD.
@@ -23,10 +23,11 @@ std::vector<std::uint32_t> shorts_of(const gdcm::DataSet& data, const gdcm::Tag&
 std::optional<std::uint32_t> short_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<std::uint32_t> long_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<double> double_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
-// Returns a time of day (TM, DT without its date) in seconds.
+// Returns the seconds since midnight of a time (TM), or of a date and time (DT), whose date is skipped.
 std::optional<double> seconds_of(const std::string& time);
 
-// The items of a sequence, which live as long as this object.
+// The items of a sequence, valid while this object lives; none if the attribute is missing. The constructor throws
+// ReadError if the attribute is not a sequence or is damaged.
 class Items {
  public:
   Items(const gdcm::DataSet& data, const gdcm::Tag& tag);
@@ -37,10 +38,11 @@ class Items {
   gdcm::SmartPointer<gdcm::SequenceOfItems> items_;
 };
 
-// Fills Object::frames from an object's attributes and, in enhanced objects, from the functional groups of its frames
-// (PS3.3, C.7.6.16). Object::pixels are known.
+// Fills Object::frames and is_stacked from the attributes and, in enhanced objects, from the functional groups of
+// frames (PS3.3, C.7.6.16). Needs pixels.frames; throws ReadError if the number of groups differs from it.
 void read_frames(const gdcm::DataSet& data, Object& object);
-// Fills the members of a segmentation (PS3.3, C.8.20), except for the segments of its frames.
+// Fills the members of a segmentation (PS3.3, C.8.20) except Frame::segment; leaves other objects unchanged. Throws
+// ReadError for an unknown type, a repeated number, or no segments.
 void read_segments(const gdcm::DataSet& data, const std::string& character_set, Object& object);
 
 }  // namespace isoextract_dicom

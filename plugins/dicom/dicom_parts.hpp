@@ -27,7 +27,7 @@ struct Pixels {
   bool encapsulated = false;
   bool big_endian = false;
   bool is_float = false;
-  std::shared_ptr<const std::string> inflated;  // the bytes of a deflated file; offsets refer to them
+  std::shared_ptr<const std::string> inflated;  // the inflated bytes of a deflated file, in which `offset` counts
   std::uint32_t columns = 0, rows = 0, frames = 1;
   std::uint32_t samples_per_pixel = 1;
   bool planar = false;  // color planes follow one another
@@ -54,18 +54,18 @@ enum class Key {
 
 // One image of an object.
 struct Frame {
-  std::uint32_t index = 0;  // in its file
+  std::uint32_t index = 0;  // in the file, from 0
   bool has_position = false;
   bool has_orientation = false;
   bool has_spacing = false;
-  Vector position{};                           // of the center of its first pixel, in mm
-  Vector row_direction{}, column_direction{};  // along a row (to the next column), along a column
-  double column_distance = 1, row_distance = 1;
-  double thickness = 0, slice_distance = 0;  // 0 if not stated
+  Vector position{};                             // of the center of its first pixel, in mm
+  Vector row_direction{}, column_direction{};    // unit vectors along a row (to the next column), along a column
+  double column_distance = 1, row_distance = 1;  // between neighboring columns, rows, in mm
+  double thickness = 0, slice_distance = 0;      // in mm; 0 if not stated
   double slope = 1, intercept = 0;
   std::string stack;
   std::array<std::string, static_cast<std::size_t>(Key::count)> keys;
-  std::uint32_t segment = 0;  // of a segmentation
+  std::uint32_t segment = 0;  // segmentations: number of the segment; 0 if not stated
 
   [[nodiscard]] const std::string& key(Key which) const { return keys[static_cast<std::size_t>(which)]; }
 };
@@ -77,32 +77,33 @@ struct Segment {
 
 enum class Segmentation { none, binary, fractional, label_map };
 
-// Contents of the header of a file. Nothing in it identifies the patient.
+// Content of a file's header. series_number, description, modality and device are empty if they contain a part, of
+// three characters or more, of the patient's name, ID or birth date.
 struct Object {
   Pixels pixels;
   std::string class_uid, instance_uid, series_uid, frame_of_reference;
   std::string series_number, description, modality, device;
   double instance_number = 0;
   double time_step = 0;     // ms between temporal positions; 0 if not stated
-  std::string problem;      // why its pixels cannot be read, such as an unknown form; empty if they can
-  std::string note;         // about its values
-  bool is_stacked = false;  // its frames were placed by the distance between frames, not by a position of each
+  std::string problem;      // why the pixels cannot be decoded, such as an unknown form; empty if they can
+  std::string note;         // for the user, about the pixel values
+  bool is_stacked = false;  // the file states one position; Spacing Between Slices places the other frames
   std::vector<Frame> frames;
   Segmentation segmentation = Segmentation::none;
   bool segments_exclude = false;  // the file says that no two segments overlap
-  double full_fraction = 1;       // the stored value that means 1
+  double full_fraction = 1;       // fractional: the stored value of the fraction 1
   std::vector<Segment> segments;
 };
 
 // Reads the header of a file up to the pixels. Returns null for an object without pixels, such as a report. Throws
-// ReadError for files that are cut or damaged. Reserves memory in the host for pixels of deflated files.
+// ReadError for files that are cut or damaged. Reserves host memory for the content of a deflated file.
 std::shared_ptr<const Object> read_object(const std::string& path, const isoextract_plugin_host& host);
 
-// Returns the type of the decoded samples.
+// Returns the type of the decoded samples; ISOEXTRACT_NOT_SCALAR for an unsupported number of bits.
 std::int32_t sample_type(const Pixels& pixels);
 // Returns why pixels of this form cannot be decoded; empty if they can.
 std::string form_problem(const Pixels& pixels);
-// Throws if the file has too few bytes for its frames.
+// Throws ReadError if the pixel data is too short, or its compressed pieces do not match the number of frames.
 void check_size(const Pixels& pixels);
 
 // Decodes frames of one file.
@@ -114,7 +115,7 @@ class PixelReader {
   PixelReader& operator=(const PixelReader&) = delete;
 
   // Returns the samples of a frame in native byte order, without unused bits; 1-bit pixels as bytes 0 and 1. Valid
-  // until the next call.
+  // until the next call. Throws ReadError if the frame cannot be decoded.
   const std::vector<std::byte>& frame(std::uint32_t index);
 
  private:
@@ -122,12 +123,13 @@ class PixelReader {
   std::unique_ptr<Parts> parts_;
 };
 
-// The files of an input, and what was left out to get at them.
+// The files of an input, and a note on the files that were passed over or are missing.
 struct FoundFiles {
   std::vector<std::string> paths;
-  bool siblings = false;  // the path is the file of a series, whose other files are beside it
+  bool siblings = false;  // the input is one file; `paths` are all DICOM files of its folder, of any series
   std::string note;
 };
+// Throws ReadError if a folder or a DICOMDIR has no DICOM files.
 FoundFiles find_files(const isoextract_plugin::Request& request, const isoextract_plugin_host& host);
 bool has_dicom_signature(const std::string& path);
 
@@ -137,22 +139,24 @@ struct Slice {
   Frame frame;
 };
 
-// Slices with one size and orientation, in the order of their positions: one grid, of one or more volumes.
+// One grid of one or more volumes. Slices have one size and orientation; they are in the order of their positions, or
+// of their instance numbers if they have no positions.
 struct Series {
   isoextract_plugin::Grid grid;
   std::vector<std::vector<Slice>> volumes;
-  std::vector<double> places;  // resampled: of each sample along z, its place among the slices; empty otherwise
-  bool converts = false;       // to float, with the slope and intercept of each slice
-  std::string problem;         // why its samples cannot be read; empty if they can
+  std::vector<double> places;  // resampled: for each z index of the grid, the slice index with a fraction; else empty
+  bool converts = false;       // samples become float or double by each slice's slope and intercept (see set_scale)
+  std::string problem;         // why the samples cannot be read; empty if they can
   bool is_uneven = false;      // the problem is that slice distances differ
   std::vector<std::string> notes;
 };
 
-// Splits images into series, sorted by series number. `resamples`: resamples uneven slice distances.
+// Groups images into series, sorted by series number; skips segmentations, repeated images and, beside volumes, single
+// images. `resamples`: resamples unevenly spaced slices. Appends to `notes` the numbers of images passed over.
 std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>& objects, bool resamples,
                                 std::vector<std::string>& notes);
 
-// Positions along a straight line, evenly spaced but for `places`.
+// Positions of the grid's samples along z, in mm: origin + k * step, for k below `count`.
 struct Line {
   Vector origin{}, step{};
   std::size_t count = 0;
@@ -161,7 +165,8 @@ struct Line {
   bool is_uneven = false;  // the problem is that distances differ
   std::string note;
 };
-// Fits a line to sorted positions of slices. Throws nothing: uneven distances are its problem unless resamples.
+// Fits a line to sorted positions of one or more slices. `shape` has their directions and distances. Sets Line::problem
+// if slices are off the line or, unless `resamples`, unevenly spaced.
 Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool resamples);
 
 Vector cross(const Vector& a, const Vector& b);
@@ -172,20 +177,21 @@ inline Vector plus(const Vector& a, const Vector& b, double factor) {
   return {a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]};
 }
 inline Vector normal_of(const Frame& frame) { return cross(frame.row_direction, frame.column_direction); }
-// Returns whether two frames have the same directions and pixel distances.
+// Returns whether two frames have the same directions and pixel distances up to rounding, and the same has_... members.
 bool same_shape(const Frame& a, const Frame& b);
 // Returns the index-to-world transform of samples: x along the rows, y along the columns, z along the step.
 std::array<double, 12> index_to_world(const Frame& frame, const Vector& origin, const Vector& step);
-// Returns a number with up to 6 digits: "2.5".
+// Returns a number with up to 6 significant digits: "2.5".
 std::string number_text(double value);
-// "SERIESNUMBER DESCRIPTION".
+// Returns "SERIESNUMBER DESCRIPTION", or the modality if both are empty.
 std::string series_name(const Object& object);
 
-// The grids of one segmentation object: label maps, one for each set of segments that do not overlap, and for
-// fractional ones the fractions of each segment.
+// The grids of one segmentation object: first the label maps, one for each set of segments without overlaps. In a
+// fractional object, one grid of fractions for each segment follows.
 class SegmentationGrids {
  public:
-  // Reads all frames if overlaps have to be found.
+  // Reads all frames to find overlaps; not for label maps, a single segment, or if the file excludes overlaps. Throws
+  // ReadError if the object cannot be read as grids.
   SegmentationGrids(std::shared_ptr<const Object> object, const isoextract_plugin_host& host);
 
   std::vector<isoextract_plugin::Grid> grids;
@@ -197,8 +203,8 @@ class SegmentationGrids {
  private:
   struct Placed {
     std::uint32_t frame;
-    std::uint32_t segment;  // its place in object_->segments
-    std::uint64_t slice;
+    std::uint32_t segment;  // index in object_->segments; 0 for label maps
+    std::uint64_t slice;    // z index in the grid
   };
   void place_frames();
   std::vector<std::vector<std::uint32_t>> layers(const isoextract_plugin_host& host) const;
@@ -208,11 +214,11 @@ class SegmentationGrids {
   std::vector<Placed> frames_;
   Vector origin_{}, step_{};
   std::uint64_t slices_ = 0;
-  std::vector<std::vector<std::uint32_t>> grid_segments_;  // of each grid
-  std::size_t label_maps_ = 0;                             // the first grids
+  std::vector<std::vector<std::uint32_t>> grid_segments_;  // for each grid: indices in object_->segments
+  std::size_t label_maps_ = 0;                             // number of label maps, which are first in `grids`
 };
 
-// Converts RecommendedDisplayCIELabValue (three 16-bit numbers) to sRGB.
+// Converts RecommendedDisplayCIELabValue (three 16-bit numbers) to sRGB, each from 0 to 1.
 std::array<double, 3> srgb_of_dicom_lab(const std::array<double, 3>& encoded);
 
 }  // namespace isoextract_dicom

@@ -14,8 +14,8 @@ namespace isoextract_plugin {
 
 [[nodiscard]] std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const isoextract_plugin_host& host);
 
-// Whether an OpenEXR file of the channels R, G, B (and A) is one gray image, listed as channel R. Only if the channels
-// are equal in the file and in `compared`, other files of its stack; `equal` decides without comparing.
+// Decides whether an OpenEXR file of the channels R, G, B (and A) is one gray image, which is listed as channel R:
+// `equal` if it is set; else if R, G and B are equal and A is 1, in the file and in the stack's files `compared`.
 struct RgbRule {
   std::vector<std::string> compared;
   std::optional<bool> equal;
@@ -36,7 +36,7 @@ struct RgbRule {
 // Returns the size of a file in bytes.
 [[nodiscard]] std::uint64_t file_size_of(const std::string& path);
 
-// Throws unless a file of this size can hold so many bytes of samples at a compression of at most 1 : `ratio`.
+// Throws ReadError if `sample_bytes` of samples do not fit into the file even if compressed by `ratio` : 1.
 void check_file_holds(std::uint64_t file_size, std::uint64_t sample_bytes, std::uint64_t ratio);
 
 // Returns the product, or throws if it exceeds 2^62.

@@ -1,4 +1,4 @@
-// The parts of the plug-in around netCDF.
+// Shared by the files of the netCDF plug-in.
 //
 // The rules for axes and missing values are those of the CF conventions 1.8, sections 2.5, 4, 5 and 8.1
 // (https://cfconventions.org), and of the attribute conventions of the NetCDF User's Guide.
@@ -28,13 +28,14 @@ void check(int status, const std::string& what);
 // Returns a number for messages: "0.25", "5000".
 std::string number_text(double value);
 
-// Checks the header of a classic file (CDF-1, -2 and -5) against the file's size: the library trusts it, and reads
-// zeros after the end of a file that was cut. Throws if the header is damaged or samples are missing.
+// Checks the header of a classic file (CDF-1, -2 and -5) against the file's size: the library trusts the header, and
+// reads zeros beyond the end of a cut file. Throws ReadError if the header is damaged or samples are missing.
 void check_classic_header(const std::string& path);
 
-// Returns a text attribute; "" if there is none. The variable is NC_GLOBAL for attributes of the group.
+// Returns a text attribute; "" if there is none, or it has several texts or more than 4,096 characters. The variable is
+// NC_GLOBAL for attributes of the group.
 std::string text_attribute(int group, int variable, const char* name);
-// Returns the numbers of an attribute; empty if there is none or it has a text.
+// Returns the numbers of an attribute; empty if there is none, it has a text, or more than 4,096 numbers.
 std::vector<double> number_attribute(int group, int variable, const char* name);
 
 enum class Role { x, y, z, time, unknown };
@@ -45,23 +46,25 @@ struct Axis {
   std::uint64_t length = 0;
   Role role = Role::unknown;
   std::string unit;                 // as in the file
-  std::vector<double> coordinates;  // as in the file, longitudes continued past 360 degrees; empty if there are none
+  std::vector<double> coordinates;  // unpacked; longitudes without jumps by 360 degrees; empty if none or over 2^20
   bool points_down = false;         // coordinates increase downwards
 
-  // Returns the start of the straight line from the first coordinate to the last; step() returns its slope.
+  // first() and step() return the start and the slope of the straight line from the first coordinate to the last; 0 and
+  // 1 without coordinates.
   [[nodiscard]] double first() const { return coordinates.empty() ? 0 : coordinates.front(); }
   [[nodiscard]] double step() const;
-  // Whether that line meets every coordinate, within a thousandth of a step or the rounding of 32-bit floats.
+  // Returns whether that line meets every coordinate, within a thousandth of a step or the rounding of 32-bit floats;
+  // true without coordinates.
   [[nodiscard]] bool is_even() const;
   [[nodiscard]] bool is_monotonic() const;
-  // Returns the least and the greatest distance of neighbors.
+  // Returns the least and the greatest distance of neighboring coordinates.
   [[nodiscard]] std::array<double, 2> distances() const;
 };
 
 // Reads a dimension that is visible in the group.
 Axis read_axis(int group, int dimension);
 
-// Positions of new samples between old ones: new sample i is (1 - weight[i]) * old[lower[i]] + weight[i] *
+// Positions of new samples between old samples: new sample i is (1 - weight[i]) * old[lower[i]] + weight[i] *
 // old[lower[i] + 1].
 struct Resampling {
   std::vector<std::uint64_t> lower;
@@ -69,11 +72,11 @@ struct Resampling {
   double step = 0;
 };
 
-// Returns evenly spaced samples from the first to the last coordinate, as far apart as the closest old ones, but at
-// most `most_samples`. The axis is monotonic.
+// Returns evenly spaced samples from the first to the last coordinate, at most as far apart as the closest old samples;
+// farther apart if that needs more than `most_samples`. Needs a monotonic axis.
 Resampling even_out(const Axis& axis, std::uint64_t most_samples);
 
-// Stored values that mean "no data".
+// Stored values that mean "no data": `values`, and all outside `least` to `greatest`.
 struct MissingValues {
   std::vector<double> values;
   double least = -std::numeric_limits<double>::infinity();
@@ -85,7 +88,8 @@ struct MissingValues {
   }
 };
 
-// A variable as a grid. Grid axes are its spatial dimensions in reverse order: the last dimension is x, the fastest.
+// A variable as a grid. The grid's axes are the spatial dimensions in reverse order: the last is grid axis 0, the
+// fastest.
 struct Variable {
   int group = 0;
   int id = 0;
@@ -93,13 +97,13 @@ struct Variable {
   double unsigned_range = 0;  // added to negative values of signed types that hold unsigned numbers; else 0
   std::vector<std::uint64_t> shape;
   std::array<std::size_t, 3> dimension{};      // of each grid axis
-  std::vector<std::size_t> volume_dimensions;  // in the file's order
+  std::vector<std::size_t> volume_dimensions;  // all other dimensions, in the file's order
   std::array<Axis, 3> axes;
   std::array<Resampling, 3> resampling;  // empty where none is needed
   MissingValues missing;
-  std::string problem;     // why it cannot be read; empty if it can
+  std::string problem;     // why the variable cannot be read; empty if it can
   bool is_uneven = false;  // the problem is uneven spacing
-  std::string note;        // assumptions of its placement
+  std::string note;        // for the user: placement, resampling, rounded 64-bit integers
 };
 
 // Describes a variable. Returns false if it has fewer than three dimensions.

@@ -60,8 +60,8 @@ inline std::string content_name(const std::vector<openvdb::FloatGrid::Ptr>& grid
   return name;
 }
 
-// Passes bytes to the host; supports seeking to written positions. A file starts with a signature of 8 bytes, 12 bytes
-// of versions, a flag of 1 byte and the UUID, which is replaced by `name`.
+// Passes bytes to the host; supports seeking to written positions if the job can overwrite. Replaces OpenVDB's UUID by
+// `name`: it follows a signature of 8 bytes, 12 bytes of versions and a flag of 1 byte.
 class HostStream : public std::streambuf {
  public:
   HostStream(const isoextract_vdb_job& job, std::string name) : job_(job), name_(std::move(name)) {}

@@ -71,7 +71,7 @@ class GridBuilder {
     return static_cast<float>(as_it_is ? stored : input_.slope * stored + input_.intercept);
   }
 
-  // Floats are unchanged bit by bit.
+  // Returns float samples without slope and intercept unchanged, bit by bit.
   template <class T>
   [[nodiscard]] float sample(T stored) const {
     if constexpr (std::is_same_v<T, float>) {
@@ -80,7 +80,7 @@ class GridBuilder {
     return value_of(static_cast<double>(stored));
   }
 
-  // Returns whether a voxel is active: the background can restore all other values.
+  // Returns whether a voxel is active. An inactive value is the background or, in a level set, the negative background.
   [[nodiscard]] bool is_active(float value) const {
     const float background = grid_->background();
     if (input_.kind == ISOEXTRACT_LEVEL_SET && same_bits(value, -background)) return false;
@@ -177,7 +177,8 @@ class GridBuilder {
     });
   }
 
-  // Returns the least value of a density, the greatest of a level set: outside for every iso value.
+  // Returns the background of a full box, which is outside for every iso value: the least finite value of a density, or
+  // the greatest finite value of a level set; 0 if there is none.
   template <class T>
   [[nodiscard]] float outside(const T* data, std::size_t count) const {
     const bool greatest = input_.kind == ISOEXTRACT_LEVEL_SET;

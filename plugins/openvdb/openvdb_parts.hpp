@@ -17,7 +17,7 @@
 
 namespace isoextract_openvdb {
 
-inline thread_local std::string problem;  // of this thread's last call
+inline thread_local std::string problem;  // error text of this thread's last failed call
 
 struct PluginError : std::exception {
   explicit PluginError(std::string words) : text(std::move(words)) {}
@@ -25,7 +25,7 @@ struct PluginError : std::exception {
   std::string text;
 };
 
-// Calls work(); turns its exceptions into one-line texts. Returns 0 on success.
+// Calls work(). Returns 0 on success, and 1 after an exception, whose text `problem` then has in one line.
 template <class F>
 int catch_exceptions(F&& work) {
   try {
@@ -71,7 +71,7 @@ class Reserved {
     if (memory == nullptr) throw PluginError("not enough memory: the samples need " + std::to_string(bytes) + " bytes");
     return memory;
   }
-  // Leaves the reservation to the call's results.
+  // Leaves the memory reserved until the host frees the call's results.
   void keep() { bytes_ = 0; }
 
  private:
@@ -94,7 +94,7 @@ class HostInterrupter : public openvdb::util::NullInterrupter {
 };
 
 constexpr std::size_t kLeafValues = 512;
-// A float leaf with its values, which are allocated separately.
+// Bytes of a float leaf and its values, which are allocated separately.
 constexpr std::uint64_t kLeafBytes = sizeof(openvdb::FloatTree::LeafNodeType) + kLeafValues * sizeof(float);
 
 // Writes rows of world x, y, z. OpenVDB's matrix is transposed, as it multiplies row vectors.

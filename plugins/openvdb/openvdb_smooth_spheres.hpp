@@ -31,7 +31,7 @@ namespace isoextract_openvdb {
 constexpr double kUnhurried = 1.5;
 constexpr double kJump = 3;
 
-// Returns how far a particle of this radius has a weight.
+// Returns the reach R_i of a particle of this radius: the distance at which its weight becomes 0.
 inline double smoothing_reach(double radius, double search_radius) { return std::max(search_radius, 2 * radius); }
 
 // Returns the largest eigenvalue of a symmetric matrix (O. K. Smith, "Eigenvalues of a symmetric 3 x 3 matrix",
@@ -47,8 +47,8 @@ inline double largest_eigenvalue(const openvdb::Mat3d& a) {
   return mean + 2 * size * std::cos(angle);
 }
 
-// Sums over the particles near a sample, in voxels. The weight of a particle is w, and its gradient s times the offset
-// from the sample to the particle.
+// Sums over the particles near a sample, in voxels. The weight of a particle is w; the gradient of w is s times the
+// offset from the sample to the particle.
 struct NearbySums {
   double weight = 0;
   double radius = 0;               // of w r
@@ -105,8 +105,8 @@ struct NearbySums {
   [[nodiscard]] double distance() const { return (offset / weight).length() - radius_factor() * radius / weight; }
 };
 
-// Computes the distances leaf by leaf, for openvdb::points::rasterize(). A sample stays active if it is inside and
-// outside all spheres. Points and distances share one transform.
+// Computes the distances leaf by leaf, for openvdb::points::rasterize(). Only samples inside the surface but outside
+// all spheres stay active. Points and distances share one transform.
 class SmoothTransfer : public openvdb::points::VolumeTransfer<openvdb::FloatTree> {
  public:
   using Base = openvdb::points::VolumeTransfer<openvdb::FloatTree>;
@@ -223,17 +223,18 @@ inline double activate_reach(const openvdb::points::PointDataGrid& points, const
   return longest;
 }
 
-// Finds bodies without a sphere: grows from the samples inside spheres over the inside samples next to them.
+// Finds the bodies without a sample in a sphere. Samples in spheres are founded, as are inside samples next to a
+// founded one; the other inside samples are in doubt.
 class UnfoundedBodies {
  public:
   using Tree = openvdb::FloatTree;
   using Leaf = Tree::LeafNodeType;
   using Mask = Leaf::NodeMaskType;
 
-  // `tree` has the samples that are inside and outside all spheres as active ones.
+  // In `tree`, only the samples inside the surface but outside all spheres are active.
   explicit UnfoundedBodies(Tree& tree) : tree_(tree), leaves_(tree), in_doubt_(leaves_.leafCount()) {}
 
-  // Makes the samples of these bodies outside.
+  // Negates the values of these bodies' samples, which puts them outside.
   void remove(HostInterrupter& interrupter) {
     std::atomic<bool> is_changed = true;
     while (is_changed) {
@@ -253,8 +254,8 @@ class UnfoundedBodies {
   }
 
  private:
-  // Clears the samples that are connected to founded ones, within the leaf and from the state of its neighbors. Returns
-  // whether there was one.
+  // Clears the doubts of samples connected to founded ones in this leaf and, from the last pass, in neighbor leaves.
+  // Returns whether it cleared any.
   bool clear_doubts(const Leaf& leaf, Mask& doubts) const {
     bool is_any = false;
     for (bool is_changed = true; is_changed;) {
@@ -288,11 +289,11 @@ class UnfoundedBodies {
 
   Tree& tree_;
   openvdb::tree::LeafManager<Tree> leaves_;
-  std::vector<Mask> in_doubt_;  // of each leaf
+  std::vector<Mask> in_doubt_;  // for each leaf
 };
 
-// Returns the level set of the surface. The points have the attribute `radius`, in world units, and the transform of
-// the level set. `half_band` is in voxels.
+// Returns the level set of the surface, with the transform of the points. Their attribute named `radius` and
+// `search_radius` are in world units, `half_band` is in voxels. Throws PluginError if the host cancels.
 inline openvdb::FloatGrid::Ptr smooth_surface(const openvdb::points::PointDataGrid& points, const std::string& radius,
                                               double search_radius, double half_band, HostInterrupter& interrupter) {
   const auto background = static_cast<float>(half_band * points.voxelSize()[0]);

@@ -35,8 +35,8 @@ class SegyFile {
   [[nodiscard]] int measurement_system() const { return measurement_system_; }  // 1: meters, 2: feet, else unknown
 
   void read_header(int trace, char* header) const;
-  // segyio 1.9 reverses each four bytes of a little-endian file, of smaller samples too. This function lets it read
-  // such samples as they are; then it no longer reads headers.
+  // segyio 1.9 reverses groups of four bytes in a little-endian file, even if samples are smaller. After this call,
+  // read_samples() works for such samples, but read_header() no longer works for such files.
   void prepare_samples();
   // Reads samples first .. first + count - 1 of a trace and converts them to native numbers.
   void read_samples(int trace, int first, int count, void* to) const;
@@ -66,20 +66,20 @@ struct Lines {
   std::uint64_t count = 0;
 };
 
-// The lattice of the traces. Grid axis x is along the traces, y along the lines of consecutive traces.
+// The lattice of the traces. Grid axis x runs along a trace, y from trace to trace in a line, z from line to line.
 struct Survey {
   bool inlines_are_slow = true;     // y counts crosslines, z inlines; otherwise the reverse
   Lines fast;                       // along y
   Lines slow;                       // along z
-  std::vector<std::int32_t> trace;  // of each (y, z), y fastest; -1 if missing
+  std::vector<std::int32_t> trace;  // index of the trace at each (y, z), y fastest; -1 if missing
   std::uint64_t missing = 0;
   double delay_ms = 0;            // time of the first sample
   std::array<double, 6> plane{};  // world x and y from (y, z, 1) in grid indices: two rows of three
   std::string note;
 };
 
-// Reads the headers of all traces. Throws if they are no lattice with one trace per place. The memory of the table
-// stays reserved until the host frees the list.
+// Reads the headers of all traces. Throws if the traces are not a lattice with at most one trace at each point, or
+// start at different times. The memory of the table stays reserved until the host frees the list.
 Survey read_survey(const SegyFile& file, const isoextract_plugin_host& host);
 
 }  // namespace isoextract_segy

@@ -15,15 +15,16 @@ namespace isoextract_vtk {
 struct DataSets {
   std::string format;
   std::string note;
-  std::vector<vtkSmartPointer<vtkDataSet>> leaves;  // where they overlap, an earlier one counts
+  std::vector<vtkSmartPointer<vtkDataSet>> leaves;  // where cells overlap, resampled_cells() reads the earlier leaf
   std::vector<double> times;                        // of all time steps; empty if the file states none
   std::vector<std::string> files;                   // besides the input
 };
 
-// Returns the arrays of all leaves: those that have numbers, and others as not scalar.
+// Returns the arrays of all leaves, each name once, without ghost arrays; arrays without numbers as not scalar. Throws
+// if there are none.
 std::vector<ArrayFacts> arrays_of(const std::vector<vtkSmartPointer<vtkDataSet>>& leaves);
 
-// Returns the array of a data set, or null.
+// Returns the array of a data set, or null. Throws if it has too many or too few values.
 vtkDataArray* find_array(vtkDataSet* data, const ArrayFacts& facts);
 
 // Returns the values of an array as doubles.
@@ -33,19 +34,22 @@ std::vector<double> values_of(vtkDataArray* array);
 void put_tuple(const Grid& grid, const isoextract_volume_selection& selection, std::uint64_t index,
                const double* tuple);
 
-// Lattices in memory; null if the leaves are not image data, or evenly spaced rectilinear grids, on one lattice.
+// Returns the leaves as one lattice in memory, and takes them from `data`; null if they are not all image data or
+// evenly spaced rectilinear grids on one lattice.
 Opened lattice_of(DataSets& data);
 
-// Resamples a rectilinear grid with uneven distances trilinearly onto the finest even lattice of at most 4 times the
-// samples. Fails, with the distances, unless the request allows that.
+// Resamples a rectilinear grid trilinearly onto an even lattice with its smallest distances, enlarged as needed to make
+// at most 4 times the samples. Throws UnevenError, with the distances, unless request.resamples is set.
 Opened evened_grid(DataSets& data, vtkRectilinearGrid* grid, const Request& request);
 
-// Resamples cells of any kind onto a box of samples; NaN outside the cells.
+// Resamples cells of any kind with a volume onto a box of samples; NaN outside the cells. Throws if there are none.
 Opened resampled_cells(DataSets& data, const Request& request, const isoextract_plugin_host& host);
 
-// Returns whether coordinates have even distances, within the rounding of their type.
+// Returns whether coordinates are even, within a ten-thousandth of a step or the rounding of floats or doubles.
 bool is_even(const std::vector<double>& coordinates, bool single_precision);
+// Throws unless the axis has a finite coordinate for each point, which all increase or all decrease.
 std::vector<double> coordinates_of(vtkRectilinearGrid* grid, std::size_t axis);
+// Returns whether the x coordinates are floats; callers take it for all axes.
 bool is_single_precision(vtkRectilinearGrid* grid);
 
 }  // namespace isoextract_vtk

@@ -29,15 +29,15 @@ struct LatticeFrame {
   Extent extent{};
 };
 
-// Returns grids with the arrays' names, types and components. If an array of points and one of cells have the same
-// name, the latter's grid is "cell:NAME".
+// Returns grids with the arrays' names, types and components. If arrays of points and of cells have the same name, the
+// grid of the cells is "cell:NAME".
 std::vector<Grid> grids_of_arrays(const std::vector<ArrayFacts>& arrays);
 
-// Returns whether an array marks hidden samples, and those that pieces share. Such arrays are not listed.
+// Returns whether an array marks ghosts: hidden samples, and samples that pieces share. Such arrays are not listed.
 bool is_ghost_array(const std::string& name);
 constexpr const char* kGhostNote = "the reader ignores marks of hidden samples (vtkGhostType)";
 
-// Joins notes by "; ".
+// Appends `text` to `note`, after "; " if both have text.
 void add_note(std::string& note, const std::string& text);
 
 class Lattice : public VolumeFile {
@@ -53,7 +53,8 @@ class Lattice : public VolumeFile {
     ReadNumbers read;
   };
 
-  // Makes the grids, one for each array. A sample of cells is at the center of its cell.
+  // Makes the grids, one for each array. Needs pieces_; throws if one is outside the frame's extent. A sample of cells
+  // is at the center of its cell.
   void set_grids(const LatticeFrame& frame, std::vector<ArrayFacts> arrays);
   virtual Source source(std::size_t piece, const ArrayFacts& array, const isoextract_plugin_host& host) = 0;
 

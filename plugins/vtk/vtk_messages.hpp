@@ -11,7 +11,7 @@
 
 namespace isoextract_vtk {
 
-// VTK's messages since this thread's last call began.
+// VTK's messages in this thread since a reader cleared them, without the messages that follow the first 2,000 bytes.
 inline std::string& vtk_messages() {
   thread_local std::string messages;
   return messages;
@@ -38,8 +38,8 @@ inline void silence_vtk() {
   });
 }
 
-// Returns the sentence of VTK's message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n", or of
-// "Generic Warning: In file.cxx, line 12\nsentence\n\n".
+// Returns the sentence of VTK's first message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n", or
+// "Generic Warning: In file.cxx, line 12\nsentence\n\n"; "the file is damaged" if it is empty.
 inline std::string last_sentence(const std::string& complaint) {
   const std::size_t place = complaint.find(": In ");
   std::size_t at = place == std::string::npos ? place : complaint.find('\n', place);

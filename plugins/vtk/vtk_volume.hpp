@@ -1,4 +1,4 @@
-// The readers of the plug-in `vtk` for volumes, and what they share. Everything here throws ReadError.
+// The readers of the plug-in `vtk` for volumes, and their shared functions. "Fails" means: throws ReadError.
 #pragma once
 
 #include <array>
@@ -51,28 +51,30 @@ struct StoredType {
 };
 constexpr std::string_view kWideNote = "64-bit integers become doubles, which are exact up to 2^53";
 
-// Swaps bytes if asked to, and converts 64-bit integers in place.
+// Converts samples in place: swaps bytes if `swap`, and turns 64-bit integers into doubles.
 void to_native(StoredType type, bool swap, void* samples, std::uint64_t count);
 
 // A box of samples in a file, x fastest and the components of a sample beside each other.
 struct StoredBox {
-  Dims first{};  // its first sample in the grid
+  Dims first{};  // grid index of the box's first sample
   Dims dims{};
   StoredType type;
   bool swap = false;
 };
 
-// Reads `count` numbers from number `first` of a stored box, as they are stored.
+// Reads the numbers first .. first + count - 1 of a stored box, without conversion.
 using ReadNumbers = std::function<void(std::uint64_t first, std::uint64_t count, void* to)>;
 
-// Fills the part of the selection that a stored box has. Reads slice by slice, and only the rows that are needed.
+// Fills the part of the selection that a stored box has. Reads slice by slice, and only the rows (in full) that are
+// needed.
 void fill_from_stored(const Grid& grid, const StoredBox& stored, const ReadNumbers& read,
                       const isoextract_volume_selection& selection, const isoextract_plugin_host& host);
 
 // Returns the product, or nothing if it is larger than `limit`.
 std::optional<std::uint64_t> product(const std::vector<std::uint64_t>& factors, std::uint64_t limit);
 
-// Fails unless `count` numbers of a type fit into the file from the offset on.
+// Fails unless the product of `counts` is 1 or more, and so many numbers of `bytes` bytes fit into the file from the
+// offset on.
 void check_fits(const InputFile& file, std::uint64_t offset, const std::vector<std::uint64_t>& counts,
                 std::uint64_t bytes);
 
@@ -80,9 +82,9 @@ void check_fits(const InputFile& file, std::uint64_t offset, const std::vector<s
 std::vector<std::string> words_of(std::string_view text);
 std::optional<double> parse_number(std::string_view word);
 std::optional<std::int64_t> parse_integer(std::string_view word);
-std::string printed(double value);  // six digits
+std::string printed(double value);  // six significant digits
 
-// Returns the path of a file that is named in another: in the same folder or below it. Fails for any other.
+// Returns the path of the file `name` that the file `path` refers to. Fails for absolute names and names with "..".
 std::string path_beside(const std::string& path, const std::string& name);
 
 // Returns an open file of each format.

@@ -20,10 +20,10 @@ std::string attribute_of(vtkXMLDataElement* element, const char* name);
 // Returns the children of this name, in order.
 std::vector<vtkXMLDataElement*> children_of(vtkXMLDataElement* element, const char* name);
 
-// Returns the type of an XML data array by its name, such as "Float32"; not scalar for others, such as strings.
+// Returns the type of an XML data array from the type's name, such as "Float32"; not scalar for "String" and others.
 StoredType xml_type(const std::string& name);
 
-// A parsed file. The element <VTKFile type="TYPE"> has one child of that name.
+// A parsed file. The element <VTKFile type="TYPE"> has one child named TYPE.
 class XmlDocument {
  public:
   explicit XmlDocument(const std::string& path);
@@ -33,25 +33,25 @@ class XmlDocument {
 
   [[nodiscard]] std::string type() const;
   [[nodiscard]] vtkXMLDataElement* root() const;  // <VTKFile>
-  [[nodiscard]] vtkXMLDataElement* body() const;  // its child
+  [[nodiscard]] vtkXMLDataElement* body() const;  // the child; throws unless there is exactly one
   [[nodiscard]] bool swap() const { return swap_; }
 
   // Reads `count` numbers of a DataArray element from number `first`, as they are stored (text is parsed).
   void read_numbers(vtkXMLDataElement* array, StoredType type, std::uint64_t first, std::uint64_t count, void* to,
                     const isoextract_plugin_host& host);
-  // Numbers that are not in text are swapped by to_native() if the file has the other byte order.
+  // Returns whether to_native() must swap bytes: if the file has the other byte order, and the numbers are not text.
   [[nodiscard]] bool swaps(vtkXMLDataElement* array) const;
 
  private:
-  // Place of the bytes of an array; of a compressed array, the blocks too.
+  // Location of an array's bytes in the file and, if the array is compressed, of its blocks.
   struct Stored {
     vtkXMLDataElement* array = nullptr;
     std::uint64_t at = 0;  // of the data, in the file
     bool base64 = false;
     std::uint64_t bytes = 0;  // of all its numbers
     std::uint64_t block_bytes = 0;
-    std::vector<std::uint64_t> block_at;  // offset of each compressed block after `at`, and their end
-    std::vector<char> block;              // the last one that was decompressed
+    std::vector<std::uint64_t> block_at;  // offset of each compressed block from `at`, then the end of the last block
+    std::vector<char> block;              // the block that was decompressed last
     std::size_t block_number = static_cast<std::size_t>(-1);
     std::vector<char> parsed;  // of text
   };
@@ -68,7 +68,7 @@ class XmlDocument {
   std::uint64_t word_bytes_ = 4;  // of the headers before binary data
   bool swap_ = false;
   bool appended_base64_ = true;
-  Stored stored_;  // of the last array
+  Stored stored_;  // of the array that was read last
 };
 
 }  // namespace isoextract_vtk

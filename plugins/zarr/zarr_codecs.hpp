@@ -26,7 +26,7 @@ struct Codec {
 
 // How a chunk becomes bytes, in the order of writing. Reading goes backward.
 struct Pipeline {
-  std::vector<std::size_t> order;  // the array's axis that is axis i of the stored chunk; empty: the same
+  std::vector<std::size_t> order;  // order[i]: the array's axis that is stored as axis i; empty: 0, 1, 2, ...
   bool has_differences = false;    // of successive stored elements (numcodecs' delta)
   bool is_big_endian = false;
   std::vector<Codec> codecs;  // at most one of them compresses
@@ -45,14 +45,14 @@ class Workspace {
   Bytes buffers_[2];
 };
 
-// Returns how many bytes a value of `bytes` decoded ones may have at most: longer ones are not written by any encoder.
+// Returns the largest plausible encoded size of `bytes` decoded bytes; no encoder writes more.
 [[nodiscard]] std::uint64_t most_encoded(std::uint64_t bytes);
 
-// Returns the size of `bytes` decoded ones after a pipeline that does not compress; nothing if it does.
+// Returns the encoded size of `bytes` decoded bytes; nothing if the pipeline compresses.
 [[nodiscard]] std::optional<std::uint64_t> encoded_size(const Pipeline& pipeline, std::uint64_t bytes);
 
-// Undoes the codecs of a pipeline, and the byte order of numbers of `number` bytes. `encoded` is in buffer 0. Returns
-// `bytes` bytes in one of the buffers. Throws if the chunk does not have that size.
+// Undoes the codecs of a pipeline and the byte order of numbers of `number` bytes, but not differences and axis order.
+// `encoded` is in buffer 0. Returns `bytes` bytes in one of the buffers. Throws if the chunk does not have that size.
 [[nodiscard]] std::span<std::byte> decode(const Pipeline& pipeline, std::span<std::byte> encoded, std::uint64_t bytes,
                                           std::uint64_t number, Workspace& space);
 

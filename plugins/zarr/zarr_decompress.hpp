@@ -9,7 +9,8 @@
 
 namespace isoextract_zarr {
 
-// Throws if compressed bytes cannot have `bytes` decompressed ones: before memory for them is taken.
+// Throws if `from` cannot decompress to `bytes` bytes; call it before reserving memory for them. Accepts any bz2 and
+// lzma data.
 void check_plausible(Codec::Kind kind, std::span<const std::byte> from, std::uint64_t bytes);
 
 // Fills `to`. Throws if the bytes are damaged, or decompress to more or fewer.

@@ -8,8 +8,8 @@
 
 namespace isoextract_zarr {
 
-// One row: elements `from_step` bytes apart, samples `to_step` bytes apart. Returns how many were copied before one
-// that has no exact sample: `count` if all were.
+// Copies one row: elements `from_step` bytes apart, samples `to_step` bytes apart. Returns the number of elements
+// before the first without an exact sample; `count` if there is none.
 using CopyRow = std::function<std::size_t(const std::byte* from, std::ptrdiff_t from_step, std::byte* to,
                                           std::ptrdiff_t to_step, std::size_t count)>;
 

@@ -17,21 +17,22 @@ struct Node {
   bool is_array = false;
   int zarr_format = 2;
   Json metadata;    // .zarray or zarr.json
-  Json attributes;  // .zattrs or its "attributes"; null if there are none
+  Json attributes;  // .zattrs, or "attributes" in zarr.json; null if there are none
 };
 
 // Reads metadata on demand. Use it from one thread at a time.
 class Hierarchy {
  public:
   // Reads the consolidated metadata of the root, if there are any. The store and the host must live as
-  // long as this object, which keeps the memory for what it has read.
+  // long as this object, which keeps memory reserved for all metadata that it has read.
   Hierarchy(const Store& store, const isoextract_plugin_host& host);
 
-  // Returns nothing if the path has neither a group nor an array. Throws if the metadata are no JSON.
+  // Returns nothing if the path has neither a group nor an array. Throws if the metadata are not a valid JSON object,
+  // or have another Zarr version or type of node.
   [[nodiscard]] std::optional<Node> find(const std::string& path);
   // Throws unless the path has an array with valid metadata.
   [[nodiscard]] ArrayMetadata array(const std::string& path);
-  // Returns the names of the nodes directly below a group that may exist; find() tells.
+  // Returns the names of the folders and consolidated nodes directly below a group. Not all need be nodes: see find().
   [[nodiscard]] std::vector<std::string> children(const std::string& group) const;
 
   [[nodiscard]] const Store& store() const { return store_; }

@@ -47,7 +47,8 @@ struct Images {
   std::string creator;  // the program that wrote the first image
 };
 
-// Throws if nothing is found, or if no pyramid has the level; the text lists the levels then.
+// Throws if there is no readable image, or for a level above 0 if there is no pyramid. Images without the level are
+// left out, with a note; if none remains, the error lists the levels of the first image.
 [[nodiscard]] Images find_images(Hierarchy& hierarchy, std::uint64_t level);
 
 // Private to zarr_images.cpp, zarr_multiscales.cpp and zarr_plain_arrays.cpp.
@@ -58,11 +59,13 @@ struct Images {
 // Returns the members of OME-Zarr in a group's attributes: from version 0.5 on they are within "ome".
 [[nodiscard]] const Json& ome_of(const Node& node);
 
-// Sets the axes of an array by its dimension names or number of axes, and its placement by coordinate arrays of xarray.
+// Describes an array: axes from its dimension names or number of axes, placement from xarray's coordinate arrays, slope
+// and intercept from its attributes. Adds notes to `found`.
 [[nodiscard]] Image describe_plain_array(Hierarchy& hierarchy, Array array, const Json& attributes, Images& found);
 // Returns the kind of an axis with this name.
 [[nodiscard]] Axis::Kind kind_called(const std::string& name);
-// Gives axes without names a kind, from the last on: x, y, z, then time (four axes) or channel and time (five).
+// Gives axes without names the unused kinds, from the last axis on: x, y, z, then time and channel (four axes) or
+// channel and time (other numbers).
 void set_kinds_by_position(std::vector<Axis>& axes);
 
 }  // namespace isoextract_zarr

@@ -42,16 +42,16 @@ struct ArrayMetadata {
   Pipeline pipeline;
   std::optional<Sharding> sharding;
   std::vector<std::string> dimension_names;  // as many as there are axes, or none
-  std::string problem;                       // why its samples cannot be read; empty if they can
+  std::string problem;                       // the feature that prevents reading: "the codec 'zfp'"; else empty
 
   // Returns the key of a chunk below the array's path.
   [[nodiscard]] std::string chunk_key(const std::vector<std::uint64_t>& chunk_index) const;
-  // Returns the shape of the smallest chunks: those in shards if there are any.
+  // Returns the shape of the smallest chunks: the chunks in shards if the array has shards.
   [[nodiscard]] const std::vector<std::uint64_t>& inner_chunk() const { return sharding ? sharding->chunk : chunk; }
 };
 
-// Parses the metadata of a node. Throws if these are not those of an array; codecs and types that are not supported
-// only set `problem`.
+// Parses the metadata of an array. Throws if they are not valid; codecs and types that are not supported only set
+// `problem`.
 [[nodiscard]] ArrayMetadata parse_v2_array(const Json& metadata, const Json& attributes);
 [[nodiscard]] ArrayMetadata parse_v3_array(const Json& metadata);
 
@@ -62,12 +62,12 @@ void set_v3_codecs(const Json& codecs, ArrayMetadata& array);
 // Returns a member of an object; a null value if there is none.
 [[nodiscard]] const Json& member(const Json& object, const char* key);
 [[nodiscard]] std::string text_of(const Json& value);
-// Returns an array of integers of 0 or more, of which `what` is the name in messages.
+// Returns the integers of a JSON array; throws unless all are 0 or more. `what` names the array in messages.
 [[nodiscard]] std::vector<std::uint64_t> counts_of(const Json& value, const char* what);
-// Returns the finite numbers of an array; nothing if it is not one of `count` of them.
+// Returns the numbers of an array; nothing unless it has exactly `count` numbers, all finite.
 [[nodiscard]] std::optional<std::vector<double>> numbers_of(const Json& value, std::size_t count);
 
-// Returns the product; throws if it has more than 63 bits.
+// Returns `first` times all factors; throws if the product has more than 63 bits.
 [[nodiscard]] std::uint64_t product_of(const std::vector<std::uint64_t>& factors, std::uint64_t first);
 
 }  // namespace isoextract_zarr

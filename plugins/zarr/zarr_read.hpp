@@ -25,7 +25,7 @@ struct ArrayBox {
   std::array<int, 3> axes{kNoAxis, kNoAxis, kNoAxis};  // the array's axes along x, y and z
   std::array<std::uint64_t, 3> first{};
   std::array<std::uint64_t, 3> count{1, 1, 1};
-  std::vector<std::uint64_t> fixed;  // the index along every other axis; the rest is ignored
+  std::vector<std::uint64_t> fixed;  // one index per array axis; entries of the axes along x, y and z are ignored
 };
 
 struct ChunkCount {
@@ -39,7 +39,7 @@ struct ChunkCount {
 // How elements become samples.
 struct Conversion {
   std::int64_t component = 0;  // of complex numbers; or ISOEXTRACT_COMPONENT_LENGTH
-  double slope = 1;            // of lengths
+  double slope = 1;            // slope and intercept apply only to the numbers that lengths are computed from
   double intercept = 0;
 };
 

@@ -46,7 +46,7 @@ class Store {
   [[nodiscard]] virtual std::unique_ptr<Value> find(const std::string& key) const = 0;
   // Returns the sorted names of the folders directly below a group; "" is the root.
   [[nodiscard]] virtual std::vector<std::string> folders(const std::string& group) const = 0;
-  // Returns the path of the key's own file; "" if it has none.
+  // Returns the path that the key's own file has or would have; "" in a ZIP file.
   [[nodiscard]] virtual std::string file_of(const std::string& key) const = 0;
   // Returns a text that is equal for two names of one folder, so that loops of symbolic links can be found.
   [[nodiscard]] virtual std::string identity(const std::string& group) const { return group; }
@@ -61,7 +61,7 @@ class Store {
 // Returns whether a ZIP file has a member with the name of a metadata file.
 [[nodiscard]] bool zip_has_metadata(const std::string& path);
 
-// Returns `text` in the form for messages: at most 100 characters, others than printable ASCII replaced by '?'.
+// Returns `text` for messages: at most 100 characters, then "..." if there are more; '?' for all but printable ASCII.
 [[nodiscard]] std::string shown(std::string_view text);
 
 // Joins two paths with '/'; either may be empty.

@@ -9,7 +9,7 @@
 
 namespace isoextract_zarr {
 
-// `volume` and `level` mean what isoextract_volume_request says.
+// `volume` and `level` are those of isoextract_volume_request.
 [[nodiscard]] std::unique_ptr<isoextract_plugin::VolumeFile> open_hierarchy(std::unique_ptr<Store> store,
                                                                             std::uint64_t volume, std::uint64_t level,
                                                                             const isoextract_plugin_host& host);

@@ -29,7 +29,7 @@ class File {
   int number_;
 };
 
-// The root is that of the ZIP file, or its only folder if the metadata are in there.
+// Opens a ZIP file. The hierarchy's root is the ZIP file's root, or its only folder if that has the metadata.
 [[nodiscard]] std::unique_ptr<Store> open_zip_store(const std::string& path, isoextract_plugin::HostMemory& memory);
 
 }  // namespace isoextract_zarr

@@ -60,7 +60,7 @@ struct ParticleFormatDescription {
 
 // Named data that a file has for each particle.
 struct ParticleQuantity {
-  std::string name;  // as in the file; "NAME[k]" if the name repeats
+  std::string name;  // as in the file; "NAME[1]", "NAME[2]", ... for later quantities of the same name
   std::string type;  // "f32", "i32", ...; "number" or "text" in text files
   std::string unit;  // as in the file; may be empty
   std::size_t components = 1;

@@ -15,7 +15,7 @@
 
 namespace isoextract::particle_io {
 
-// `input` is a path, or "-" for standard input. Files may be gzip. All functions fail with
+// `input` is a path, or "-" for standard input. A file may be compressed, or the only one in an archive. All fail with
 // - ErrorCode::input if the file is unreadable, damaged, or lacks the wanted frame, attribute or column; the hint lists
 //   the existing ones,
 // - ErrorCode::usage if options do not fit the format,
@@ -27,8 +27,8 @@ namespace isoextract::particle_io {
                                                                                 const ParticleReadOptions& options,
                                                                                 const Context& context);
 
-// Returns the frames and attributes of a file. Reads only the header if it states the numbers of particles and
-// frames, else (CSV, XYZ, LAMMPS, GROMACS, PDB) the file to its end.
+// Returns the frames and attributes of a file. Reads only the header if it states the numbers of particles and frames,
+// else (CSV, XYZ, LAMMPS, GROMACS, PDB, Houdini since version 12, plug-ins) the file to its end.
 //
 // A text file that ends within a frame (an interrupted or running simulation) has the frames before it, with a note.
 // The functions fail as for a damaged file if the file has no whole frame, or if the options select the incomplete
@@ -36,14 +36,14 @@ namespace isoextract::particle_io {
 [[nodiscard]] Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
 
-// Returns the input with the bytes of the selected frame. Returns the whole file if the options select no frame, if the
-// frame depends on other bytes, or if the file is gzip. Reads the lines of the frame. Also reads the frames before,
-// unless an earlier call found where the frame begins.
+// Returns the input with the bytes that the selected frame depends on. Returns the whole file if the options select no
+// frame, if the format cannot tell, or if the file is gzip. In a text file, reads the lines of the frame, and the
+// frames before unless an earlier call found where the frame begins.
 [[nodiscard]] Result<files::FilePart> find_frame_part(const std::string& input, const ParticleReadOptions& options,
                                                       const Context& context);
 
-// Returns the step and the time of the selected frame, or of the first. Reads the frame up to its first particle. Also
-// reads the frames before, unless an earlier call found where the frame begins.
+// Returns the step and the time of the selected frame, or of the first. In a text file, reads the frame up to its first
+// particle, and the frames before unless an earlier call found where the frame begins.
 [[nodiscard]] Result<FrameTime> find_frame_time(const std::string& input, const ParticleReadOptions& options,
                                                 const Context& context);
 
@@ -57,8 +57,8 @@ struct ParticleFile {
 };
 
 // Reads one frame, which must be selected if there are several whole ones. Positions are in the file's coordinates and
-// can be NaN or infinite as in the file; an empty field of a table is NaN. Reserves memory in the context and reads the
-// file in blocks, never as a whole.
+// can be NaN or infinite as in the file; an empty field of a table is NaN. Reserves memory in the context. Built-in
+// formats read the file in blocks, never as a whole.
 [[nodiscard]] Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context);
 

@@ -7,11 +7,11 @@ namespace isoextract::plugin_host {
 
 extern const PluginKind kVolumePlugins;
 extern const PluginKind kParticlePlugins;
-// Reads no volumes, but has their interface (unpacked_input.hpp).
+// Plug-ins that unpack archives: they have the interface for volumes, but read none (unpacked_input.hpp).
 extern const PluginKind kUnpackPlugins;
 
-// The id of all plug-ins that use OpenVDB. The one for volumes has no format of its own: the built-in VDB reader calls
-// it for grids that it does not read itself.
+// The id of all plug-ins that use OpenVDB. The plug-in for volumes is not a format of its own: the built-in VDB reader
+// calls it for the grids that this reader does not support.
 inline constexpr const char* kOpenVdbPlugin = "openvdb";
 
 }  // namespace isoextract::plugin_host

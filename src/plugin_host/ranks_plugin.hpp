@@ -13,7 +13,7 @@
 
 namespace isoextract::plugin_host {
 
-// The place of this process among the processes that a launcher started.
+// The rank of this process among the processes that a launcher started.
 struct LaunchedRank {
   int rank = 0;
   int size = 1;

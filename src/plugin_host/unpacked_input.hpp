@@ -10,7 +10,8 @@
 
 namespace isoextract::plugin_host {
 
-// Whether gzip files are unpacked. Readers that decompress them while reading need less memory.
+// Selects whether gzip files are unpacked; files named .tgz or .tar.* always are. Readers that decompress gzip files
+// while reading need less memory.
 enum class GzipFiles { keep, unpack };
 
 // Returns the path under which readers find an input: its own, unless its content is compressed or it is an archive. An

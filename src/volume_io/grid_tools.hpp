@@ -2,8 +2,8 @@
 // spheres, filtered and rebuilt level sets, and VDB output.
 //
 // All functions fail with ErrorCode::unavailable if the plug-in is missing or incompatible, with ErrorCode::usage for
-// options out of range, and with ErrorCode::input (write_vdb(): ErrorCode::output) for fields and particles that the
-// plug-in cannot process. They reserve memory in the context and can be cancelled through it.
+// options out of range (rebuild_level_set(): ErrorCode::input), and with ErrorCode::input (write_vdb():
+// ErrorCode::output) if the plug-in fails. They reserve memory in the context and can be cancelled through it.
 #pragma once
 
 #include <array>
@@ -50,7 +50,8 @@ struct SphereField {
 // Returns the path of the plug-in; an empty text if it is missing.
 [[nodiscard]] std::string grid_tools_path();
 
-// Fails if the plug-in is missing, so that callers can check before preparing the work; `work` starts the message.
+// Fails if the plug-in is missing or incompatible, so that callers can check before preparing the work; `work` starts
+// the message.
 [[nodiscard]] Result<void> check_grid_tools(const std::string& work);
 
 // Returns a level set or a density, sparse, in f32, the same for any number of threads. The level set is the signed
@@ -70,8 +71,9 @@ constexpr auto words_of(LevelSetFilter /*type*/) {
 }
 inline constexpr int kMaxFilterWidth = 64;
 
-// Filters a level set with cubic voxels in its narrow band, `iterations` times, and restores its distances. A value's
-// neighborhood extends `width` voxels (1 to 64). Reads the field as f32 and returns a sparse f32 field.
+// Filters a level set with cubic voxels in its narrow band, `iterations` times, and restores its distances. `median`
+// and `mean` reach `width` voxels (1 to 64) to each side; `gaussian` applies four such means, and reaches four times as
+// far. Reads the field as f32 and returns a sparse f32 field.
 [[nodiscard]] Result<field::ScalarField> filter_level_set(const field::ScalarField& field, LevelSetFilter filter,
                                                           int width, int iterations, const Context& context);
 

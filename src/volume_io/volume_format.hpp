@@ -170,11 +170,12 @@ class VolumeFormat {
     return false;
   }
 
-  // Lists the grids, scalar or not; a single one if the format does not name them. Never reads samples.
+  // Lists the grids, scalar or not; a single one if the format does not name them. Only plug-ins may read samples for
+  // it.
   [[nodiscard]] virtual Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
                                                            const Context& context) const = 0;
 
-  // Lists the files that open() would read; a file may be listed twice. Never reads samples.
+  // Lists the files that open() would read; a file may be listed twice. Only plug-ins may read samples for it.
   [[nodiscard]] virtual Result<std::vector<std::filesystem::path>> files(const std::string& input,
                                                                          const ReadOptions& options,
                                                                          const Context& context) const = 0;

@@ -1,4 +1,5 @@
-// The entry point for reading volumes: detects the format of an input, lists its contents, and reads it.
+// The entry point for reading volumes: detects the format of an input, lists its contents, and reads it. Listing and
+// counting reads no samples, except by plug-ins whose libraries read whole files, such as VTK's.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +16,7 @@
 namespace isoextract::volume_io {
 
 // Returns the position of the colon in FILE:/PATH, which names a grid of a file: FILE exists, and no file has the whole
-// input as its name. Every function here takes such inputs.
+// input as its name. All functions with ReadOptions take such inputs.
 [[nodiscard]] std::optional<std::size_t> find_inner_path(const std::string& input);
 
 // Returns whether the folder is an input, such as a Zarr array or a series of DICOM files, instead of a folder of
@@ -42,13 +43,12 @@ namespace isoextract::volume_io {
 // Returns nothing for other files.
 [[nodiscard]] std::optional<Error> unsupported_format_error(const std::filesystem::path& path, const Context& context);
 
-// Lists the grids of an input: a path, "-" for standard input (files::InputFile keeps its bytes) or demo:NAME. Never
-// reads samples.
+// Lists the grids of an input: a path, "-" for standard input (files::InputFile keeps its bytes) or demo:NAME.
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options,
                                                        const Context& context);
 
 // Returns the label of the grid selected by ReadOptions::grid, which must be set; for a grid that a plug-in reads, the
-// given name. Fails as read_volume() does if no grid or several grids match. Never reads samples.
+// given name. Fails as read_volume() does if no grid or several grids match.
 [[nodiscard]] Result<std::string> grid_label(const std::string& input, const ReadOptions& options,
                                              const Context& context);
 
@@ -58,18 +58,18 @@ namespace isoextract::volume_io {
 
 // Returns the number of volumes, such as time steps, that ReadOptions::volume can select from; 1 for most files.
 // Ignores ReadOptions::volume. Returns the count of the grid in ReadOptions::grid if given, else the largest of all
-// grids. Never reads samples.
+// grids.
 [[nodiscard]] Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions& options,
                                                   const Context& context);
 
 // Lists the files that read_volume() would read: `input` and data files named in its header. A file may be listed
-// twice. Never reads samples.
+// twice.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input,
                                                                           const ReadOptions& options,
                                                                           const Context& context);
 
 // Lists the same files with the bytes of each that the selected volume depends on; a part without ranges is its whole
-// file. Never reads samples.
+// file.
 [[nodiscard]] Result<std::vector<files::FilePart>> list_input_parts(const std::string& input,
                                                                     const ReadOptions& options, const Context& context);
 

@@ -46,7 +46,8 @@ class ContentReader {
   void skip(std::uint64_t bytes, std::string_view what);
 
   // Consumes the next line and returns it without its line end; returns nothing at the end of the content. A line ends
-  // with LF or CR LF, or with CR if the first block has no LF. Valid until the next call.
+  // with LF or CR LF, or with CR if the first block has no LF. Throws if it is longer than kMaxPeekedBytes. Valid until
+  // the next call.
   [[nodiscard]] std::optional<std::string_view> next_line();
   // Returns the next line without consuming it.
   [[nodiscard]] std::optional<std::string_view> peek_line();

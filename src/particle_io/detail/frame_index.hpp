@@ -18,9 +18,9 @@ struct Inherited {
   files::ByteRange stated;  // where the file states it
 };
 
-// Keeps the positions for the life of the process, for the last few files. Keeps at most 65536 positions for each file:
-// in longer files, those of every second, fourth, ... frame. Recognizes a file by its version; caches nothing for a
-// file that was just written to (FileVersion::is_reliable). Safe to use from several threads.
+// Keeps the positions for the life of the process, for the last 4 files. Keeps at most 65,536 positions for each file:
+// in files of more frames, the positions of every second, fourth, ... frame. Recognizes a file by its version; caches
+// nothing for a file that was just written to (FileVersion::is_reliable). Safe to use from several threads.
 class FrameIndex {
  public:
   // Throws Refused.

@@ -51,8 +51,8 @@ FrameTime find_time(const files::InputFile& file, const ParticleReadOptions& opt
   return find_frame<Frames>(content, FrameIndex(file), options).time;
 }
 
-// Returns the bytes that the selected frame depends on: its own, and those of the state that it inherits. Returns
-// nothing if the options select no frame, and for compressed files.
+// Returns the bytes that the selected frame depends on: the frame's bytes, and the bytes of the state that it inherits.
+// Returns nothing if the options select no frame, and for compressed files.
 template <class Frames>
 std::vector<files::ByteRange> find_ranges(const files::InputFile& file, const ParticleReadOptions& options) {
   ContentReader content(file);
@@ -68,8 +68,8 @@ std::vector<files::ByteRange> find_ranges(const files::InputFile& file, const Pa
 }
 
 struct FrameCount {
-  std::uint64_t frames = 0;           // whole ones
-  std::optional<TruncatedFrame> cut;  // set if an incomplete frame follows them
+  std::uint64_t frames = 0;           // number of whole frames in the file
+  std::optional<TruncatedFrame> cut;  // set if an incomplete frame follows the whole frames
   Notes notes;                        // about the end of the file
 };
 
@@ -78,8 +78,8 @@ struct FrameCount {
 // Returns the note that the last frame, number `last`, may be incomplete, as the last line of the file has no line end.
 [[nodiscard]] Note open_line_note(const std::string& file, std::uint64_t last);
 
-// Counts the frames of a file, from number `next` on; `frame` is the one before. Calls seen(number, frame) for each
-// whole frame. Throws TruncatedFrame only if there is no whole frame.
+// Counts all frames of a file, of which the caller has read the first `next`; `frame` is the last of these. Calls
+// seen(number, frame) for each whole frame from `next` on. Throws TruncatedFrame only if there is no whole frame.
 template <class Frames, class Seen>
 FrameCount count_frames(const files::InputFile& file, ContentReader& content, const FrameIndex& index,
                         std::uint64_t next, typename Frames::Frame frame, const Seen& seen) {

@@ -51,11 +51,11 @@ struct ParticleTable {
 // Adds a column for each component, and their group.
 void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
                bool numeric = true, std::optional<AttributeKind> kind = {});
-// Groups columns by name. Consecutive columns form a group NAME if they are called NAME:0, NAME:1, ... or NAMEx, NAMEy,
-// NAMEz. The separator is one of ": _ . -", a space or nothing, or the suffix is in brackets. NAME[r], NAME[g], NAME[b]
-// with or without NAME[a] also form a group, and so do NAME.r, NAME.g, NAME.b with any of the separators. The columns
-// x, y and z form the group "x y z". Columns that are numeric and columns that are not do not mix, except in a
-// position.
+// Groups columns by name. Consecutive columns form a group NAME if they are called NAME:0, NAME:1, ... (at most to 9)
+// or NAMEx, NAMEy, NAMEz. The separator is one of ": _ . -", a space or nothing, or the suffix is in brackets. NAME[r],
+// NAME[g], NAME[b] with or without NAME[a] also form a group, and so do NAME.r, NAME.g, NAME.b with any of the
+// separators. The columns x, y and z form the group "x y z". A group does not mix numeric and other columns, unless its
+// name is that of a position ("pos").
 void group_by_names(ParticleTable& table);
 // Renames later groups of the same name to NAME[1], NAME[2], ...
 void make_group_names_unique(ParticleTable& table);

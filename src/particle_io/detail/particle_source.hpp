@@ -115,7 +115,7 @@ class ParticleFormat {
 [[nodiscard]] const std::vector<const ParticleFormat*>& particle_formats();
 
 // Returns the frame to read, for formats that find frames sequentially: the selected one or the first. Without a
-// selection the caller must then check that there is no second frame.
+// selection the caller must then check that there is no second frame. Throws InvalidParticleFile for a negative number.
 [[nodiscard]] std::uint64_t wanted_frame(const ParticleReadOptions& options);
 // Throws the error for a frame that does not exist or a missing selection.
 [[noreturn]] void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames);

@@ -1,4 +1,4 @@
-// Tells VTK's unstructured grids of cells, which are volumes, from those of points, which are particles.
+// Distinguishes VTK's unstructured grids of cells, which are volumes, from grids of points, which are particles.
 #pragma once
 
 #include <string_view>

@@ -11,7 +11,7 @@
 
 namespace isoextract::particle_io {
 
-// ScalarField::creator for files that do not name the program, although other programs write these formats too.
+// ScalarField::creator for files that do not name Houdini as their program, as other programs write these formats too.
 inline constexpr const char* kHoudiniFormat = "Houdini's format";
 
 struct HoudiniAttribute {
@@ -35,7 +35,7 @@ struct HoudiniFile {
 
 // All functions throw InvalidParticleFile and Refused.
 
-// Reads the whole file for its counts and attributes, without their numbers.
+// Reads the whole file for its counts and attributes, without the attributes' values.
 [[nodiscard]] HoudiniFile scan_houdini(const files::InputFile& file);
 
 // Describes a file, for ParticleFormat::info().

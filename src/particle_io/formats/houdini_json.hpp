@@ -37,7 +37,7 @@ class HoudiniJson {
   // Consumes the signature.
   explicit HoudiniJson(ContentReader& content);
 
-  // Returns the next token. Elements of a uniform array must be read before.
+  // Returns the next token. Read or skip the elements of a uniform array before the next call.
   [[nodiscard]] JsonToken next();
   // Skips the rest of the value that starts with `first`.
   void skip_value(const JsonToken& first);

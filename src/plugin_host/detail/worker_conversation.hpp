@@ -42,7 +42,7 @@ class WorkerConversation {
   [[nodiscard]] Result<void> take(std::span<std::byte> to);
   // Ends the worker, after which the shared memory no longer changes.
   [[nodiscard]] Result<void> finish();
-  // Returns the error for a reply that is invalid.
+  // Returns the error for an invalid reply; `what` completes "the plug-in for ID returns ...".
   [[nodiscard]] tl::unexpected<Error> refused(const std::string& what) const;
 
   [[nodiscard]] const std::string& greeting() const { return greeting_; }

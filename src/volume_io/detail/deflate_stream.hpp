@@ -23,8 +23,8 @@ class DeflateStream {
   // `offset` is the position of the compressed bytes, which must lie within the file.
   DeflateStream(const files::InputFile& file, std::uint64_t offset, const DeflatedMember& member);
 
-  // Returns the number of bytes written to `out`; it is smaller than out.size() only at the end of intact data, whose
-  // length and checksum match the member. At most 2 GiB at a time.
+  // Returns the number of bytes written to `out` (at most 2 GiB); less than out.size() only at the end of the content.
+  // Fails with ErrorCode::input for damaged data, or if length or checksum differ from the member.
   [[nodiscard]] Result<std::size_t> inflate(std::span<std::byte> out);
 
  private:

@@ -19,7 +19,7 @@
 
 namespace isoextract::volume_io {
 
-// 64-bit integers are converted to double, which is exact up to 2^53 and for some beyond; inexact ones are an error.
+// 64-bit integers become double, which is exact up to 2^53 and for some larger integers; an inexact one is an error.
 // With ReadOptions::label_ids they become indices into a table of ids instead (label_ids.hpp).
 enum class Integer64 { none, i64, u64 };
 
@@ -35,10 +35,10 @@ struct DenseFile {
   bool x_slowest = false;  // stored with the last axis fastest
   field::ValueScale scale;
   Frame frame;
-  std::uint64_t volumes = 1;     // at least this many volumes of `dims` each
-  bool interleaved = false;      // stored sample by sample: the first samples of all volumes, then the second ones;
+  std::uint64_t volumes = 1;     // number of volumes of `dims` each; 1 or more
+  bool interleaved = false;      // stored sample by sample: the first samples of all volumes, then all second samples;
                                  // else volume by volume
-  std::uint64_t components = 1;  // components per sample, at least
+  std::uint64_t components = 1;  // components per sample; 1 or more
   bool components_interleaved = false;   // whether components are stored sample by sample, else component by component
   bool component_before_volume = true;   // components vary faster than volumes, if the spatial axes are not between
                                          // the two
@@ -77,7 +77,7 @@ class DenseFormat : public VolumeFormat {
 [[nodiscard]] Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
                                               field::SampleType type);
 
-// Fails if `count` volumes of size `dims` have more than 2^62 bytes; components count as volumes.
+// Fails if `count` is 0, or `count` volumes of size `dims` have more than 2^62 bytes; components count as volumes.
 [[nodiscard]] Result<void> check_volume_count(const std::string& file, const glm::ivec3& dims, field::SampleType type,
                                               std::uint64_t count);
 

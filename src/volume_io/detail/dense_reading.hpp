@@ -18,7 +18,8 @@ namespace isoextract::volume_io {
 // Fails as set_placement() does, and with ErrorCode::input
 // - if the file is shorter than its header says, or longer and DenseFile::size_is_exact is set,
 // - if there are several volumes or components and none is selected,
-// - if double cannot represent a 64-bit integer that is not options.no_data.
+// - if double cannot represent a 64-bit integer that is not options.no_data; with options.label_ids as index_ids()
+// does.
 [[nodiscard]] Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile dense, std::string name,
                                                     const ReadOptions& options);
 

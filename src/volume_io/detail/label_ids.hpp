@@ -22,7 +22,7 @@ struct IndexedIds {
 
 // Returns, for each 64-bit integer in `stored` (native byte order), its index in a table of 0 and all ids that occur.
 // Takes four bytes for each sample, reserved in `context`, and two passes. The result does not depend on the number of
-// threads. Fails with ErrorCode::input for an id beyond 2^63 - 1; the message has its place in a volume of `dims`.
+// threads. Fails with ErrorCode::input for an id beyond 2^63 - 1; the message has its sample index by `dims`.
 // Fails with ErrorCode::out_of_memory, and as Context::check() does. `name` starts the messages.
 [[nodiscard]] Result<IndexedIds> index_ids(std::span<const std::byte> stored, Integer64 type, const glm::ivec3& dims,
                                            const std::string& name, const Context& context);

@@ -11,7 +11,7 @@
 
 namespace isoextract::volume_io {
 
-// Placement as stated in a file. An invalid one is only an error if the options do not replace it.
+// Placement as stated in a file. An invalid placement is only an error if the options do not replace it.
 struct Frame {
   field::Affine index_to_world;
   std::string problem;  // "axis 2 has no direction"; empty if valid

@@ -14,9 +14,9 @@ namespace isoextract::volume_io {
 [[nodiscard]] std::unique_ptr<const VolumeFormat> make_plugin_format(FormatDescription about,
                                                                      plugin_host::PluginFolders folders);
 
-// Makes the formats of the tables in the folders, by folder and then by name; of several with the same id, only the
-// first. Skips kOpenVdbPlugin. These formats also fail with ErrorCode::unavailable if their plug-in is in none of the
-// folders, cannot be opened, or has another version.
+// Makes the formats of the tables in the folders, by folder and then by id; of several tables with one id, only the
+// first counts. Skips kOpenVdbPlugin. These formats also fail with ErrorCode::unavailable if their plug-in is in none
+// of the folders, cannot be opened, or has another version.
 [[nodiscard]] std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(
     const plugin_host::PluginFolders& folders);
 

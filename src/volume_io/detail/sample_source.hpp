@@ -49,8 +49,8 @@ struct Share {
   std::uint64_t count = 1;
 };
 
-// Selects a part of the samples in `all`: first the run at `run` of the consecutive runs, then in that run the
-// samples at `lane` of the interleaved lanes. Fails if the run is neither whole pieces nor part of one, or if too
+// Selects a part of the samples in `all`: run run.index of run.count consecutive runs, and of these samples only number
+// lane.index of each lane.count interleaved ones. Fails if the run is neither whole pieces nor part of one, or if too
 // many samples are interleaved.
 [[nodiscard]] Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const Share& run);
 
@@ -61,8 +61,8 @@ struct Share {
                                                  const Context& context);
 
 // Maps samples that need no conversion: one piece, not interleaved or compressed, native byte order, aligned offset.
-// Counts them as read once and reports "reading". Returns nothing if the layout does not fit or the system cannot map
-// them; then they must be read.
+// Reports their bytes as "reading" at once. Returns nothing if the layout does not fit or the system cannot map them;
+// then call read_samples().
 [[nodiscard]] std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context);
 
 struct ReadSamples {

@@ -10,7 +10,7 @@
 namespace isoextract::volume_io {
 
 struct UnsupportedFormat {
-  std::string title;  // "a DICOM file"
+  std::string title;  // "a MINC volume"
   bool by_name;       // recognized by its name; else by its content
   std::string way;    // how to convert it to a supported format, as a clause
 };

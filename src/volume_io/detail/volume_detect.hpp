@@ -15,9 +15,10 @@ struct DetectedFormat {
   std::string note;  // set if the extension suggests another format
 };
 
-// Returns the format by the input's prefix such as demo:, else by ReadOptions::format, else by the content, else raw if
-// a raw layout is given, else by the extension. Fails with ErrorCode::input if the input is not a volume, and with
-// ErrorCode::usage if the format does not exist or has no files.
+// Returns the format by the input's prefix such as demo:, else by ReadOptions::format, else the format that takes the
+// stack or folder, else by the content. If these do not decide: raw if a raw layout is given, else by the extension.
+// Fails with ErrorCode::input if the input is not a volume, and with ErrorCode::usage if the format is unknown or has
+// no files.
 [[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
                                                    const Context& context);
 
@@ -25,14 +26,15 @@ struct DetectedFormat {
 // file can read the folder.
 [[nodiscard]] std::optional<std::string> folder_of_marker(const std::string& input, const Context& context);
 
-// Returns whether the input is no file but has a prefix like demo:.
+// Returns whether the input has the prefix of a format without files, such as demo:.
 [[nodiscard]] bool is_named_by_prefix(const std::string& input);
-// Returns whether a format recognizes the file by its content.
+// Returns whether a format recognizes the content of the file or folder, or the input is a stack of slices.
 [[nodiscard]] Result<bool> has_volume_content(const std::string& input, const Context& context);
 
 // Returns the path under which formats find the input: another one if it is compressed as a whole or an archive
-// (plugin_host/unpacked_input.hpp). Keeps a gzip file if a format decompresses it itself, or if no format claims its
-// content and the options give neither a format nor a raw layout. Always unpacks gzip tar archives.
+// (plugin_host/unpacked_input.hpp); the only file with the name of a volume if the archive's folder is not an input.
+// Keeps a gzip file if a format decompresses it itself, or if no format claims its content and the options give neither
+// a format nor a raw layout. Always unpacks gzip tar archives.
 [[nodiscard]] Result<std::string> unpack_for_volumes(const std::string& input, const ReadOptions& options,
                                                      const Context& context);
 

@@ -42,8 +42,8 @@ struct NrrdDataFiles {
 };
 
 struct NrrdHeaderText {
-  // Input for teem: all lines except "data file", and without overlong texts that do not describe the samples
-  // (comments, key/value pairs, content).
+  // Input for teem: all lines except "data file", and without texts that do not describe the samples (comments,
+  // key/value pairs, content).
   std::string fields;
   std::vector<std::string> segments;      // the key/value pairs "SegmentN_KEY:=VALUE" of 3D Slicer
   std::optional<NrrdDataFiles> detached;  // empty: the samples follow the header
@@ -61,8 +61,8 @@ template <class T>
   return number;
 }
 
-// Reads the header. Fails with ErrorCode::input if the text does not end, is binary, has a line too long for teem, or
-// names its data files in an unknown way.
+// Reads the header. Fails with ErrorCode::input if the text does not end, is binary, has a line that would overflow
+// teem's buffers, or names its data files twice or in an unsupported way.
 [[nodiscard]] Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file);
 
 }  // namespace isoextract::volume_io

@@ -2,9 +2,9 @@
 // pairs of the NRRD header. Private to the NRRD reader.
 //
 //   Segment0_Name:=Left kidney      else Segment0_ID, else Segment0
-//   Segment0_Color:=0.8 0.2 0.1     sRGB, each from 0 to 1
+//   Segment0_Color:=0.8 0.2 0.1     sRGB, each clamped to 0 to 1
 //   Segment0_LabelValue:=1          else 1, as in files of Slicer 4.10 and older
-//   Segment0_Layer:=0               index along the axis of kind "list"; else the segment's number, as in those files
+//   Segment0_Layer:=0               index along the axis of kind "list"; else the segment's number, as in Slicer 4.10
 #pragma once
 
 #include <cstdint>

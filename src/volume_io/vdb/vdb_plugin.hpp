@@ -14,7 +14,7 @@
 
 namespace isoextract::volume_io {
 
-// Marks the grids that the plug-in reads; the only place that decides it. `is_missing`: the plug-in is missing.
+// Marks the grids that the plug-in reads; only this function decides which. `is_missing`: the plug-in is missing.
 void mark_plugin_grids(const VdbHeader& header, std::span<GridInfo> grids, bool is_missing);
 
 struct PluginGrid {

@@ -29,8 +29,8 @@ struct VdbTreeLimits {
   std::string grid;
 };
 
-// Reads the topology; moves the cursor from the tree to the leaves' values. Throws InvalidVdb, and VdbReadError before
-// tiles and blocks need more memory than there is. For float, double and int32_t.
+// Reads the topology; moves the cursor from the tree to the leaves' values. Throws InvalidVdb, UnsupportedVdb for voxel
+// indices out of range, and VdbReadError if memory for tiles and blocks is refused. For float, double and int32_t.
 template <class Value>
 [[nodiscard]] VdbTopology read_vdb_topology(VdbCursor& cursor, const VdbValueLayout& layout,
                                             const VdbTreeLimits& limits);

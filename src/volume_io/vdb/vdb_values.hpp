@@ -41,7 +41,7 @@ struct VdbPackedValues {
   std::span<const std::byte> data;
   std::uint32_t stored = 0;  // number of values in `data`: all, or the active ones
   bool compressed = false;
-  bool inactive_is_background = false;  // if none is stored: inactive values are the background; else its negative
+  bool inactive_is_background = false;  // first inactive value if none is stored: the background, else its negative
 };
 
 // Returns the largest number of bytes that take_values() reads.
