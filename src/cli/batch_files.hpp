@@ -18,13 +18,13 @@ namespace isoextract::cli {
 [[nodiscard]] Result<void> make_folders(const BatchPlan& plan);
 
 // Checks that no output replaces a file that the batch reads. Returns all files that the frames read, including data
-// files that input headers name. Returns nullopt if no output exists yet and no surface is split into bodies, since
-// then the batch replaces no file.
+// files that input headers name. Returns nullopt if no output exists yet and no surface is split into bodies: the
+// batch then replaces no file.
 // Fails as batch::check_written_files() does, and as convert::check_output_file() for tables, plots and pages.
 [[nodiscard]] Result<std::optional<files::InputFileSet>> check_batch_files(const BatchPlan& plan);
 
-// Returns a note that lists the length units if frames with surfaces have more than one ("unknown" counts as a unit);
-// otherwise empty.
+// Returns a note that lists the length units if the frames with surfaces have several ("unknown" counts as a unit);
+// otherwise an empty text.
 [[nodiscard]] std::string units_note(std::span<const batch::FrameRow> rows);
 
 }  // namespace isoextract::cli

@@ -5,7 +5,7 @@
 // - the file whose volumes are the frames,
 // - the tables of --iso-table and --label-names, and a table of label names beside the first input,
 // - the first input, where its content decides about particles, labels or the iso value,
-// - every input, if an output name contains {step}.
+// - if -o or --report contains {step}: each input whose time step is not known yet.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ namespace isoextract::cli {
 
 struct BatchPlan {
   ConvertPlan common;  // shared by all frames; each frame has its own input, outputs and iso values
-  Notes frame_notes;   // the notes of common that a conversion of one frame would print
+  Notes frame_notes;   // the notes of `common` that the report of each frame repeats
   batch::BatchJob batch;
   std::vector<std::size_t> frames;    // indices into batch.frames: those of this run's shard
   std::vector<batch::FrameRun> gaps;  // missing frames of the whole batch
@@ -41,7 +41,7 @@ struct BatchPlan {
   bool make_folders = false;
   PictureFormat plot_format = PictureFormat::svg;
   ProgressStyle progress = ProgressStyle::bar;
-  std::vector<std::string> reports;  // the path of each frame's report; empty: none
+  std::vector<std::string> reports;  // report paths, one for each of batch.frames; empty: no reports
   batch::OtherFiles others;          // files read and written besides the frames' inputs and outputs
 
   // Returns whether the run measures each mesh, for its table, plot, reports or page.

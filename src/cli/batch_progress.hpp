@@ -42,10 +42,10 @@ class BatchProgress {
  public:
   BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames);
 
-  // Prints the error of the first frame with this `reason`: the error's message without the file names of the frame.
-  // end() prints one line for each reason that several frames have.
+  // Prints `error` if `row` is the first frame with this `reason` (the message without the frame's file names). end()
+  // prints one line for each reason that several frames have.
   void failed(const batch::FrameRow& row, const Error& error, const std::string& reason);
-  // Prints a text if the user asked for details (Messages::detail()).
+  // Prints a text with --verbose (Messages::detail()).
   void detail(const std::string& text);
   // Prints only the first note of each id, since other frames have similar notes.
   void print_note_once(const Note& note);
@@ -53,7 +53,8 @@ class BatchProgress {
   void add_remark(std::int64_t frame, const Note& remark);
   // Records a frame that is over, whatever its outcome. With ProgressStyle::json, prints its line of JSON.
   void over(const batch::FrameRow& row);
-  // Removes the bar, and prints the collected reasons and remarks, a summary, and what each rank did. Call once, last.
+  // Removes the bar, and prints the collected reasons and remarks, a summary, and with --verbose the frames and time of
+  // each rank. With ProgressStyle::json, prints one line of JSON instead. Call once, last.
   void end(const FrameCounts& counts, std::span<const batch::RankWork> ranks = {});
 
   [[nodiscard]] double seconds() const { return watch_.elapsed().wall_seconds; }

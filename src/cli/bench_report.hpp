@@ -13,7 +13,7 @@ namespace isoextract::cli {
 [[nodiscard]] std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std::size_t left);
 
 // Returns text for a terminal: the rows, the notes, the orders of convergence, the times of the GPU's steps, the Pareto
-// front. Orders need two sizes or more, not counting the size that the others are compared with.
+// front. Orders need at least two sizes besides the one that is the truth (bench::BenchLevel::is_truth).
 [[nodiscard]] std::string bench_table(const bench::BenchResult& result, int repeats);
 
 // Returns a header line and one line per row, without the times of the GPU's steps; unknown cells are empty. RFC 4180

@@ -9,10 +9,10 @@
 
 namespace isoextract::cli {
 
-// Returns "empty" without triangles, "closed", or "open" with the location of the boundary and, for the data boundary
-// and clip planes, the option that closes it. Replaces "closed" by "not manifold: ..." if readers of the file weld
-// sheets that touch, or if an input mesh is not manifold; appends this text to "open". Adds the number of cells left
-// out around NaN samples.
+// Returns "empty" (no triangles), "closed", or "open" with the location of the boundary and, for the data boundary and
+// clip planes, the option that closes it. Replaces "closed" by "not manifold: ..." if readers of the file weld sheets
+// that touch, or if an input mesh is not manifold; appends this text to "open". Adds the number of cells left out
+// around NaN samples, and to "closed" the T-junctions of --t-junctions.
 [[nodiscard]] std::string closed_or_open_text(const convert::WrittenOutput& output, const convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

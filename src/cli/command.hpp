@@ -54,13 +54,13 @@ class Command {
 
   // Checks the parsed values of several options against each other before run().
   [[nodiscard]] virtual Result<void> check_words() const { return {}; }
-  // Runs the command and returns the exit code. `arguments` are all words of the command line.
+  // Runs the command and returns the exit code. `arguments` are all words of the command line but the program's name.
   [[nodiscard]] virtual Result<int> run(const std::vector<std::string>& arguments) = 0;
   // Returns whether all ranks of a run call run() (rank_run.hpp); otherwise only rank 0 does.
   [[nodiscard]] virtual bool shares_work() const { return false; }
   // Writes the report that the options request. Called in place of run() if the parser refuses the options.
   virtual void report_failure(const std::vector<std::string>& /*arguments*/, const Error& /*error*/) {}
-  // Returns a hint about an option that the default command has and this one lacks.
+  // Returns a hint about an option that the default command has and this command lacks.
   [[nodiscard]] virtual std::string hint_for_default_command_option(std::string_view option) const;
 
  private:

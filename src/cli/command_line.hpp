@@ -12,10 +12,10 @@ namespace isoextract::cli {
 
 // Returns the command that the first word names, or the default command. `arguments` do not include the program's name.
 [[nodiscard]] Command& find_command(const Command& program, const std::vector<std::string>& arguments);
-// Returns the sub-command that the arguments name, such as `simulate water`; the result of find_command() if they name
-// none.
+// Returns the sub-command that the first two arguments name, such as `simulate water`; otherwise the result of
+// find_command().
 [[nodiscard]] Command& find_subcommand(const Command& program, const std::vector<std::string>& arguments);
-// Returns the arguments after the names of `command` and its outer commands; all arguments if they do not name it.
+// Returns the arguments after Command::path() of `command`; all arguments if they do not begin with this path.
 [[nodiscard]] std::vector<std::string> arguments_after_command(const Command& command,
                                                                const std::vector<std::string>& arguments);
 
@@ -31,7 +31,7 @@ struct Parsed {
 // If the words ask for help, takes no values and does not report unknown options.
 [[nodiscard]] Result<void> parse_words(Command& command, std::vector<std::string> words);
 // Reads as many as possible of the words that parse_words() refused. The command's options must have their defaults.
-// Skips "--", options without their value, and values that their options refuse. Words that belong to no option become
+// Skips "--", options that lack a value, and values that an option refuses. Words that belong to no option become
 // operands; so do the values of "--unknown=FILE" and "--flag=FILE".
 void read_words_leniently(Command& command, const std::vector<std::string>& words);
 

@@ -16,8 +16,8 @@
 namespace isoextract::cli {
 
 // Adds the file's options to `command`, which has parsed `arguments` with --config among them. Options and inputs of
-// the command line replace those of the file, but the whole file is checked. Returns the arguments: the command's name,
-// the words of the file that take effect, then the given options.
+// the command line replace those of the file, but the whole file is checked. Returns the arguments: the command's name
+// if it is given, the words of the file that take effect, then the given options and inputs.
 //
 // Fails with ErrorCode::input if the file is unreadable or larger than 1 MiB. Fails with ErrorCode::usage if it is
 // standard input ("-"), is not TOML, or has an unknown key or a value that the option refuses. Messages about the

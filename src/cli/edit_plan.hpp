@@ -1,4 +1,4 @@
-// Plans --blur and the options that edit surfaces (EditFlags, --simplify, --triangles).
+// Plans --blur and the options that edit or check surfaces (EditFlags, --simplify, --triangles, --touching, --require).
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ namespace isoextract::cli {
 // --hollow with a simplification of labels, for --repair without a mesh file, and for --require normals.
 [[nodiscard]] Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job);
 
-// Fails with ErrorCode::usage if `path`, the value of -o or empty, cannot hold the bodies of --split-components: a
-// format for one mesh needs {piece}. {piece} with several iso values or labels also needs {iso}, {label} or {name}.
-// {piece} needs --split-components.
+// Fails with ErrorCode::usage if `path` (the value of -o; empty without -o) does not suit --split-components. With
+// --split-components, a format for one mesh needs {piece}, and {piece} for several iso values or labels needs {iso},
+// {label} or {name} as well. Without --split-components, `path` must not contain {piece}.
 [[nodiscard]] Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
                                                const mesh_io::MeshFormatInfo& format);
 }  // namespace isoextract::cli

@@ -10,7 +10,7 @@
 namespace isoextract::cli {
 
 // Returns a hint that names the equivalent option of `options` for another program's option, such as "--threshold".
-// Empty if none is known, or if `options` lacks the equivalent.
+// Returns an empty text if no equivalent is known, or if `options` lacks it.
 [[nodiscard]] std::string hint_for_other_programs_option(const OptionSet& options, std::string_view name);
 
 // Fails with ErrorCode::usage if -o is missing and the last of several inputs has a mesh's extension: the user probably

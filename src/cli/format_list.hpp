@@ -19,12 +19,12 @@ constexpr auto words_of(FormatUse /*type*/) {
 
 struct ListedFormat {
   FormatUse use = FormatUse::read_volume;
-  std::string id;     // the value of --input-format, --format or an option like them: "vdb"
+  std::string id;     // "vdb": the value of --input-format or --format; for FormatUse::unpack only a name
   std::string title;  // one line for users
   std::vector<std::string> extensions;
-  std::string library = {};  // the library of the code that reads or writes it; empty for the program's own
+  std::string library = {};  // the library that reads or writes the format; empty for the program's own code
   bool is_plugin = false;
-  std::string plugin = {};   // path of the plug-in; empty if it is missing
+  std::string plugin = {};   // path of the plug-in; empty if it is missing or the format needs none
   std::string package = {};  // the Debian package that building the plug-in needs; may be empty
 
   [[nodiscard]] bool is_there() const { return !is_plugin || !plugin.empty(); }

@@ -9,8 +9,8 @@
 
 namespace isoextract::cli {
 
-// Runs gnuplot once. Fails with ErrorCode::unavailable if that fails: the message says that `option` needs gnuplot, and
-// the hint how to install it.
+// Checks that gnuplot runs. Otherwise fails with ErrorCode::unavailable: the message says that `option` needs gnuplot,
+// the hint says how to install it.
 [[nodiscard]] Result<void> check_gnuplot(std::string_view option);
 
 // Runs the script without the user's settings and returns gnuplot's standard output. Fails with ErrorCode::unavailable
@@ -25,7 +25,7 @@ enum class PictureFormat { svg, png };
 // Returns the first line of a script: it sets format, size, font and background.
 [[nodiscard]] std::string plot_terminal(PictureFormat format);
 
-// Returns the color of line n. The palette suits all kinds of color vision, and repeats.
+// Returns the color of line n. The palette suits all kinds of color vision, and repeats after 6 colors.
 [[nodiscard]] std::string_view plot_color(std::size_t n);
 
 }  // namespace isoextract::cli

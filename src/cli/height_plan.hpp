@@ -1,4 +1,4 @@
-// --heightfield: the plan of terrain.
+// Plans terrain (--heightfield).
 #pragma once
 
 #include "base/error.hpp"
@@ -7,11 +7,12 @@
 
 namespace isoextract::cli {
 
-// Checks the options that do not work with --heightfield, and sets the iso value, which terrain does not use, to 0.
-// Without --heightfield refuses the options that need it.
+// Sets the iso value, which terrain does not use, to 0. Fails with ErrorCode::usage for options that do not work with
+// --heightfield. Without --heightfield does nothing, but fails with ErrorCode::usage for --base.
 [[nodiscard]] Result<void> take_heights(ConvertFlags& flags);
 
-// Sets the options of the terrain and how the input is read.
+// Sets the terrain options, the NaN policy (by default NanPolicy::hole) and ReadOptions::flat of `job`. Does nothing
+// without --heightfield.
 void plan_heights(const ConvertFlags& flags, convert::ConversionJob& job);
 
 }  // namespace isoextract::cli

@@ -24,7 +24,7 @@ inline constexpr std::string_view kExamplesTopic = "examples";
 
 struct Example {
   std::string_view command;
-  std::string_view brief;  // a few words for the overview; empty: the overview leaves it out
+  std::string_view brief;  // a few words for the overview; empty: the overview omits the example
   std::string_view text;   // a sentence
 };
 [[nodiscard]] std::span<const Example> examples();
@@ -40,7 +40,8 @@ struct Example {
 [[nodiscard]] std::string help_overview(const Command& program);
 // Returns summary, usage, sub-commands and options. Adds the examples for the default command with HelpDetail::all.
 [[nodiscard]] std::string help_of_command(const Command& command, HelpDetail detail);
-// Returns the page of a command, group or subject. `name` is one of help_names(); for other names returns no text.
+// Returns the page of a command, a group, a subject or the examples. `name` is one of help_names(); returns an empty
+// text for other names.
 [[nodiscard]] std::string help_of(const Command& program, std::string_view name);
 // Returns the text that a call without arguments prints: the usage of each command and an example.
 [[nodiscard]] std::string short_usage(const Command& program);

@@ -22,19 +22,19 @@ namespace isoextract::cli {
 
 class HtmlPage {
  public:
-  // Adds data of a frame that its row lacks: measured errors, times by stage, skipped work, notes, device. Not
+  // Adds the data of a frame that its FrameRow lacks: measured errors, times by stage, skipped work, notes, device. Not
   // thread-safe.
   void add(std::int64_t frame, const convert::Outcome& outcome);
 
-  // Draws the pictures and returns the page. `rows` has all frames; frames without add() appear only there. `svg` is
-  // the plot over the frames, or empty. `arguments` are the words of the command line without the program.
+  // Draws the pictures and returns the page. `rows` has all frames; a frame without add() shows only its row. `svg` is
+  // the plot over the frames, or empty. `arguments` are the words of the command line without the program's name.
   // Fails as MeshPictures::draw(), image_io::encode_png() and Context::check() do.
   [[nodiscard]] Result<std::string> text(std::span<const batch::FrameRow> rows, const MeshPictures& pictures,
                                          const std::string& svg, const std::vector<std::string>& arguments,
                                          const Context& context) const;
 
  private:
-  // The distance of a mesh from its isosurface, inside the triangles.
+  // The distance of a mesh from its isosurface, measured at points inside the triangles.
   struct MeasuredError {
     std::int64_t frame = 0;
     std::string grid;  // set if there are several grids
@@ -43,7 +43,7 @@ class HtmlPage {
     double largest = 0;  // in world units
     double voxels = 0;   // the largest error in voxels
   };
-  // Facts about skipped work of one topic and action, summed over all frames.
+  // Facts about done or skipped work of one topic and action, summed over all frames.
   struct SkippedWork {
     std::uint64_t count = 0;
     std::uint64_t total = 0;

@@ -43,13 +43,13 @@ struct InputReport {
   std::optional<std::int64_t> volume;  // this report's volume or particle frame, if chosen or one of several
   std::optional<volume_io::ComponentChoice> component;  // this report's component, if chosen or one of several
   std::optional<ParticleReport> particles;              // for particles, which have no grids
-  // Unset if the grid is not chosen, its placement is unusable, the particles give no field, or on an error.
+  // Unset if no grid is chosen, if the grid's placement is unusable, if the particles give no field, or on an error.
   std::optional<FieldReport> field;
   std::optional<Error> error;
 };
 
-// Returns the grid that read_volume() chooses without a name; null if there is none or a name is necessary. The grid
-// may be unreadable: a single scalar grid counts even if its placement is unusable.
+// Returns the grid that read_volume() chooses without a name; null if there is no grid or a name is necessary. The
+// grid may be unreadable: a single scalar grid counts even if its placement is unusable.
 [[nodiscard]] const volume_io::GridInfo* grid_without_choice(std::span<const volume_io::GridInfo> grids);
 [[nodiscard]] bool has_several_volumes(const volume_io::GridInfo& grid);
 [[nodiscard]] bool has_several_components(const volume_io::GridInfo& grid);

@@ -24,7 +24,7 @@ struct FrameSummary {
   std::optional<double> iso;                  // the suggested value, if it separates inside from outside
   std::string method;                         // name of the method that found `iso`
   bool has_labels = false;                    // a label map or mask, which has no `iso`
-  bool is_mask = false;                       // of one label
+  bool is_mask = false;                       // has_labels, with one label only
   std::optional<Error> error;
 };
 
@@ -36,16 +36,16 @@ struct SequenceReport {
   bool have_numbers = false;             // the names of the frames have numbers
   std::vector<batch::FrameRun> gaps;     // missing frame numbers
   std::vector<std::string> arguments;    // the input options, to repeat in an example
-  std::optional<SequenceRadius> radius;  // of all frames, if they hold particles
-  // The report of the first readable frame; empty and null if there is none.
+  std::optional<SequenceRadius> radius;  // the common radius of particles (find_sequence_radius()), if there is one
+  // The report of the first readable frame; empty text and null if no frame is readable.
   std::string first_text;
   convert::Json first_json;
 };
 
-// A common iso value for all frames: the median of their suggestions, the lower of two middle ones.
+// A common iso value for all frames: the median of the frames' suggestions (of two middle values the lower).
 struct SequenceIso {
   double iso = 0;
-  std::size_t separates = 0;  // number of frames in which it separates inside from outside
+  std::size_t separates = 0;  // number of frames in which `iso` separates inside from outside
 };
 // Returns nullopt if no frame has a suggestion.
 [[nodiscard]] std::optional<SequenceIso> iso_of(const SequenceReport& report);

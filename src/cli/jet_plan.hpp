@@ -15,7 +15,7 @@ struct JetPlan {
   simulate::JetOptions jet;
   particle_io::ParticleFileFormat format = particle_io::ParticleFileFormat::ply;
   std::string pattern;    // the value of -o if it works as an input pattern for all frames; else empty
-  SequencePlan sequence;  // a step is a frame of the jet
+  SequencePlan sequence;  // each step is a frame of the jet
 };
 // Fails with ErrorCode::usage for too many frames, an unknown format, and as plan_sequence() does.
 [[nodiscard]] Result<JetPlan> plan_jet(const JetFlags& flags);

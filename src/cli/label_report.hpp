@@ -18,7 +18,7 @@ namespace isoextract::cli {
 struct LabelReport {
   field::LabelMap map;
   std::vector<field::LabelName> names;  // of the described volume, in ascending order of label
-  std::size_t layers = 0;               // of masks: the number of label maps that hold them; else 0
+  std::size_t layers = 0;               // number of label maps that hold the masks of --masks; 0 without --masks
   std::string table;                    // path of the table beside the input, if the names come from it; else empty
 
   // Returns the entry with the name and color of a label, or null.
@@ -34,13 +34,14 @@ struct LabelReport {
 // Returns the labels of masks; nothing if no mask has a voxel.
 [[nodiscard]] std::optional<LabelReport> report_masks(const convert::MaskLayers& masks);
 
-// Adds the kind of the field, and for each of the first labels the number of its voxels, its volume, bounds and name.
+// Adds the kind of the field, and for each of the first 20 labels the number of voxels, volume, bounds and name. Lists
+// named labels without voxels, unless the names come from a table.
 void add_label_map(NamedLines& lines, const LabelReport& report, const field::ScalarField& field);
 
 // Describes the meshes that --labels all makes of the labels.
 [[nodiscard]] std::string surfaces_text(const LabelReport& report);
 
-// Returns kind, background and all labels.
+// Returns the kind, the background and all labels as JSON.
 [[nodiscard]] convert::Json json_of(const LabelReport& report, const field::ScalarField& field);
 
 }  // namespace isoextract::cli

@@ -1,4 +1,4 @@
-// The table of the labels in a written file, which --verbose prints.
+// Formats the table of a written file's labels. --verbose prints the table.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace isoextract::cli {
 
-// Returns a line for the headings and one for each mesh of a label: label, voxels, their volume in the units of the
-// mesh, triangles, whether the mesh is closed, and its name. `output` has surfaces of labels only.
+// Returns a line of headings and a line for each mesh of a label: label, number of voxels, volume of the voxels in the
+// units of the mesh, triangles, whether the mesh is closed, name. `output` has surfaces of labels only.
 [[nodiscard]] std::vector<std::string> label_table(const convert::WrittenOutput& output);
 
 }  // namespace isoextract::cli

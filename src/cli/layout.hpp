@@ -1,4 +1,5 @@
-// Help as data, and its layout as plain text; help pages and man page use the same blocks. Also the lines of reports.
+// Holds help as data and lays it out as plain text; help pages and man page use the same blocks. Also formats the lines
+// of reports.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Plans --masks: the files of the masks, and the options that do not go with them.
+// Plans --masks: finds the files of the masks, and refuses options that do not work with --masks (ErrorCode::usage).
 #pragma once
 
 #include <span>
@@ -16,14 +16,15 @@ namespace isoextract::cli {
 // several inputs is a folder. Fails with ErrorCode::input if a folder has no volume or cannot be read.
 [[nodiscard]] Result<std::vector<std::string>> find_masks(std::span<const std::string> inputs, Notes& notes);
 
-// Returns the name that output names use for the masks: the name of their folder, or "masks" for the current folder.
+// Returns the name that output names use for the masks: the name of the first mask's folder, or "masks" for the current
+// or its parent folder.
 [[nodiscard]] std::string name_of_masks(std::span<const std::string> masks);
 
-// Refuses options that do not go with --masks, and chooses all labels unless --labels is given. Does nothing without
+// Refuses options that do not work with --masks, and chooses all labels unless --labels is given. Does nothing without
 // --masks.
 [[nodiscard]] Result<void> take_masks(ConvertFlags& flags);
 
-// Refuses options of the input that do not go with --masks.
+// Refuses options of the input that do not work with --masks. Does nothing without --masks.
 [[nodiscard]] Result<void> check_mask_input(const InputFlags& input, const Flag& masks);
 
 }  // namespace isoextract::cli

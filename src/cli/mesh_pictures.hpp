@@ -21,9 +21,9 @@ struct WrittenMesh {
 
 class MeshPictures {
  public:
-  // Reads all files once if there are several meshes, and extends the box of `options` to contain them. Reads nothing
-  // for a single mesh. The up axis of `options` is for formats that prescribe none. Fails as mesh_io::read_mesh() and
-  // Context::check() do.
+  // Reads all files once if there are several meshes, and extends the box of `options` to contain the meshes. Reads
+  // nothing for a single mesh. The up axis of `options` is for formats that prescribe none. Fails as
+  // mesh_io::read_mesh() and Context::check() do.
   [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, render::PreviewOptions options,
                                                  const Context& context);
 

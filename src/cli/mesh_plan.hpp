@@ -10,12 +10,12 @@
 
 namespace isoextract::cli {
 
-// Makes the meshes of an input that is a mesh file the surfaces to convert. For glTF without --up, sets the up axis y,
-// which glTF prescribes; then also sets --up-out z for other output formats, unless --up-out is given. Does nothing for
-// other inputs, with --heightfield or --input-format, and for raw samples from standard input.
+// Selects the meshes of `input` as the surfaces to convert, if `input` is a mesh file. For glTF without --up, sets the
+// up axis y, which glTF prescribes; then also sets --up-out z for other mesh formats, unless --up-out is given. Does
+// nothing for other inputs, for a PLY file with options of particles, with --heightfield or --input-format, and for raw
+// samples from standard input.
 //
-// Fails with ErrorCode::usage if an option needs a field, particles or voxels; the message names the option and says
-// why.
+// Fails with ErrorCode::usage if an option or the output needs a field, particles or voxels; the message says why.
 [[nodiscard]] Result<void> take_mesh(ConvertFlags& flags, const std::string& input, const Context& context);
 
 // Fails with ErrorCode::usage if take_mesh() found a mesh file and the frames are of glTF and of other formats: their

@@ -30,7 +30,7 @@ class Messages {
 
   void error(const Error& error) const;       // "isoextract: error: ..." and "  hint: ..."; never silent
   void note(const Note& note) const;          // "isoextract: note[ID]: ..."; not when quiet or hidden
-  void summary(std::string_view text) const;  // results; not when quiet
+  void summary(std::string_view text) const;  // a line about a written file or a run; not when quiet
   // Prints lines for --explain; not when quiet. The caller checks whether --explain is given.
   void explanation(std::string_view text) const;
   void detail(std::string_view text) const;  // only when verbose
@@ -46,7 +46,7 @@ class Messages {
   std::shared_ptr<spdlog::logger> log_;
 };
 
-// Returns the exception being handled as an error. Call in a catch block.
+// Converts the std::exception that is being handled to an Error. Call only in the catch block of the exception.
 [[nodiscard]] Error error_of_exception();
 
 // Writes all of `text` to stdout. Fails with ErrorCode::output, for example on a closed pipe or a full disk.

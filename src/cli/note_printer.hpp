@@ -7,7 +7,7 @@
 
 namespace isoextract::cli {
 
-// Refers to `messages` and `bar`.
+// `messages` and `bar` must outlive this object.
 class NotePrinter final : public convert::Events {
  public:
   NotePrinter(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}

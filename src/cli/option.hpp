@@ -6,7 +6,8 @@
 //   };
 //
 // The parser, help, man page, completions, --config and the refusal of options without effect read these declarations.
-// A metavar with '|' in it ("mc|mt") lists all values; shells complete FILE and INPUT with paths.
+// A metavar with '|' lists values ("mc|mt") or placeholders ("H|none"), which shells offer as they are. Shells complete
+// the metavars FILE and INPUT with paths.
 #pragma once
 
 #include <array>
@@ -57,17 +58,17 @@ constexpr auto words_of(OptionGroup /*type*/) {
 // reject the options that depend on them by OptionSet::refuse().
 enum class About : std::uint32_t {
   anything = 0,
-  surface = 1U << 0,        // not if the output is the field itself
+  surface = 1U << 0,        // not if the output is the field itself or the particles
   mesh_file = 1U << 1,      // not if the output is a picture
-  picture = 1U << 2,        // only if the output is a picture
+  picture = 1U << 2,        // only if the command draws pictures: as output, or for --html or --contact-sheet
   edit = 1U << 3,           // only if the command edits surfaces: the option changes a surface after its extraction
-  world = 1U << 4,          // not with voxel coordinates
-  raw_file = 1U << 5,       // only with the samples of a raw file
-  gpu = 1U << 6,            // not with --backend cpu
+  world = 1U << 4,          // not with voxel coordinates (--space index)
+  raw_file = 1U << 5,       // only with the samples of a raw file (--dims)
+  gpu = 1U << 6,            // not with --backend cpu, except with --verify
   weights = 1U << 7,        // only with --particles weight
   extraction = 1U << 8,     // only if the command extracts a surface
-  drawn_surface = 1U << 9,  // only if `render` draws surfaces of the volume (--iso)
-  drawn_volume = 1U << 10,  // only if `render` draws the volume itself (no --tf none)
+  drawn_surface = 1U << 9,  // only if `render` draws surfaces of the volume (--iso or --labels)
+  drawn_volume = 1U << 10,  // only if `render` draws the volume itself (not with --tf none, nor with --labels alone)
   voxel_faces = 1U << 11,   // only with --method voxels
 };
 constexpr About operator|(About a, About b) {
@@ -80,7 +81,7 @@ constexpr About operator&(About a, About b) {
 // Amount of text in a command's help.
 enum class HelpDetail {
   summaries,  // one line per option: --help
-  all,        // the whole text of each option, and examples: --help-all
+  all,        // the whole text of each option, and examples of the default command: --help-all
 };
 
 class Option;
@@ -162,7 +163,7 @@ struct OptionRow {
   std::string help;                // the first sentence is the summary: at most kSummaryWidth characters
   About about = About::anything;
   std::size_t most = 1;                 // largest number of values
-  std::optional<std::string> left_out;  // value if the user gives none; unset: a value is required
+  std::optional<std::string> left_out;  // value if the user gives the option alone; unset: a value is required
   bool everyday = false;
 };
 
@@ -174,7 +175,7 @@ class Option {
   [[nodiscard]] const std::string& name() const { return row_->names.back(); }  // "--output"
   [[nodiscard]] std::string key() const { return name().substr(2); }            // "output", the key in a --config file
   [[nodiscard]] std::string spelling() const;                                   // "-o, --output FILE"
-  [[nodiscard]] std::vector<std::string> choices() const;                       // empty: takes any value
+  [[nodiscard]] std::vector<std::string> choices() const;                       // the metavar, split at '|'; else empty
   [[nodiscard]] bool is_positional() const { return !row_->names.back().starts_with('-'); }
   [[nodiscard]] bool takes_file() const;
   [[nodiscard]] bool takes_value() const { return !row_->metavar.empty(); }
@@ -211,7 +212,7 @@ class Option {
 [[nodiscard]] std::vector<std::string> split_names(std::string_view names);
 // Returns "mc|mt" for {"mc", "mt"}.
 [[nodiscard]] std::string metavar_of(const std::vector<std::string>& words);
-// Returns the index of `text` in `words`. Otherwise fails with ErrorCode::usage; the hint names a similar word.
+// Returns the index of `text` in `words`. Otherwise fails with ErrorCode::usage; the hint names a similar word, if any.
 [[nodiscard]] Result<std::size_t> place_among(const std::vector<std::string>& words, std::string_view text);
 
 template <class T>

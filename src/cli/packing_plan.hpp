@@ -7,8 +7,8 @@
 
 namespace isoextract::cli {
 
-// Plans --draco, --quantize, --meshopt and --optimize-order. Fails with ErrorCode::usage if `format` lacks an option or
-// if two options exclude each other.
+// Plans --draco, --quantize, --meshopt and --optimize-order. Fails with ErrorCode::usage if `format` does not support
+// an option or if two options exclude each other.
 [[nodiscard]] Result<mesh_io::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io::MeshFormat format);
 
 }  // namespace isoextract::cli

@@ -16,7 +16,7 @@ namespace isoextract::cli {
 inline constexpr std::array kParticleFileFormats{
     particle_io::ParticleFileFormat::bgeo, particle_io::ParticleFileFormat::vtu, particle_io::ParticleFileFormat::xyz};
 
-// Returns the format if the output is the particles: by --format, or else by the extension of -o.
+// Returns the format if the output is the particles (by --format, or else by the extension of -o), else nullopt.
 [[nodiscard]] std::optional<particle_io::ParticleFileFormat> particle_file_format(const ConvertFlags& flags);
 [[nodiscard]] inline bool writes_particles(const ConvertFlags& flags) {
   return particle_file_format(flags).has_value();
@@ -27,8 +27,8 @@ inline constexpr std::array kParticleFileFormats{
   return !writes_field(flags) && !writes_particles(flags);
 }
 
-// Fails with ErrorCode::usage if the output is the particles and an option needs a surface (About::surface, except
-// --roi) or a field, or if -o contains {iso}.
+// Fails with ErrorCode::usage if the output is the particles, and an option needs a field or a surface (About::surface
+// except --roi, --nan hole) or -o contains {iso}.
 [[nodiscard]] Result<void> check_particle_file_options(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

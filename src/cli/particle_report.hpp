@@ -32,7 +32,7 @@ struct AttributeRange {
 // The words of an attribute, most frequent first.
 struct WordCounts {
   std::string name;
-  std::uint64_t words = 0;                                    // distinct words; 0 if there are more than a reader keeps
+  std::uint64_t words = 0;                                    // number of distinct words; 0: more than a reader keeps
   std::vector<std::pair<std::string, std::uint64_t>> counts;  // words and their particle counts, at most kShownWords
 };
 inline constexpr std::size_t kShownWords = 20;
@@ -42,7 +42,7 @@ struct ParticleReport {
   std::string title;                  // of the format
   std::optional<std::int64_t> frame;  // the described frame, from 0; set if the user chose one or the file has several
   std::uint64_t particles = 0;
-  std::optional<std::uint64_t> chosen;  // particles that condition and stride choose; later members are about these
+  std::optional<std::uint64_t> chosen;  // number chosen by condition and stride; the members below describe these
   std::optional<points::SimulationBox> box;
   points::ParticleStatistics statistics;
   std::vector<AttributeRange> attributes;
@@ -55,15 +55,17 @@ struct ParticleReport {
   Notes notes;
 };
 
-// Results for particles and their field; `field` is unset if it could not be made or no particle contributes to it.
+// Results for particles and for the field made of them; `field` is unset if it could not be made or if no particle
+// contributes to it.
 struct MeasuredParticles {
   ParticleReport report;
   std::optional<field::ScalarField> field;
 };
 
-// Reads one frame with all attributes and makes its field. Counts particles at NaN or infinite positions, and leaves
-// them out of the field. Fails as particle_io::describe_particles() and points::measure_statistics() do, and with
-// ErrorCode::cancelled; other failures to make the field become ParticleReport::no_field.
+// Reads one frame with all attributes and makes the field of its particles. Counts particles at NaN or infinite
+// positions, and leaves these particles out of the field. Fails as particle_io::describe_particles(),
+// convert::keep_chosen(), give_element_radii(), apply_box_options() and points::measure_statistics() do, and with
+// ErrorCode::cancelled. A field that cannot be made for another reason becomes ParticleReport::no_field.
 [[nodiscard]] Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source, const Context& context);
 
 // Adds the report as the lines of `info`.

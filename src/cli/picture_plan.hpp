@@ -23,10 +23,11 @@ inline constexpr std::string_view kPictureFormat = "png";  // also the extension
 // mesh files if the output is a picture, and for options of pictures if the command draws none.
 [[nodiscard]] Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags);
 
-// Returns a note if the pictures of several frames have different cameras; otherwise empty.
+// Returns the note for several frames whose cameras depend on the surfaces of each frame; empty if the camera is fixed
+// (--camera with a distance, and --look-at). The caller checks that there are several frames.
 [[nodiscard]] std::string cameras_note(const convert::PictureFileOptions& picture);
 
-// Returns the extension of outputs that are not meshes; empty for meshes.
+// Returns the extension, without its dot, of an output that is a field, particles or a picture; empty for a mesh.
 [[nodiscard]] std::string_view other_extension(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

@@ -1,7 +1,7 @@
 // Turns parsed options into the validated settings of convert, info, verify, compare and bench; other commands have a
-// header of their own (batch_plan.hpp, check_plan.hpp, ...). Opens tables of labels, and the first input:
-// whether it holds a mesh, particles, named labels or integers decides the defaults. Opens all inputs for {step} in a
-// name.
+// header of their own (batch_plan.hpp, check_plan.hpp, ...). Opens tables of labels, and the input of convert and
+// verify, whose content (a mesh, particles, named labels, integers) decides the defaults. Functions that refuse options
+// fail with ErrorCode::usage.
 #pragma once
 
 #include <array>
@@ -42,8 +42,8 @@ struct ConvertPlan {
   std::optional<std::string> report;  // the path of the JSON report
   bool make_folders = false;          // makes missing folders of outputs
   PagesPlan pages;
-  // A part of the note about files with y up: "the mesh lies on its side". Unset if --up is given or the up axis
-  // changes nothing.
+  // The `consequence` of up_axis_note(): "the mesh lies on its side". Unset if --up is given or if the output does not
+  // depend on the up axis.
   std::optional<std::string> on_side_text;
   Notes notes;  // notes about the options, one sentence each
 };
@@ -51,20 +51,20 @@ struct ConvertPlan {
 struct InfoPlan {
   MemoryBudget memory;
   std::vector<std::string> inputs;
-  std::optional<batch::FrameRange> frames;  // for a sequence
+  std::optional<batch::FrameRange> frames;  // the frames of a sequence to read; default: all
   volume_io::ReadOptions read;
   convert::ParticleOptions particles;
   bool has_radius_of_each_frame = false;  // --radius auto:each
   std::vector<std::string> masks;         // with --masks: the mask files of all inputs
   Notes notes;
-  std::vector<std::string> input_arguments;  // the input options as given, for the example command
+  std::vector<std::string> input_arguments;  // options of inputs and particles as given, for the example command
   bool json = false;
 };
 
 struct VerifyPlan {
   Context context;
   convert::ConversionJob job;       // the conversion that made the mesh, with the mesh as its only output
-  std::optional<std::string> mesh;  // if unset, compares the backends
+  std::optional<std::string> mesh;  // unset: verify compares the backends
   bool is_placed = false;           // placement options are given and replace the mesh's own placement
   bool float32_world = false;       // the mesh's format stores only float32 world coordinates
   bool json = false;
@@ -87,7 +87,7 @@ struct BenchPlan {
   gpu::GpuChoice gpu;                                 // of the default backends and of bench gpu-threads
   volume_io::ReadOptions read;
   std::optional<double> iso;    // default: the iso value of each demo field
-  std::vector<int> sizes;       // for demo fields
+  std::vector<int> sizes;       // for demo fields and bench gpu-threads
   std::vector<int> coarser;     // coarsening factors for files, descending, without 1; empty: chosen by size
   bench::BenchOptions options;  // all except iso and backends
   std::optional<std::string> csv;
@@ -96,7 +96,7 @@ struct BenchPlan {
   PictureFormat picture = PictureFormat::svg;
 };
 
-// Last part of the note about volumes that --relax changed.
+// Ends the note about volumes that --relax changed.
 inline constexpr std::string_view kHowToKeepVolumes = ": --relax 0 keeps the volumes of the voxels";
 
 // Returns the GPU that --device and --gpu-memory choose.

@@ -21,8 +21,8 @@ namespace isoextract::cli {
   return fail(ErrorCode::usage, std::move(message), std::move(hint));
 }
 
-// Finds the mesh format by the extension, or fails with ErrorCode::usage and `hint`. `besides` ends the message's list
-// of expected extensions.
+// Finds the mesh format by the extension, or fails with ErrorCode::usage and `hint`. The message lists the expected
+// extensions, then `besides`.
 [[nodiscard]] Result<mesh_io::MeshFormat> format_of_path(const std::string& path, std::string hint,
                                                          std::string_view besides = "");
 
@@ -51,8 +51,8 @@ template <class Format, class ByPath>
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
 // Returns the default of --nan: with --nodata, NaN samples are outside instead of an error.
 [[nodiscard]] extract::NanPolicy default_nan_policy(const InputFlags& input);
-// Uses of a placed mesh; they decide which notes plan_placement() adds. A picture gets no note about the unit of a mesh
-// format. With file_and_pictures, --up has an effect in every format.
+// Uses of a placed mesh; plan_placement() adds notes that depend on the use. A picture gets no note about the unit of a
+// mesh format. With file_and_pictures, --up has an effect in every format.
 enum class MeshUse { file, file_and_pictures, picture };
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, mesh_io::MeshFormat format,
                                                         MeshUse use, Notes& notes);

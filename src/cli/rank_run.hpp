@@ -1,5 +1,5 @@
-// Runs of several ranks (base/ranks.hpp): joins them if a launcher started this process, and gives each its share of
-// the machine. Only rank 0 prints.
+// Runs the program on several ranks (base/ranks.hpp): joins the ranks if a launcher started several processes, and
+// gives each rank a share of its machine. Only rank 0 prints.
 #pragma once
 
 #include <functional>
@@ -16,9 +16,9 @@ namespace isoextract::cli {
 [[nodiscard]] bool is_later_rank();
 
 // Runs `work`, the whole program, prints its error, and returns its exit code. If a launcher started several processes,
-// joins them first, and waits for them last. The exit code of rank 0 then stands for all ranks, and the other ranks
-// return 0. `arguments` are the words of the command line. Fails with ErrorCode::unavailable if the ranks cannot be
-// joined, and with ErrorCode::usage if they have different command lines or folders.
+// joins the ranks first, and waits for them last. Rank 0 then returns the exit code of the run, and the other ranks
+// return 0. `arguments` are the words of the command line. Prints an error and returns the code of
+// ErrorCode::unavailable if the ranks cannot be joined, of ErrorCode::usage if command lines or folders differ.
 [[nodiscard]] int run_on_ranks(const std::vector<std::string>& arguments, const std::function<Result<int>()>& work);
 
 // Returns the ranks of this run; null if this process is alone.
@@ -33,7 +33,7 @@ void share_machine();
 // Returns "4 ranks on 2 machines": the ranks of this run, which must have several.
 [[nodiscard]] std::string ranks_text();
 
-// Returns "; 2 threads each", with the given number, or else with the number of processors.
+// Returns "; 2 threads each": the given number, or else all threads that this process may use.
 [[nodiscard]] std::string threads_text(const std::optional<int>& threads);
 // Returns the longest time of a rank, divided by the mean time of all ranks.
 [[nodiscard]] double imbalance_of(const std::vector<double>& seconds);
@@ -43,8 +43,8 @@ void share_machine();
 // end the process: async-signal-safe.
 void tell_ended_by_signal() noexcept;
 
-// Fails at all ranks if `same`, such as the hash of a plan, differs between them. Returns at once if this process is
-// alone. Every rank calls it.
+// Fails with ErrorCode::input on all ranks if `same`, such as the hash of a plan, differs between ranks. Does nothing
+// if this process is alone. Every rank calls this function.
 [[nodiscard]] Result<void> agree(const std::string& same);
 
 }  // namespace isoextract::cli

@@ -1,5 +1,5 @@
-// Makes a plan from the options of `isoextract render`. Opens only what decides the plan: standard input (is it a
-// mesh?), a volume that may name its labels, tables of labels, and the files that batch::find_frames() opens.
+// Makes a plan from the options of `isoextract render`. Opens only these inputs: standard input (is it a mesh?), a
+// volume that may name its labels, tables of labels, and the files that batch::find_frames() opens.
 #pragma once
 
 #include <array>
@@ -36,8 +36,8 @@ struct RenderPlan {
   convert::ConversionJob job;
   std::vector<convert::IsoChoice> isos;
   std::vector<std::string> meshes;
-  std::vector<glm::dvec3> mesh_colors;  // linear; one per mesh, or one for all; empty: their own colors
-  std::vector<double> opacity;          // of surfaces, then meshes: one each, or one for all; empty: by default
+  std::vector<glm::dvec3> mesh_colors;  // linear; one per mesh, or one for all; empty: colors of the files
+  std::vector<double> opacity;          // of surfaces, then meshes: one each, or one for all; empty: default
   render::Shading shading = render::Shading::smooth;
   bool draws_volume = true;
   std::optional<std::string> transfer_file;
@@ -58,7 +58,8 @@ struct RenderPlan {
 };
 
 // Plans a rendering. Reads the start of standard input if that is an input. Fails with ErrorCode::usage for options
-// that contradict each other or have no effect, and as batch::find_frames() and batch::name_outputs() do.
+// that contradict each other or have no effect. Also fails as batch::find_frames(), batch::name_outputs() and
+// volume_io::LabelTable::read() do.
 [[nodiscard]] Result<RenderPlan> plan_render(const RenderFlags& flags);
 
 // The format of a picture file.

@@ -33,8 +33,8 @@ class SceneSource {
   // Removes the volume and its surfaces.
   void remove_volume();
 
-  // Returns the current scene. It refers to this object: it is valid until the next call of read_volume() or
-  // remove_volume(), and as long as this object stays in its place.
+  // Returns the current scene. The scene refers to this object: it is valid until the next call of read_volume() or
+  // remove_volume(), and until this object is moved.
   [[nodiscard]] render::Scene scene() const;
   // Returns the up axis of the options. Default: y without a volume and if the placement records of all mesh files
   // state y up, otherwise z.
@@ -62,7 +62,7 @@ class SceneSource {
   double front_ = 0;
   std::optional<render::TransferFunction> transfer_;
   std::optional<double> unit_length_;
-  bool printed_label_note_ = false;    // the samples of an earlier volume were looked at for labels
+  bool printed_label_note_ = false;    // an earlier volume was checked for labels, with or without a note
   bool printed_up_axis_note_ = false;  // the note about the up axis was printed for an earlier volume
 };
 

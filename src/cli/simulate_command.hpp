@@ -11,7 +11,7 @@
 namespace isoextract::cli {
 
 // Checks before the simulation that the files of the frames are writable, and makes folders if the plan
-// allows it. Returns the frames to write; with --no-clobber, leaves out each frame that has an existing
+// allows it. Returns the frames to write; with --no-clobber, leaves out each frame with at least one existing
 // file. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan);
 

@@ -15,8 +15,8 @@
 
 namespace isoextract::cli {
 
-// A state to write: its step, and its files in the order of SequenceKind::grids. For a jet, `step` counts its frames, 1
-// / fps apart, not the steps of its solver.
+// A state to write: the step, and the files in the order of SequenceKind::grids. For a jet, `step` counts frames, which
+// are 1 / fps seconds apart, not steps of the solver.
 struct SequenceFrame {
   std::uint64_t step = 0;
   std::vector<std::filesystem::path> files;
@@ -35,15 +35,15 @@ struct SequenceKind {
   std::string stem;                // stem of files in a folder, and the value of {stem}
   std::string example;             // an example of -o
   std::string extension;           // extension of files in a folder
-  std::vector<std::string> grids;  // one file per grid; one empty name: a single file, and -o takes no {grid}
+  std::vector<std::string> grids;  // one file per grid; one empty name: a single file, and -o must not have {grid}
   std::uint64_t steps = 0;         // default number of steps
   std::uint64_t every = 1;         // default number of steps from frame to frame
   std::uint64_t first = 0;         // the number of the first frame; its step is first * every
 };
 
 // Plans the frames and their files. A folder, or a file name with a placeholder for the frame number, gets all frames;
-// any other file name the last step alone. Fails with ErrorCode::usage if -o is missing or unusable, if names repeat,
-// if --every is given for the last step alone, if the steps are no multiple of --every, or for too many frames.
+// any other file name gets only the last step. Fails with ErrorCode::usage if -o is missing or unusable, if names
+// repeat, if --every is given for a single step, if the steps are no multiple of --every, or for too many frames.
 [[nodiscard]] Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind);
 
 struct WaterPlan {

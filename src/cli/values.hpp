@@ -21,7 +21,7 @@
 
 namespace isoextract::cli {
 
-// One volume of a file by its number, or all of them.
+// One volume of a file by its number, or all volumes.
 struct AllVolumes {};
 using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 
@@ -32,7 +32,7 @@ struct RadiusChoice {
   bool is_of_each_frame = false;
 };
 
-// The floor of terrain; none: it has no floor.
+// The floor of terrain; unset height: no floor (the word "none").
 struct HeightBase {
   std::optional<double> height;
 };
@@ -41,13 +41,13 @@ struct HeightBase {
 [[nodiscard]] Result<double> parse_number(std::string_view text);           // finite
 [[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto, zero or p0..p100
 [[nodiscard]] Result<std::int64_t> parse_label(std::string_view text);
-[[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all, 1,2,5, 1-9,!3
+[[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all or 1,2 or 1-9,A*,!3
 [[nodiscard]] Result<double> parse_positive(std::string_view text);                         // finite, above 0
 [[nodiscard]] Result<RadiusChoice> parse_radius(std::string_view text);                     // above 0, auto, auto:each
 [[nodiscard]] Result<double> parse_not_negative(std::string_view text);                     // finite, 0 or above
 [[nodiscard]] Result<convert::SimplifyBound> parse_simplify_bound(
     std::string_view text);  // 0.1, 0.1voxel or 0.5world, above 0; 0.1 is in voxels
-[[nodiscard]] Result<convert::TriangleCount> parse_triangle_count(std::string_view text);  // 100000 or 2.5%, above 0
+[[nodiscard]] Result<convert::TriangleCount> parse_triangle_count(std::string_view text);  // 100000, 50k, 2M or 2.5%
 [[nodiscard]] Result<double> parse_part(std::string_view text);                            // 0 to 1
 [[nodiscard]] Result<double> parse_one_or_more(std::string_view text);                     // finite, 1 or above
 [[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);                    // a whole number, 0 or above
@@ -56,13 +56,13 @@ struct HeightBase {
 [[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);           // a whole number, 1 or above
 [[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);    // NXxNY or NX,NY, each 2 to 32768
 [[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);        // AxBxC or one for all, above 0
-[[nodiscard]] Result<simulate::WaterTap> parse_tap(std::string_view text);  // X,Y,RATE
+[[nodiscard]] Result<simulate::WaterTap> parse_tap(std::string_view text);  // X,Y,RATE: a cell, a rate above 0
 [[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);       // X,Y,Z
 [[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);      // SX,SY,SZ or one for all, above 0
 [[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);         // NX,NY,NZ or NXxNYxNZ, above 0
 [[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);   // as dims or one for all, 2 or above
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
-[[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);    // gaussian[:N], median, mean; N 1..64
+[[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);    // gaussian|median|mean[:N], N 1 to 64
 [[nodiscard]] Result<std::array<bool, 3>> parse_periodic(std::string_view text);  // x,y,z, some of them, or none
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);                // X0,Y0,Z0,X1,Y1,Z1, min <= max
 [[nodiscard]] Result<convert::ClipPlane> parse_clip_plane(std::string_view text);       // NX,NY,NZ,D; a normal not 0
@@ -76,13 +76,14 @@ struct HeightBase {
 [[nodiscard]] Result<volume_io::ComponentChoice> parse_component(std::string_view text);  // 0 or above, or length
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);                      // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, below 2^63: 512, 16M, 1.5GiB
-// Parses as parse_size() does, but refuses a number below convert::kProgramBytes without a unit: 20 is more likely 20G.
+// Parses as parse_size() does, but refuses a number below convert::kProgramBytes (15 MiB) without a unit: "20" more
+// likely means 20G.
 [[nodiscard]] Result<std::uint64_t> parse_memory_size(std::string_view text);
 
 [[nodiscard]] Result<convert::MinComponentSize> parse_least_piece(
     std::string_view text);                                                          // 100, area:40, volume:5world
 [[nodiscard]] Result<HeightBase> parse_height_base(std::string_view text);           // a finite number, or none
-[[nodiscard]] Result<convert::RepairChoice> parse_repair(std::string_view text);     // 100
+[[nodiscard]] Result<convert::RepairChoice> parse_repair(std::string_view text);     // 0..1000 edges of a hole
 [[nodiscard]] Result<convert::SmoothChoice> parse_smoothing(std::string_view text);  // 20, 20:sinc, 20:taubin:0.05
 [[nodiscard]] Result<convert::HollowChoice> parse_hollow(std::string_view text);     // 2mm, 2world, 3voxel
 [[nodiscard]] Result<convert::BlurStep> parse_blur(std::string_view text);           // 2, 2voxel, 0.5world, median:1

@@ -14,9 +14,9 @@
 namespace isoextract::cli {
 
 // Sets attributes, colors and opacity of the job, whose format is already planned. `isos` is the number of iso values
-// of the first file. Fails with ErrorCode::usage if the format cannot store them, or if --opacity has neither one value
-// nor `isos` values. Fails with the same code if --attribute repeats a name, or if --attribute and --color-by give one
-// name different sources or settings.
+// of the first input. Fails with ErrorCode::usage if the format cannot store attributes or materials, or if --opacity
+// has neither one value nor `isos` values. Fails with the same code if --attribute repeats a name, or if --attribute
+// and --color-by give one name different sources or settings.
 [[nodiscard]] Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job);
 
 // Inserts the frame number into the file names of attributes, such as heat=heat_{:04}.vdb[t]. Keeps names of existing

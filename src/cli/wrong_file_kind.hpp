@@ -1,4 +1,4 @@
-// Hints for files of a kind that a command does not take; they name the command for such files.
+// Adds hints to errors about files of the wrong kind; the hint names a command that reads the file.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The options of convert, and of verify, which takes only the options of the input, of the surface and its placement,
+// The options of convert, and of verify, which takes only the options of the input, of the surface, of the placement,
 // of the backend and of the run.
 #pragma once
 

@@ -35,7 +35,7 @@ constexpr auto words_of(InsideChoice /*type*/) {
 // The inputs that a command takes, for its help.
 struct InputUse {
   std::string metavar;          // of INPUT
-  std::string what;             // their meaning: a sentence without a full stop
+  std::string what;             // the meaning of the inputs: a sentence without a full stop
   bool all_volumes = false;     // takes --volume all, for all volumes of a file
   std::size_t most = SIZE_MAX;  // largest number of inputs
 };

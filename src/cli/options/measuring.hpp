@@ -31,7 +31,7 @@ struct InfoFlags : OptionSet {
   RunFlags run{*this};
 };
 
-// Returns the ids of bench's default methods, separated by commas: those that follow the interpolant.
+// Returns the ids of bench's default methods, separated by commas: the methods that follow the interpolant.
 [[nodiscard]] std::string following_method_ids();
 
 struct BenchFlags : OptionSet {

@@ -25,7 +25,7 @@ inline constexpr const char* kWaterExample = "water_{:04}.nrrd";
 inline constexpr std::uint64_t kJetFrames = 120;
 inline constexpr const char* kJetExample = "jet_{:04}.ply";
 
-// The length of the simulation, and its files.
+// The length of a simulation, and the files that it writes.
 struct SequenceFlags : OptionSet {
   // `example` is an example of -o, `formats` the help about formats. Without `takes_steps` there are no --steps and
   // --every; the command has its own options for the frames.

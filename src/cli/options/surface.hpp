@@ -152,8 +152,8 @@ struct LabelFlags : OptionSet {
                            "NAME_LUT.txt or the only *.ctbl); none: no table.",
                            About::surface};
 
-  // Returns whether --labels gives a set: all, or ranges and names. Which labels these are is known only from the
-  // samples.
+  // Returns whether --labels gives a set: all, or ranges and names. The samples and names of the input decide which
+  // labels belong to the set.
   [[nodiscard]] bool is_set_of_labels() const { return chosen && chosen->front().is_label_set(); }
 };
 
