@@ -24,7 +24,7 @@ struct FrameJob {
 struct AnimationJob {
   std::string path;
   double frames_per_second = 24;
-  // When each frame starts, in seconds, ascending from 0; empty: by the frames' numbers (mesh_io/animation_writer.hpp).
+  // When each frame starts, in seconds, ascending from 0; empty: frame numbers decide (mesh_io/animation_writer.hpp).
   std::vector<double> starts = {};
 
   friend bool operator==(const AnimationJob&, const AnimationJob&) = default;
@@ -45,10 +45,11 @@ struct BatchJob {
   friend bool operator==(const BatchJob&, const BatchJob&) = default;
 };
 
-// Returns the files that a frame writes. Of an output split into bodies it returns only the first body's files.
+// Returns the files that a frame writes. Of an output split into bodies, returns only the first body's files. Names of
+// label files keep their placeholders {label} and {name}.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
 
-// Returns 32 hexadecimal digits that identify all frames and their jobs, as convert::hash_of() does for one job.
+// Returns 32 hexadecimal digits that identify all frames, their jobs and the animation (see convert::hash_of()).
 [[nodiscard]] std::string hash_of(const BatchJob& batch);
 
 struct FrameHash {

@@ -37,13 +37,13 @@ enum class ResumePolicy {
 struct RunOptions {
   Shard shard = {};  // only this shard's frames are converted
   ResumePolicy resume_policy = ResumePolicy::reconvert;
-  std::vector<std::string> arguments = {};  // of the command line, stored in the manifest for its readers
+  std::vector<std::string> arguments = {};  // the command line, which the manifest stores for people to read
   std::string absent = {};                  // requested frames without input, as FrameRange text (ManifestHeader)
   bool keeps_records = true;                // keep records in the manifest, for later runs
   // Keep figures, outputs and errors of converted frames in RunResult::rows, which takes memory for each frame.
   bool keeps_figures = true;
-  // The ranks that share the frames; null: this process converts all of them. All ranks make the same run. Not for a
-  // batch with an animation.
+  // The ranks that share the frames; null: this process converts all frames. Each rank must run the same batch with the
+  // same options. Not for a batch with an animation.
   Ranks* ranks = nullptr;
   // BatchRun sets extras.field_notes and extras.hash_files, and renames old meshes only if extras.read is set.
   SchedulerOptions scheduler = {};
@@ -53,7 +53,7 @@ struct RunOptions {
 // BatchRun::run() calls has_report() and over() for kept frames, before any frame starts.
 //
 // Each of several ranks calls started(), field_notes() and write_report() for the frames that it converts. Rank 0 calls
-// has_report(), over() and notes_of_rank() for all frames.
+// has_report() and over() for all frames, and notes_of_rank() for frames of other ranks.
 class RunEvents {
  public:
   virtual ~RunEvents() = default;
@@ -81,8 +81,8 @@ class RunEvents {
 // The share of a rank.
 struct RankWork {
   int rank = 0;
-  std::size_t frames = 0;  // number of frames that it converted, failed ones among them
-  double seconds = 0;      // until it had no more frames
+  std::size_t frames = 0;  // number of frames that the rank converted, including failed and cancelled frames
+  double seconds = 0;      // time until the rank had no more frames
 };
 
 struct RunResult {
@@ -97,22 +97,22 @@ struct RunResult {
   [[nodiscard]] std::size_t count(FrameStatus status) const;
 };
 
-// Returns the deepest folder that contains all outputs of the batch. The manifest is in this folder.
+// Returns the deepest folder that contains all outputs of the batch, with the manifest; empty for the current folder.
 [[nodiscard]] std::filesystem::path manifest_folder(const BatchJob& batch);
 
 // Fails with ErrorCode::usage if an existing output or an existing file of `others.written` is also read. Fails as
 // check_replaced_shard() does.
 //
-// Returns the set of the files that the run reads, including data files that input headers name. Files of single bodies
-// are checked against it later. Returns nullopt if no file to write exists yet and no surface is split into bodies.
+// Returns the set of the files that the run reads, including data files that input headers name. Conversions check the
+// files of bodies against this set. Returns nullopt if no file to write exists yet and no surface is split into bodies.
 [[nodiscard]] Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                                              const OtherFiles& others,
                                                                              const Context& context);
 
 class BatchRun {
  public:
-  // Opens and locks the manifest, if records are kept; its folder must exist. Converts nothing. `batch` and `context`
-  // must outlive the run. Fails with ErrorCode::usage or ErrorCode::output.
+  // Opens and locks the manifest, if records are kept; the manifest's folder must exist. Converts nothing. `batch` and
+  // `context` must outlive the run. Fails with ErrorCode::usage or ErrorCode::output.
   [[nodiscard]] static Result<BatchRun> open(const BatchJob& batch, RunOptions options, const Context& context);
 
   BatchRun(BatchRun&&) noexcept;

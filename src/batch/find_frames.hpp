@@ -2,7 +2,7 @@
 //   - two of a pattern or folder of pictures, to find out whether they are slices of one volume;
 //   - up to 32 of a folder for each plug-in's format, to find out whether the folder is one volume
 //     (volume_io::is_volume_folder());
-//   - one of a folder without volumes, particles, pictures and meshes, to name its format in the error.
+//   - one of a folder without volumes, particles, pictures and meshes, to name the file's format in the error.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +38,7 @@ struct Frames {
   bool have_numbers = true;    // the names have whole or decimal frame numbers; false: the names do not give the order
 };
 
-// Returns the numbers of the range without a frame. `frames` are ordered by number.
+// Returns the numbers in `range` that have no frame. All `frames` must be in the range, ordered by number.
 [[nodiscard]] std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames);
 
 // Finds the frames. `given` is one of these:
@@ -49,14 +49,14 @@ struct Frames {
 //   a stack       a pattern or folder of single pictures (volume_io::is_slice_stack()): one frame, whose input is the
 //                 pattern or folder; with `pictures_are_frames` each picture is a frame
 //   a folder      any other folder: its volume files; without volume files its particle files, else its pictures, else
-//                 its meshes, found by extension. They are one sequence, or files in natural order that form no
-//                 sequence. Ignores hidden files, and sample files that have a header (scan.raw with scan.nhdr).
-//   other inputs  a list of paths, one frame each, as without_sample_files() returns it; a missing file is a frame
-//                 that fails when it is read
+//                 its meshes, found by extension. The files must be one sequence, or form no sequence and then have
+//                 natural order. Ignores hidden files, and sample files with a header (scan.raw with scan.nhdr).
+//   other inputs  a list, one frame for each input, without the files that without_sample_files() removes; a missing
+//                 file is a frame that fails when it is read
 //
 // Numbers of the frames:
-//   - If the names differ only in one decimal number (detail/decimal_names.hpp), the frames get the numbers 1 to n by
-//     its value, with a note: t_0.25 is 1 and t_0.5 is 2.
+//   - If the names differ only in one decimal number (detail/decimal_names.hpp), the frames get the numbers 1 to n in
+//     the order of its value, with a note: t_0.25 is 1 and t_0.5 is 2.
 //   - Otherwise, if the names differ in one group of digits (detail/sequences.hpp), that group is the number.
 //   - Otherwise the frames get the numbers 1 to n in the order of the inputs, with a note.
 //   - A single file has the last number in its name, else 1.
@@ -91,8 +91,8 @@ struct Frames {
 [[nodiscard]] Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind);
 
 // Returns the volume whose files are `inputs`, such as a shell's list for slices/*.png: the pattern of a stack, or a
-// volume folder. Returns nullopt if the list is incomplete, or if its files are several volumes. The files may be in
-// any order. Lists their folder, and opens files as volume_io::is_slice_stack() and is_volume_folder() do.
+// volume folder. Returns nullopt if the list is incomplete, has one file or several folders, or is several volumes. The
+// files may be in any order. Lists the folder, and opens files as is_slice_stack() and is_volume_folder() do.
 [[nodiscard]] std::optional<std::string> find_one_volume(std::span<const std::string> inputs);
 
 }  // namespace isoextract::batch

@@ -1,5 +1,5 @@
-// The record of a finished frame: enough to tell later whether its files are unchanged, and the figures of the table
-// over all frames.
+// The record of a finished frame: the state of its files, by which a later run finds changes, and its figures for the
+// table of all frames.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct SurfaceFigures {
   std::optional<double> volume;  // of a closed mesh
   // Set if the surface was written to files of its frame. If several outputs contain it, only the first one counts.
   std::string output;                  // the first file of that output
-  std::optional<std::uint64_t> bytes;  // of that output's files that contain the surface and perhaps others
+  std::optional<std::uint64_t> bytes;  // size of that output's files with the surface; they may hold others, too
   // Set if the error was measured. In voxels; error: distances from the mesh to the isosurface of the data, coverage:
   // distances from that isosurface to the mesh.
   std::optional<double> error_rms;
@@ -36,7 +36,8 @@ struct SurfaceFigures {
   std::optional<double> coverage_rms;
   std::optional<double> coverage_max;
   std::string grid = {};  // the surface's grid, if the conversion has several
-  // Set if the surface's bodies have several files: the figures of each file. Errors are those of the whole surface.
+  // One entry for each file if the surface's bodies are in several files, else empty. Each entry has the error figures
+  // of the whole surface.
   std::vector<SurfaceFigures> files = {};
 
   friend bool operator==(const SurfaceFigures&, const SurfaceFigures&) = default;
@@ -50,7 +51,7 @@ struct FrameFigures {
   particle_io::FrameTime time;                 // of a frame of particles
   std::vector<std::string> lacked_attributes;  // optional attributes that the input lacks
   std::string unit = {};                       // of lengths in the meshes: "mm"; empty if unknown
-  double front = 0;                            // azimuth of a patient's front in the meshes, in degrees
+  double front = 0;  // azimuth in degrees that shows the front of a scan's patient; 0 for other inputs (Outcome::front)
 
   friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
 };
@@ -79,8 +80,8 @@ struct FrameRecord {
   friend bool operator==(const FrameRecord&, const FrameRecord&) = default;
 };
 
-// Returns the state of the frame's inputs now. Call before converting the frame, so that a change during the conversion
-// is noticed later. Fails with ErrorCode::input if an input cannot be read.
+// Returns the state of the frame's inputs now. Call before converting the frame, so that a later run notices a change
+// during the conversion. Fails as convert::list_source_parts() and files::hash_part() do.
 [[nodiscard]] Result<std::vector<FileRecord>> input_states(const FrameJob& frame, const Context& context);
 
 // Makes the record of a frame that was just finished. Reads again only outputs whose hash the outcome lacks or whose
@@ -97,14 +98,14 @@ struct FrameRecord {
 // before the conversion.
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
 
-// Returns the first file of the record that has changed or cannot be read: "in.vdb has changed". Empty if there is
-// none. Compares the recorded bytes of all files; for inputs of which the whole file is recorded, also the modification
-// time.
+// Returns a message about the first file of the record that has changed or cannot be read: "in.vdb has changed". Empty
+// if there is none. Compares the recorded bytes of all files, and the modification time of inputs recorded as whole
+// files.
 [[nodiscard]] std::string find_changed_file(const FrameRecord& record);
 
-// Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if its options are unchanged,
-// find_changed_file() finds no change, and no input was added. A record without inputs counts as changed, except for
-// demo fields.
+// Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if the job is unchanged,
+// find_changed_file() finds no change, and find_added_input() finds no added input. A record without inputs counts as
+// changed, except for demo fields.
 [[nodiscard]] std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);

@@ -62,11 +62,11 @@ struct FrameRow {
 //   unit                           of the lengths in area and volume
 //
 // Unknown values are empty cells, but seconds, memory and bytes are 0 for a kept frame without a record. Seconds,
-// memory, step, time, attributes and unit belong to the frame and repeat in each of its rows.
+// memory, error, step, time, lacked_attributes and unit belong to the frame and repeat in each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
-// Returns a frame as an object with a list of its rows_of(). Unknown values are null or 0 as in table_csv(). `rank` is
-// there only if the run had several ranks.
+// Returns a frame as an object with a list of its rows_of(). Unknown values are null, or 0 where table_csv() has 0.
+// `rank` is there only for a frame that was converted in a run with several ranks.
 [[nodiscard]] convert::Json row_json(const FrameRow& row);
 // Returns a list of the frames' row_json(), each with the key `schema`: the name and version of this document.
 [[nodiscard]] convert::Json table_json(std::span<const FrameRow> rows);

@@ -9,7 +9,7 @@
 // occur once each, in any order; other columns are ignored. The separator is a tab if the header contains one, else a
 // semicolon if the header contains one, else a comma. Fields may be quoted ("0.15", with "" for a quote), but end on
 // their line. All lines have as many fields as the header. A frame with several iso values has a row for each. An iso
-// value may also be auto or a percentile such as p99 (convert/iso_choice.hpp). The decimal mark is a point, or a comma
+// value may also be auto, zero or a percentile such as p99 (iso_choice_of()). The decimal mark is a point, or a comma
 // in all rows if commas do not separate fields, as spreadsheets write it in some languages.
 //
 // A byte order mark, CR before line ends, blanks around fields, and a line "sep=;" before the header are ignored.
@@ -34,9 +34,9 @@ class IsoTable {
   // Reads a file. Fails with ErrorCode::input if it cannot be read or is larger than 256 MiB, and as parse() does.
   [[nodiscard]] static Result<IsoTable> read(const std::filesystem::path& path, const Context& context);
 
-  // Parses a text; messages call it `name`. Fails with ErrorCode::input if columns or fields are missing, for wrong
-  // quotes, for an invalid iso value or frame number, and for a repeated row. The message begins with "name:line", or
-  // with "name:" if there is no header.
+  // Parses a text; messages call it `name`. Fails with ErrorCode::input for missing columns, another number of fields
+  // than in the header, wrong quotes, an invalid iso value or frame number, two decimal marks, and a repeated row. The
+  // message begins with "name:line", or with "name:" if there is no header.
   [[nodiscard]] static Result<IsoTable> parse(std::string_view text, const std::string& name);
 
   // Returns the iso values of a frame, in the order of the rows; empty if the frame has none.

@@ -23,10 +23,10 @@ namespace isoextract::batch {
 
 struct ManifestHeader {
   std::string program;       // name and version: records of another version are not trusted
-  std::string batch;         // hash_of() all frames of all shards
+  std::string batch;         // hash_of() of the whole batch, not of one shard
   std::uint64_t frames = 0;  // number of frames in the batch
   Shard shard;
-  // The command line of the run that created the manifest. For people: the program does not use it.
+  // The command line of the run that wrote the header; runs that resume the same batch keep it. Only for people.
   std::vector<std::string> arguments;
   // FrameRange texts; empty in manifests that older versions wrote.
   std::string numbers = {};  // the numbers of the batch's frames
@@ -78,10 +78,10 @@ class Manifest {
   ~Manifest();
 
   [[nodiscard]] const std::filesystem::path& path() const;
-  // Returns the record of a job by its hash, or null. Finds only records of earlier runs, and only with `resume`.
-  // Records added by this run are on disk only, so a run takes no memory for each frame.
+  // Returns the record of a job by its hash, or null. Finds only records of earlier runs, and only with `resume`. To
+  // save memory, records that this run adds are on disk only.
   [[nodiscard]] const FrameRecord* find(const std::string& job) const;
-  // Revokes the job's earlier record. Call before its outputs are overwritten. Fails with ErrorCode::output.
+  // Revokes the job's earlier record. Call before the job's outputs are overwritten. Fails with ErrorCode::output.
   [[nodiscard]] Result<void> begin(const std::string& job);
   // Appends a record. Fails with ErrorCode::output.
   [[nodiscard]] Result<void> add(const FrameRecord& record);

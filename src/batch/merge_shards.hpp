@@ -22,9 +22,9 @@ struct MergedShards {
 // Merges the manifests of all shards in `folder` into one, as if one process had run the batch.
 //
 // A batch may have been run again with another number of shards. Then uses the manifests of the run that has all shards
-// and frames, or of the newest run if no run has them all. Skips batches that are merged already. Where the merged
-// manifest has newer results, of a later run without shards, uses those. If every batch is merged and the last run had
-// no shards (or was shard 1 of 1), only checks that run.
+// and frames, or of the newest run if no run has them all. Skips batches that are merged already. Prefers newer results
+// of a later run without shards, which are in the merged manifest. If every batch is merged and the last run had no
+// shards (or was shard 1 of 1), only checks the outputs of that run.
 //
 // Fails with ErrorCode::input, and writes nothing, in these cases:
 //   - there is no manifest, or the manifest of a shard is damaged;

@@ -63,7 +63,8 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 //   - the name contains {step}, but a source has no step;
 //   - the name contains {iso}, and the labels are a set (IsoChoice::is_label_set());
 //   - the name contains {label} or {name}, and the surfaces are no labels;
-//   - the name contains {piece} but none of {iso}, {label} and {name}, for several iso values or for all labels;
+//   - the name contains {piece} but none of {iso}, {label} and {name}, for several iso values or labels (a label set of
+//     one name is allowed);
 //   - several iso values, labels or grids share a file of a format that holds one mesh.
 // Fails as check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
@@ -91,7 +92,7 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
                                          mesh_io::MeshFormat format, const OtherFiles& others = {});
 
 // Returns the input's name without folder and extension: "a" for dir/a.nii.gz, "sphere" for demo:sphere?size=9, "stdin"
-// for standard input. For a pattern of slices, returns what stands before the number: "slice" for slice_{:03}.png.
+// for standard input. For a pattern of slices, returns the text before the number: "slice" for slice_{:03}.png.
 [[nodiscard]] std::string stem_of(const std::string& input);
 
 }  // namespace isoextract::batch

@@ -20,7 +20,7 @@ struct SchedulerOptions {
   int jobs = 1;            // largest number of conversions at a time
   int threads = 1;         // in all; conversions share them, and get more when few conversions are left
   bool fail_fast = false;  // the first frame that fails cancels the running frames, and no other starts
-  // Estimated reservation of one conversion. Larger measured reservations replace it, smaller ones do not. 0: unknown.
+  // Estimated reservation of one conversion, in bytes. Only a larger measured reservation replaces it. 0: unknown.
   std::uint64_t memory_per_frame = 0;
   convert::ConversionOptions extras = {};
 };
@@ -46,8 +46,8 @@ class FrameReceiver {
   virtual ~FrameReceiver() = default;
 
   // Receives the collected surfaces of a frame, possibly none; frames that fail are not received. Frames arrive one at
-  // a time, in order, on the thread that converted them. If take() fails, the frame fails with that error. Returns what
-  // packing did to each surface, or nothing if surfaces are not packed.
+  // a time, in order, on the thread that converted them. If take() fails, the frame fails with that error. Returns the
+  // packing figures of each surface, or an empty list if surfaces are not packed.
   [[nodiscard]] virtual Result<std::vector<mesh_io::PackedFacts>> take(std::size_t frame,
                                                                        const convert::MeshCollector& collected) = 0;
 };
@@ -56,14 +56,14 @@ class FrameReceiver {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  // Returns an index into the list of frames, or nullopt if none is left. Not called by several threads at once.
+  // Returns an index into `which` of run(), or nullopt if no frame is left. One scheduler makes no concurrent calls.
   [[nodiscard]] virtual std::optional<std::size_t> next() = 0;
 };
 
 struct BatchCounts {
   std::size_t done = 0;
   std::size_t failed = 0;
-  std::size_t not_started = 0;  // because of an earlier failure or a request to end
+  std::size_t not_started = 0;  // or still to be repeated, when a failure or a request ended the batch
   // Repeated runs: the frame ran out of memory beside other frames, or had to free its meshes for such a frame.
   std::size_t repeated = 0;
 };

@@ -1,4 +1,4 @@
-// Vertex attributes: their sources, and the sampling of them at the vertices.
+// Vertex attributes: the sources of their values, and the sampling of these values at the vertices.
 //
 // Attributes of particles are interpolated by kernels (points/attribute_sampling.hpp), attributes of volumes
 // trilinearly (field/point_samples.hpp). Both are sampled at the vertices' positions in the input's world.
@@ -39,7 +39,7 @@ struct AttributeSource {
 [[nodiscard]] Result<void> set_attribute_maps(AttributeSource& source, const field::Affine& world_from_output,
                                               const field::Affine& output_from_world);
 
-// Returns the kinds without the attributes that only give colors.
+// Returns the kinds of the attributes, without attributes that only give colors.
 [[nodiscard]] std::vector<NamedKind> written_kinds(const AttributeSource& source);
 
 // Returns the positions of the vertices in the input's world. Fails as Context::reserve() does.

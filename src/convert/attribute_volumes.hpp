@@ -18,9 +18,10 @@
 // from the input: the volume number (if it holds several), the axis order (if it is an array) and the no-data value.
 // Settings of the choice replace these.
 //
-// A file that states no spacing and no origin lies on the input's grid if it has the same dimensions
-// (volume_io::ReferenceVolume). A file that states another patient space or length unit than the input is moved to the
-// input's world (map_between_worlds()). FILE cannot be standard input or a raw file, which does not describe itself.
+// A file that states no spacing and no origin lies on the input's grid and must have the same dimensions, unless the
+// choice sets the spacing (volume_io::ReferenceVolume). A file in another patient space or length unit than the input
+// is moved to the input's world (map_between_worlds()), unless the choice sets spacing or origin. FILE cannot be
+// standard input or a raw file, which does not describe itself.
 #pragma once
 
 #include <filesystem>

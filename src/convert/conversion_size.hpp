@@ -37,8 +37,8 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
 // Returns the same for a mesh that goes to its file part by part (extract::ExtractOptions::sink), with or without
 // figures (mesh/partwise_measures.hpp). A part is the mesh of one slab, taken to be 1.25 times the mean; the format
-// decides how many are in memory at a time. Low for a surface that lies in few slabs. The same as estimated_bytes() for
-// sparse samples.
+// decides how many parts are in memory at a time. Underestimates a surface that lies in few slabs. Returns
+// estimated_bytes() for sparse samples.
 [[nodiscard]] std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file,
                                                      Normals normals, bool has_figures = false);
 // Returns twice the number of vertices, as a closed surface has.
@@ -53,9 +53,9 @@ enum class MeshUse {
 
 // Returns the estimated peak memory of a job, for the grid and iso value that need most. It is the sum of
 // estimated_bytes(), vertex attributes, and the largest of simplification, packing, hollowing and error measurement. A
-// mesh that goes to its file part by part takes estimated_bytes_by_parts(), and what its figures need. If making a
-// field from particles or writing a field file needs more, returns that. For a job that writes particles, returns what
-// that needs. Opens the source, and fails as open_source() does.
+// mesh that goes to its file part by part counts as estimated_bytes_by_parts(). If making a field from particles or
+// writing a field file needs more, returns that. For mesh files and for jobs that write particles, returns the peak of
+// reading, plus the edits of the meshes. Reads the input, and fails as open_source() and read_particles() do.
 [[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, MeshUse use, const MemoryBudget& memory);
 
 }  // namespace isoextract::convert

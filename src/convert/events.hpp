@@ -14,7 +14,7 @@ class Events {
  public:
   virtual ~Events() = default;
 
-  // Receives a note. It receives the notes of StageReport::notes after end() received that report.
+  // Receives a note. The notes of a report (StageReport::notes) come after end() received the report.
   virtual void note(const Note& /*note*/) {}
   // Receives a report of a stage. A stage may send several, such as one with times and one with skipped work.
   virtual void end(const StageReport& /*report*/) {}

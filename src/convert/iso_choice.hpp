@@ -56,7 +56,7 @@ struct IsoChoice {
     known,            // a given iso value or label
     suggested,        // field::suggest_iso(); for particles the default value of their method
     zero,             // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
-    percentile,       // of all samples that were read, whatever region or resampled grid is extracted from
+    percentile,       // of all samples read, whatever region or resampling is requested
     all_labels,       // each label of a label map
     selected_labels,  // the labels that a LabelSelection contains
     file_meshes,      // the meshes of a mesh file, each one if the output can hold several, else as one

@@ -26,7 +26,7 @@ enum class JsonDocument {
   verify,
 };
 // Returns the values of the member "schema". In a document that is an array, each element has this member; in a
-// document of lines, only the first line.
+// document of lines, only the first line has it.
 constexpr auto words_of(JsonDocument /*type*/) {
   return std::array{Word{JsonDocument::bench, "isoextract/bench/1"},
                     Word{JsonDocument::check, "isoextract/check/1"},

@@ -15,12 +15,12 @@ class LabelSelection {
   //
   //   7 or -7        a number
   //   1-40           a range of numbers, both ends included
-  //   Hippocampus*   names; * stands for any text, ? for one character; upper and lower case differ
+  //   Hippocampus*   names; * stands for any text, ? for one byte of UTF-8; upper and lower case differ
   //   all            every label
   //   !TERM          not these labels, whatever the other terms say
   //
-  // If all terms begin with "!", the selection has all other labels. Returns nullopt for an empty term or a range that
-  // ends before it begins.
+  // Selects all other labels if all terms begin with "!". Returns nullopt for an empty term or a range that ends before
+  // it begins.
   [[nodiscard]] static std::optional<LabelSelection> parse(std::string_view text);
 
   // Returns whether the selection has the label. `name`: empty if the label has none. Remembers which terms matched.

@@ -54,7 +54,7 @@ class MaskLayers {
   [[nodiscard]] std::uint64_t faces() const { return faces_; }
 
   // Returns a layer as a label map with the background 0. For layers other than 0, fails as read() does, and with
-  // ErrorCode::input if the number or the bounds of a mask's voxels have changed since.
+  // ErrorCode::input if the number or the bounds of a mask's voxels have changed since read().
   [[nodiscard]] Result<field::ScalarField> layer(std::int64_t number, const Context& context) const;
 
  private:

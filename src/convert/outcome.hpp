@@ -21,7 +21,7 @@ namespace isoextract::convert {
 
 inline constexpr int kReportSchemaVersion = 1;
 
-// One surface in one output, after all edits. Bodies with files of their own are one entry each.
+// One surface in one output, after all edits. With PieceChoice::split, each body is one entry.
 struct WrittenSurface {
   SurfaceId id;
   std::size_t output = 0;  // index into the job's outputs
@@ -38,7 +38,7 @@ struct Outcome {
   std::string backend;
   std::string device;  // name of the processor or GPU; empty if the backend could not be opened
   int threads = 0;
-  std::vector<StageReport> reports;  // in the order in which the stages ran; their details and lines may be missing
+  std::vector<StageReport> reports;  // in the order in which the stages ran; mostly without details and lines
   StageTime total;
   std::uint64_t bytes_read = 0;
   std::uint64_t bytes_uploaded = 0;   // to a GPU; 0 on the CPU
@@ -46,7 +46,7 @@ struct Outcome {
   std::uint64_t reserved_memory = 0;  // peak of this conversion's reservations
   std::vector<WrittenSurface> written;
   std::vector<mesh_io::WrittenFile> files;
-  double front = 0;            // front_azimuth() of the source that was read last, in degrees
+  double front = 0;            // front_azimuth() of the last source, in degrees; 0 if the conversion failed
   bool empty_picture = false;  // the picture shows none of the surfaces, although there are some
   Notes notes;
   std::optional<Error> error;  // why the conversion failed

@@ -14,7 +14,7 @@
 
 namespace isoextract::convert {
 
-// Returns the files that a job writes for one output: for glTF two, the model first.
+// Returns the files that a job writes for one output: two for .gltf, the model first. Placeholders stay in the names.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const OutputFileJob& output, mesh_io::MeshFormat format);
 
 // Removes the output's old files, which would pass for results of this run, and returns their names. A glTF data file
@@ -30,7 +30,7 @@ namespace isoextract::convert {
                                                                  const files::InputFileSet& read,
                                                                  const Context& context);
 
-// Returns "a and b", or "a to z" for more than two names. `names` is not empty.
+// Returns "a", "a and b", or "a to z" for more than two names. `names` is not empty.
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
 
 // Adds to the error of a conversion how many files it wrote before, and the first and last name: these files stay. Does
@@ -40,7 +40,7 @@ namespace isoextract::convert {
 // Renames the output's old files (files::rename_old_file), which would pass for results of this run, and returns the
 // new names. Files that are read and files in `spared` keep their names.
 //
-// If the name of `output` contains kPiecePlaceholder, renames the files of bodies from number 1 on, and stops as
+// Renames the files of bodies from number 1 on if the name of `output` contains kPiecePlaceholder, and then stops as
 // remove_old_pieces() does. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<std::string>> rename_old_meshes(const OutputFileJob& output,
                                                                  mesh_io::MeshFormat format,

@@ -27,7 +27,7 @@ struct SphereSpacing {
 enum class Positions { keep, free };
 
 // Makes the field by points::make_field() or, for level sets, by points::make_spheres() and
-// volume_io::rasterize_spheres(); fails as they do. Level sets ignore FieldOptions::tile_iso and FieldOptions::margin.
+// volume_io::rasterize_spheres(); fails as they do. Level sets ignore FieldOptions::tile_iso.
 //
 // For level sets, leaves out and counts spheres too small to be sampled (ParticleFieldStatistics::particles_too_small),
 // and fails with ErrorCode::input if all are too small.

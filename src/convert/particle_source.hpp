@@ -1,4 +1,4 @@
-// Inputs made of particles: telling them from volumes, reading them, and the options to make a field from them.
+// Inputs made of particles: detection, read options, and the options to make a field from the particles.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,7 @@ struct FrameList {
 // Returns the read options. With `allow_missing` no attribute has to exist; optional attributes never have to.
 [[nodiscard]] particle_io::ParticleReadOptions particle_read_options(const SourceOptions& options,
                                                                      bool allow_missing = false);
-// Returns the options to make a field that suits the filters and blurs. `only_iso` is FieldOptions::tile_iso.
+// Returns the options to make a field, with the margin that filters and blurs need. `only_iso`: FieldOptions::tile_iso.
 [[nodiscard]] points::FieldOptions field_options(const SourceOptions& options, std::optional<double> only_iso);
 
 // Particles kept in memory for the vertex attributes.

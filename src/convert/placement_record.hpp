@@ -46,7 +46,7 @@ namespace isoextract::convert {
 [[nodiscard]] std::string placement_text(const ResolvedPlacement& resolved);
 // Returns "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)", or "voxel coordinates".
 [[nodiscard]] std::string world_text(const ResolvedPlacement& resolved);
-// Like world_text(), for an input that is a mesh file: "the file's coordinates, turned from z up to y up".
+// Returns the text for an input that is a mesh file: "the file's coordinates, turned from z up to y up".
 [[nodiscard]] std::string file_text(const ResolvedPlacement& resolved);
 
 // Applies `map` to the vertices of a mesh, which must have no normals, and to the attributes according to their kinds

@@ -2,8 +2,8 @@
 // pages and printed lines are all made from these reports.
 //
 // A new figure needs a value of Key. An edit with StageInfo::done and without lines of its own prints the figures of
-// its first entry as they are (run_stage()). A new section of the report is a stage with a `section` in kStages, and an
-// optional property in report.schema.json, which rejects properties that it does not know. tests/cli/report_test.py
+// its first entry as they are (run_stage()). A new section of the report is a stage with a `section` in kStages. It
+// needs an optional property in report.schema.json, which rejects unknown properties. tests/cli/report_test.py
 // validates reports, and compares their figures with the files. Work that a stage left out is a WorkFact
 // (work_facts.hpp), so that --explain prints it as well.
 #pragma once
@@ -175,7 +175,7 @@ struct WeldedDefects {
   std::uint64_t open_edges = 0;
   std::uint64_t nonmanifold_edges = 0;
   std::uint64_t nonmanifold_vertices = 0;
-  std::uint64_t misoriented_edges = 0;  // of a mesh as input only
+  std::uint64_t misoriented_edges = 0;  // used only if the input is a mesh
 };
 
 // An output that was written, or that was skipped because none of its surfaces has triangles (then `surfaces` and
@@ -187,12 +187,12 @@ struct WrittenOutput {
     OpenBoundary end;
     std::string name = {};        // of the mesh
     std::uint64_t triangles = 0;  // of the mesh
-    bool closed = false;          // the mesh has no boundary edge; meshes of labels only
+    bool closed = false;          // the mesh has no boundary edge; used for labels only
     std::uint64_t voxels = 0;     // of a label, in the region
     double volume = 0;            // of these voxels, in output coordinates
   };
   std::vector<Part> surfaces;  // in the job's order
-  std::string samples;         // instead of surfaces, for a file of the field: "8 x 8 x 8 samples, as 32 bits each"
+  std::string samples;         // of a field or particle file, without surfaces: "8 x 8 x 8 samples, as 32 bits each"
   std::string placement;       // "world coordinates, turned from z up to y up"
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
@@ -234,7 +234,7 @@ struct StageReport {
     bool explains = false;  // printed only with explanations
   };
   std::vector<Line> lines = {};     // printed below the line about the surface's file
-  std::vector<WorkFact> work = {};  // explained if there are no `lines`
+  std::vector<WorkFact> work = {};  // printed with explanations, unless there are `lines`
   Notes notes = {};                 // sentences without their full stop
 
   std::optional<Error> error = {};           // set if the conversion ends with this stage

@@ -1,6 +1,6 @@
 // The stages of a conversion. A new surface edit needs a function here, a StageName, and a row of kStages at the same
-// place in the order. HTML pages and printed lines follow from the row; a section of the JSON report also needs a
-// property in docs/schemas/report.schema.json.
+// index. HTML pages and printed lines follow from the row; a section of the JSON report also needs a property in
+// docs/schemas/report.schema.json.
 #pragma once
 
 #include <array>
@@ -61,13 +61,13 @@ using EditSurface = Result<StageReport>(Surface& surface, const StageContext& co
 EditSurface repair_surface;  // of a mesh file, before it is clipped
 EditSurface
     clip_surface;  // keeps what lies inside every half-space of Source::clip; with SurfaceOptions::cap, caps the cuts
-EditSurface sample_vertex_attributes;  // runs before components, smoothing and simplification move or drop vertices
+EditSurface sample_vertex_attributes;  // runs before later stages drop components, or move or remove vertices
 EditSurface drop_pieces;
 EditSurface measure_relaxing;  // runs while all vertices are still where relaxing left them
 EditSurface mark_bodies;       // assigns shells to bodies; runs before later stages may move one shell through another
 EditSurface smooth_surface;
 EditSurface hollow_surface;    // runs after smoothing, which would change the thickness of the wall
-EditSurface untangle_surface;  // runs when the other stages that move vertices are done; simplification moves none
+EditSurface untangle_surface;  // runs after smoothing, hollowing and the joint simplification of labels
 EditSurface simplify_surface;
 // Sets the mesh's material, colors the vertices by an attribute if the job asks for it, and then maps attributes to
 // output coordinates. Runs when the vertices are final.
@@ -91,13 +91,13 @@ struct StageInfo {
   bool is_listed = false;
   EditSurface* edit = nullptr;  // runs between the extraction of a surface and the writing of its file
   std::string_view done = {};   // past participle for printed lines: "smoothed"
-  // Whether reports list its time. False if other stages contain the time, or if the time contains theirs.
+  // Whether reports list the stage's time. False if other stages' times contain it, or if it contains their times.
   bool is_timed = true;
   int line_rank = 0;  // printed lines are sorted by rank: 0 first
 };
 
-// In the order of StageName. Edits run in this order, and reports list their sections in it. Other stages may run
-// elsewhere: `statistics` finds iso values right after `read`.
+// Stages in the order of StageName. Edits run and report sections appear in this order. Other stages may run elsewhere:
+// `statistics` finds iso values right after `read`.
 inline constexpr std::array kStages{
     StageInfo{StageName::open, "open"},
     StageInfo{StageName::read, "read"},

@@ -68,7 +68,8 @@ struct SimplifyBound {
   friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
 };
 
-// Target number of triangles of each surface. More stay if removing them would change the topology or flip triangles.
+// Target number of triangles of each surface; for labels, of all labels together. More stay if removing them would
+// change the topology or flip triangles, or exceed SimplifyChoice::within.
 struct TriangleCount {
   static constexpr std::array kMembers{"amount", "in_percent"};
 
@@ -78,7 +79,7 @@ struct TriangleCount {
   friend bool operator==(const TriangleCount&, const TriangleCount&) = default;
 };
 
-// If both are set, simplification stops at the bound that it reaches first.
+// Simplification stops at the bound that it reaches first, if both are set.
 struct SimplifyChoice {
   static constexpr std::array kMembers{"within", "triangles"};
 

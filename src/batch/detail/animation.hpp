@@ -1,5 +1,5 @@
-// Writes the frames of a batch into one animated GLB, each when its turn comes. The manifest records all frames of the
-// animation or none.
+// Writes the frames of a batch in order into one animated GLB, or into several if one would exceed 4 GiB. The manifest
+// records all frames of the animation or none.
 #pragma once
 
 #include <cstddef>
@@ -48,11 +48,11 @@ class Animation final : public FrameReceiver {
   std::optional<Error> lost_;
 };
 
-// Returns a note about failed frames: which are missing in the animation, and what it shows in their time. `missing` is
-// ordered.
+// Returns a note that lists the failed frames and says what the animation shows during their time. `missing` has the
+// numbers of these frames, ascending.
 [[nodiscard]] std::string missing_frames_note(const BatchJob& batch, std::span<const std::int64_t> missing);
 
-// Returns the manifest key of a whole animation. `batch` is the hash of its batch.
+// Returns the manifest key of a whole animation. `batch` is the hash of the animation's batch (hash_of()).
 [[nodiscard]] std::string animation_key(const std::string& batch);
 
 // Records in the manifest what the animation was made from. `frames` are the records of all its frames, in order. If
@@ -60,8 +60,8 @@ class Animation final : public FrameReceiver {
 [[nodiscard]] Result<void> record_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
                                             const mesh_io::MeshWriteResult& written);
 
-// Returns the records of all frames if the manifest has the batch's animation, and no file of the animation and no
-// input has changed (find_changed_file()); else nullopt. The outputs of each record are the animation's files.
+// Returns the records of all frames if the manifest has the batch's animation, no file of the animation and no input
+// has changed (find_changed_file()), and no input was added; else nullopt. Each record lists the animation's files.
 [[nodiscard]] std::optional<std::vector<FrameRecord>> find_animation_record(const Manifest& manifest,
                                                                             const BatchJob& batch);
 

@@ -22,8 +22,8 @@ struct DecimalOrder {
 // (1.5e-03).
 //
 // Returns nullopt if the names differ elsewhere, if no number has a fraction or an exponent, or if double cannot hold a
-// value. Returns nullopt as well if all numbers have a fraction but none an exponent or a negative zero, and one of
-// these holds:
+// value. Also returns nullopt if all numbers have a fraction, none has an exponent, none is a negative zero, and one of
+// these conditions holds:
 //   - only the digits before the point differ;
 //   - only the digits after the point differ, and all have the same length;
 //   - the digits after the point have several lengths, and judge_fractions() does not call them fractions.

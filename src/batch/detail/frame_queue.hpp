@@ -37,7 +37,7 @@ class FrameQueue {
     later,  // an earlier frame has not ended
     turned_away,
   };
-  // Returns the turn of a started frame, with `in_order`. For at least one running frame, the turn is not `later`.
+  // Returns the turn of a started frame; call only with `in_order`. At least one running frame's turn is not `later`.
   [[nodiscard]] Turn turn(std::size_t place) const;
 
   // Returns the number of frames that have not started or have to run again.

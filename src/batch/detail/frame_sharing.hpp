@@ -1,5 +1,5 @@
-// The frames of a batch on several ranks (base/ranks.hpp). Rank 0 hands them out as ranks come free, and converts
-// frames itself; the other ranks send the results of their frames. Only rank 0 writes the manifest.
+// The frames of a batch on several ranks (base/ranks.hpp). Rank 0 hands out frames as ranks come free, and converts
+// frames, too; the other ranks send their results to rank 0. Only rank 0 writes the manifest.
 #pragma once
 
 #include <atomic>
@@ -31,12 +31,12 @@ struct FinishedFrame {
   std::optional<FrameRecord> record = {};   // for the manifest
   std::vector<std::string> set_aside = {};  // new names of old meshes
   Notes notes = {};                         // of the conversion
-  Notes field_notes = {};                   // notes about fields that no earlier frame had
+  Notes field_notes = {};                   // notes about fields since the last result that the rank sent
   bool empty_picture = false;
 };
 
 [[nodiscard]] std::string packed(const FinishedFrame& finished);
-// Returns nullopt if packed() did not make these bytes.
+// Returns nullopt if the bytes have no valid record. Leaves row.frame, row.input and row.rank unset.
 [[nodiscard]] std::optional<FinishedFrame> unpacked_frame(std::string_view bytes);
 
 // The frames as rank 0 hands them out. A thread answers the other ranks.
@@ -80,7 +80,7 @@ class FramesOfDesk final : public FrameSource {
   std::optional<std::size_t> next() override;
   // Sends the result of a frame to rank 0. Returns false if sending fails.
   [[nodiscard]] bool tell(const FinishedFrame& finished);
-  // Tells rank 0 that this rank ends. Fails if a message could not be sent or received.
+  // Tells rank 0 that this rank ends. Fails if this message or an earlier one could not be sent or received.
   [[nodiscard]] Result<void> finish(double seconds);
 
  private:

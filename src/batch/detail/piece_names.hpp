@@ -13,12 +13,12 @@ namespace isoextract::batch {
 
 class PieceNames {
  public:
-  // Adds a name with convert::kPiecePlaceholder, of the output `owner`. Returns the owner of an earlier name that the
-  // numbers of some bodies could make equal to this one, or nullopt. Compares only the digits in the keys of
+  // Adds a name with convert::kPiecePlaceholder, of the output `owner`, and returns nullopt. If body numbers could make
+  // the name equal to an earlier one, returns the owner of that one instead. Compares only the digits in the keys of
   // Group::owners, so it may report names that never collide, but misses none.
   [[nodiscard]] std::optional<std::size_t> add(std::string_view name, std::size_t owner);
 
-  // Returns the owner of a name that the number of some body could make equal to `file`.
+  // Returns the owner of a name that the number of some body could make equal to `file`, or nullopt.
   [[nodiscard]] std::optional<std::size_t> find_collision(std::string_view file) const;
 
  private:

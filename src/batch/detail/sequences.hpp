@@ -11,7 +11,7 @@
 
 namespace isoextract::batch {
 
-// Stands for a number in a skeleton, the name without its numbers; no path contains it.
+// Stands for each number in a skeleton (a name without its numbers). No path contains this character.
 inline constexpr char kNumberMark = '\0';
 
 // Returns whether `c` is a letter or digit. Bytes beyond ASCII count as letters.
@@ -24,7 +24,7 @@ struct SequenceMember {
 
 struct Sequence {
   std::vector<SequenceMember> members;  // in the order of the names
-  // In the form that FramePattern::parse() takes; for a single name that name, not escaped.
+  // Pattern that FramePattern::parse() takes; for a single name, the name itself, not escaped.
   std::string pattern;
 };
 
@@ -32,8 +32,8 @@ struct Sequence {
 // several groups of digits, the last of these is the frame number, and names that differ in another one are in
 // different sequences.
 //
-// A minus sign is part of a number unless all names have it after a letter or digit. More than kMaxFrameDigits digits
-// are no number. Numbers may repeat (f_1, f_01). A single name has the number trailing_number(), or else 1.
+// A minus sign is part of the number unless it follows a letter or digit in all names of the sequence. More than
+// kMaxFrameDigits digits are no number. Numbers may repeat (f_1, f_01). A single name has trailing_number(), or else 1.
 [[nodiscard]] std::vector<Sequence> sequences_of(std::span<const std::string> names);
 
 // Returns the last number in the file name, not in its extension: 42 for shot_3/sim_042.vdb. Returns nullopt if there

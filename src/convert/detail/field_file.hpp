@@ -14,9 +14,9 @@ namespace isoextract::convert {
 
 // Writes `source.field` to one output of `job`, completely or not at all, and reports it. A VDB file stores 32-bit
 // floats, or 16-bit floats with FieldFileOptions::as_half. Other files hold dense samples (field/dense_field.hpp) of
-// the field's type; 16-bit floats become 32-bit ones where the format has none, and scaled values become floats. The
-// report says if values were rounded; notes tell what the file does not state. Fails with ErrorCode::output if values
-// exceed the stored type's range, and as volume_io::write_vdb() or field::as_dense() and volume_io::write_volume() do.
+// the field's type; 16-bit floats become 32-bit ones in formats without them, and scaled values become 32-bit or 64-bit
+// floats. The report says if values were rounded; notes tell which facts the file lacks. Fails with ErrorCode::output
+// if values exceed the stored type's range, and as write_vdb() or field::as_dense() and volume_io::write_volume() do.
 [[nodiscard]] Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJob& job,
                                                        const OutputFileJob& output, const Context& context,
                                                        Events& events);

@@ -1,4 +1,4 @@
-// Events that are kept until they are sent on, so that stages which run side by side tell theirs in the job's order.
+// Holds events until they are sent, so that surfaces made side by side report their events in the job's order.
 #pragma once
 
 #include <utility>

@@ -30,8 +30,8 @@ struct ChosenLabels {
 
 // Chooses among the labels of `found`, the result of a search for the labels in `asked`. Labels with fewer than `least`
 // voxels are too small. Listed labels without any voxel do not count as too small, so that their missing surface is
-// reported. `source` starts the notes. Fails with ErrorCode::no_surface if no label has a chosen number or name, unless
-// `empty` allows it. Ranges and patterns without a label only get notes.
+// reported. `source` starts the notes. Fails with ErrorCode::no_surface if a number or name of a selection matches no
+// label with samples, unless `empty` allows it. Ranges and patterns without a label only get notes.
 [[nodiscard]] Result<ChosenLabels> choose_labels(std::span<const ResolvedIso> asked, const extract::LabelVoxels& found,
                                                  const LabelAppearance& looks, std::uint64_t least, EmptyPolicy empty,
                                                  const std::string& source);
@@ -47,8 +47,8 @@ struct LabelGroup {
   bool is_small = false;  // the surfaces take little memory, so the previous group may still be in memory
 };
 
-// Returns the next group: one surface, or the first few of small labels. On one thread, each surface is a group that is
-// not small.
+// Returns the next group: one surface, or up to 256 surfaces of small labels. On one thread, each surface is a group
+// that is not small.
 [[nodiscard]] LabelGroup next_group(std::span<const ResolvedIso> next, const extract::LabelVoxels& found);
 
 }  // namespace isoextract::convert

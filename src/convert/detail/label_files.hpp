@@ -15,7 +15,7 @@ class LabelFileNames {
   [[nodiscard]] bool in_use() const;
 
   // Returns the name of a label's file: the placeholders replaced by its number and by `name`, made safe as part of a
-  // file name, or by "label 5" if it has none. For the name of an earlier label, appends _5, then _5_2 and so on.
+  // file name, or by "label 5" if it has none. If an earlier label has this file name, appends _5, then _5_2 and so on.
   [[nodiscard]] std::string next(std::int64_t label, const std::string& name);
 
  private:

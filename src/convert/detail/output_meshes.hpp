@@ -19,7 +19,7 @@
 
 namespace isoextract::convert {
 
-// Returns the options to write meshes of this job and source with.
+// Returns the write options for meshes of this job and source.
 [[nodiscard]] inline mesh_io::MeshWriteOptions write_options(const ConversionJob& job, const Source& source,
                                                              bool hash_files) {
   const MeshFileOptions meshes = job.meshes();
@@ -61,7 +61,7 @@ struct OutputMeshes {
     if (surface.open_edges) written.open_edges = written.open_edges.value_or(0) + *surface.open_edges;
   }
 
-  // Adds what was written to the file of a label.
+  // Adds the surfaces and figures of `own`, the file of one label.
   void take(OutputMeshes& own) {
     std::ranges::move(own.written.surfaces, std::back_inserter(written.surfaces));
     written.triangles += own.written.triangles;
@@ -72,7 +72,7 @@ struct OutputMeshes {
     time += own.time;
   }
 
-  // Moves the held meshes to the collector, with the options to write them with.
+  // Moves the held meshes to the collector, with their ids, packing and placement record.
   void collect(mesh_io::MeshWriteOptions options, MeshCollector& collector) {
     std::ranges::move(held, std::back_inserter(collector.meshes));
     std::ranges::copy(ids(), std::back_inserter(collector.ids));

@@ -15,14 +15,14 @@ namespace isoextract::convert {
 // remaining particles to one output of `job`, completely or not at all. If no particle remains, calls leave_out_empty()
 // and returns nullopt, unless the job writes empty files. Positions are those of the input, or unwrapped ones.
 //
-// Reports how many particles were left out, and notes what the file does not state: words, the box, the unit of length,
-// and names that the format does not allow. Fails with ErrorCode::usage if the input is a volume, and as
+// Reports how many particles were left out, and notes facts that the file lacks: attributes of words, the box, the unit
+// of length, and names that the format does not allow. Fails with ErrorCode::usage if the input is a volume, and as
 // particle_io::read_particles(), keep_chosen(), apply_box_options() and particle_io::write_particles() do.
 [[nodiscard]] Result<std::optional<mesh_io::WrittenFile>> write_particle_file(const ConversionJob& job,
                                                                               const OutputFileJob& output,
                                                                               const Context& context, Events& events);
 
-// Returns the memory that the particles take.
+// Reads and chooses the particles as write_particle_file() does, and fails as it does. Returns the peak reservation.
 [[nodiscard]] Result<std::uint64_t> particle_file_memory(const ConversionJob& job, const Context& context);
 
 }  // namespace isoextract::convert

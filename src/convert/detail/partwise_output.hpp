@@ -30,7 +30,7 @@ class PartwiseOutput final : public mesh::MeshSink {
     std::function<Result<void>(const mesh::MeshMeasures& measures)> accept;
   };
   // The writer must outlive this object. With `needs_distinct`, declines meshes that may have vertices at equal
-  // positions. `measures` measures the mesh in passes of its own; null: nothing does. With it, `ranks` must be null.
+  // positions. `measures` measures the mesh in passes of its own; null: no measuring. If set, `ranks` must be null.
   PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, bool needs_distinct,
                  std::unique_ptr<mesh::PartwiseMeasures> measures)
       : writer_(writer),
@@ -49,7 +49,7 @@ class PartwiseOutput final : public mesh::MeshSink {
 
   // Returns the measures of the mesh; nothing without `measures`, or if no mesh was taken.
   [[nodiscard]] std::optional<mesh::MeshMeasures> take_measures() { return std::exchange(measures_, std::nullopt); }
-  // Returns the time to make and measure the parts for them.
+  // Returns the time of the measuring passes, which make and measure all parts.
   [[nodiscard]] const StageTime& measuring_time() const { return measuring_time_; }
 
  private:
@@ -64,15 +64,15 @@ class PartwiseOutput final : public mesh::MeshSink {
   StageTime measuring_time_;
 };
 
-// Returns whether the job writes one surface to one file of a format whose parts several ranks can write. Whether ranks
-// can share it may depend on the input, too.
+// Returns whether the job writes one surface, without packing or flat normals, to one file of a format whose parts
+// several ranks can write. Whether the ranks can share the surface may depend on the input, too.
 [[nodiscard]] bool writes_shared_parts(const ConversionJob& job);
 
 // Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
-// Two cases are not: a GLB with few vertices, and smooth normals beside NaN samples, do not.
+// May wrongly return true in two cases known only later: a GLB with few vertices, and smooth normals with NaN samples.
 [[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
 
-// If a surface failed for lack of memory, adds to its hint which files take a mesh in parts.
+// Adds to the hint of an ErrorCode::out_of_memory which formats take a mesh in parts. Leaves other errors unchanged.
 void add_partwise_hint(Error& error);
 
 // Returns a sink that writes a surface as the only mesh of the writer's file. Returns null if a stage of the job needs
@@ -83,7 +83,7 @@ void add_partwise_hint(Error& error);
                                                               mesh_io::MeshWriter& writer, Ranks* ranks);
 
 // Returns why ranks cannot share the extraction of a surface; empty if they can. `has_sink`: partwise_output() gave a
-// sink for it. `backend` is Extractor::name().
+// sink for the surface, and its PartwiseOutput::ranks() is not null. `backend` is Extractor::name().
 [[nodiscard]] std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,
                                                  std::string_view backend);
 

@@ -10,8 +10,8 @@
 
 namespace isoextract::convert {
 
-// Returns the unit of the written lengths: the requested one, else the input's if the mesh keeps its lengths; "" if
-// nothing states it.
+// Returns the unit of the written lengths: the requested one, else the input's if the mesh has unscaled world
+// coordinates; "" if the unit is unknown.
 [[nodiscard]] std::string unit_of_lengths(const Placement& placement, const field::ScalarField& field);
 
 [[nodiscard]] StageReport report_of_placing(const PlacedField& placed, const field::ScalarField& field);

@@ -19,8 +19,8 @@ class Recorder final : public Events {
   void note(const Note& note) override;
   void end(const StageReport& report) override;
 
-  // Call before reading a grid, in jobs with several grids. If the grid was read before, its notes and reports exist.
-  // Until end_reading(), drops all notes. Keeps only the times of reports, and StageReport::did of the reading stages.
+  // Call before reading a grid, in jobs with several grids. For a grid that was read before, the recorder drops all
+  // notes until end_reading(), and reduces reports to the time and, for reading stages, StageReport::did.
   void begin_grid(const std::optional<std::string>& grid);
   void end_reading() { again_ = false; }
   // Returns the label of the current grid; empty if the job has only one.

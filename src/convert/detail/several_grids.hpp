@@ -24,7 +24,7 @@ namespace isoextract::convert {
 [[nodiscard]] std::vector<std::optional<std::string>> grids_of(const SourceOptions& source,
                                                                const OutputFileJob& output);
 
-// Returns options that read one of these grids. SourceOptions::more_grids stays: it says how many others are read.
+// Returns options that read one of these grids. SourceOptions::more_grids stays, for the number of other grids read.
 [[nodiscard]] SourceOptions with_grid(const SourceOptions& source, const std::optional<std::string>& grid);
 
 // Returns the iso values of a grid, over all outputs that contain its surfaces.
@@ -46,7 +46,7 @@ namespace isoextract::convert {
 
 // Returns the surfaces to extract from a field, each once: the iso values in `asked`, or the chosen `labels` if not
 // null. If `asked` lists labels and the field is one of several layers, returns only the labels that the file names for
-// this layer. The first layer also gets the labels that the file names for no layer.
+// this layer. The first layer also gets the labels that the file does not name.
 [[nodiscard]] std::vector<ResolvedIso> surfaces_of(const field::ScalarField& field, std::span<const ResolvedIso> asked,
                                                    const std::vector<std::int64_t>* labels,
                                                    std::optional<std::int64_t> layer);

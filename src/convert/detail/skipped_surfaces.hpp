@@ -11,7 +11,7 @@
 
 namespace isoextract::convert {
 
-// A surface of which clipping or the choice of components left nothing.
+// A surface that clipping or the choice of components removed entirely.
 struct LostSurface {
   SurfaceId id;
   std::string why;

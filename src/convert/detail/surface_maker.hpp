@@ -23,7 +23,7 @@
 
 namespace isoextract::convert {
 
-// A surface, and what its stages told and found.
+// A surface, with the events and figures of its stages.
 struct MadeSurface {
   Result<std::optional<Surface>> surface;  // nullopt if it is empty and the job skips empty surfaces
   std::exception_ptr exception;            // thrown while it was made, such as std::bad_alloc; null: none
@@ -31,10 +31,10 @@ struct MadeSurface {
   bool open = false;              // the surface may have boundary edges
   std::vector<LostSurface> lost;  // the surface, if a step removed all of it
   std::uint64_t bytes_uploaded = 0;
-  std::optional<mesh::Bounds> cut_away;  // bounds before clipping left nothing of it
+  std::optional<mesh::Bounds> cut_away;  // bounds before clipping, if clipping removed the whole surface
 };
 
-// References to what a conversion works with.
+// Makes surfaces from the job, source and backends of a conversion, to which it refers.
 struct SurfaceMaker {
   const ConversionJob& job;
   const Source& source;
@@ -49,16 +49,15 @@ struct SurfaceMaker {
   PartwiseOutput* sink = nullptr;  // takes the mesh while it is made, if nothing edits it as a whole; null: none
 
   // Makes one surface. The source's inside must be set for it (Source::set_inside_side()). For labels, calls from
-  // several threads do not disturb each other. Throws nothing but keeps exceptions in the result: one that left a
-  // parallel loop would make TBB end the loops of the other surfaces in their middle.
+  // several threads do not disturb each other. Throws nothing but keeps exceptions in the result: an exception that
+  // left a parallel loop would make TBB stop the loops of other surfaces before their end.
   [[nodiscard]] MadeSurface make(const ResolvedIso& asked) const;
 
-  // Makes surfaces of labels and hands each to `take`, on one thread at a time, in their order. Makes small labels side
-  // by side, while `take` works on those before them: there is too little work in one of them for several threads. If
-  // memory runs out for one of several, makes it once more and the rest one by one. Labels that are simplified are all
-  // made first, because they are simplified together to keep common faces. Fails if that simplification does, if `take`
-  // does, and if the context is cancelled; other errors and exceptions are those of the surfaces. Throws what `take`
-  // throws.
+  // Makes surfaces of labels and hands each to `take`, on one thread at a time, in the order of `asked`. Makes small
+  // labels side by side, because one has too little work for several threads; `take` meanwhile gets earlier labels. If
+  // memory runs out for one of several, makes it again and then the rest one by one. With simplification, makes all
+  // labels first and simplifies them together, to keep common faces. Fails if that simplification or `take` fails, and
+  // if the context is cancelled; other errors and exceptions are in MadeSurface. Throws the exceptions of `take`.
   using TakeSurface = std::function<Result<void>(MadeSurface made, const ResolvedIso& asked)>;
   [[nodiscard]] Result<void> make_labels(std::span<const ResolvedIso> asked, const TakeSurface& take) const;
 

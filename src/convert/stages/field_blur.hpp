@@ -16,8 +16,8 @@ namespace isoextract::convert {
 [[nodiscard]] std::string text_of(const BlurStep& step);
 
 // Applies the steps to `field` in order, and reports each. Fails as blur_gaussian(), blur_median() and
-// check_mapping_intact() do: with ErrorCode::usage if a Gaussian is wider than field::kMaxBlurSigma voxels along an
-// axis.
+// check_mapping_intact() do, and with ErrorCode::usage if the standard deviation of a Gaussian is more than
+// field::kMaxBlurSigma voxels along an axis.
 [[nodiscard]] Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& label,
                                       const Context& context, Events& events, field::ScalarField& field);
 

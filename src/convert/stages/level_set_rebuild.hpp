@@ -17,10 +17,11 @@ namespace isoextract::convert {
 // exact. Returns a copy of `field` if it has that resolution already.
 //
 // Returns nothing if the caller has to interpolate:
-// - if its file does not state a narrow-band level set: a density, dense samples, or a kind that the user chose
+// - if the field's file does not state a narrow-band level set: a density, dense samples, or a kind that the user chose
 // - if the options ask for fewer than two samples along an axis
 // - with a note, if OpenVDB makes no such level set: the new voxels are not cubic, or the axes are not perpendicular
-// - with a note, if the options fix other samples: a kernel, or a resolution for a file of dense samples
+// - with a note, if the options require interpolation: another kernel than linear, or a resolution for a file of dense
+//   samples
 //
 // Fails as volume_io::rebuild_level_set() does.
 [[nodiscard]] Result<std::optional<field::ScalarField>> rebuild_level_set(const SourceOptions& options,

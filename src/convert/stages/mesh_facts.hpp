@@ -10,9 +10,9 @@
 
 namespace isoextract::convert {
 
-// Returns the figures. Edges and vertices are those that readers of the file find (Surface::welded); components are
-// those of the indices. Takes Surface::measures if they are set, and measures the mesh otherwise. Fails if memory runs
-// out.
+// Returns the figures. Closedness and defects of edges and vertices are those that readers of the file find
+// (Surface::welded). Vertices, components and genus are those of the mesh before welding. Takes Surface::measures if
+// set, else measures the mesh. Fails if memory runs out.
 [[nodiscard]] Result<Figures> mesh_facts(Surface& surface, const Context& context);
 
 // Returns Surface::facts with the figures known only when the mesh is written: file, mesh name, number of vertices in

@@ -6,8 +6,8 @@
 
 namespace isoextract::convert {
 
-// Returns the side of the cells of the grid that finds the inner wall: a quarter of the thickness, but at most the
-// smallest spacing of the samples. For mesh files, only the thickness counts.
+// Returns the cell side, in the mesh's units, of the grid that finds the inner wall: a quarter of the thickness, but at
+// most the smallest spacing of the samples. For mesh files, only the thickness counts.
 [[nodiscard]] double wall_cell(double thickness, const Source& source);
 
 // Returns the thickness in the mesh's units, or 0 if its unit cannot be converted.

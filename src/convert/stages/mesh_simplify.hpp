@@ -22,8 +22,8 @@ struct HeldLabel {
   Events* events;
 };
 
-// Simplifies the surfaces of labels together (edit/label_net.hpp), as the job asks. A number of triangles is that of
-// all labels; a triangle that two labels have in common counts once. Each label gets a report, with time in proportion
+// Simplifies the surfaces of labels together (edit/label_net.hpp), as the job asks. A target number of triangles is for
+// all labels together; a triangle that two labels share counts once. Each label gets a report, with time in proportion
 // to its triangles. The first report has the sentences and notes about all labels. Fails as edit::LabelNet does.
 [[nodiscard]] Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageContext& stage);
 

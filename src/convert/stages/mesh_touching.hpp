@@ -21,8 +21,8 @@ namespace isoextract::convert {
 [[nodiscard]] Result<std::optional<mesh::Topology>> topology_as_read(const Surface& surface, const ConversionJob& job,
                                                                      const Context& context);
 
-// Returns a note that counts the vertices that were moved apart, with the distance and the change of the volume, and
-// those that still touch; nullopt if no sheets touched. `reports` are those of one conversion.
+// Returns a note with the numbers of vertices that touched and that moved apart, the largest distance of a move, and
+// the largest change of a volume; nullopt if no sheets touched. `reports` are those of one conversion.
 [[nodiscard]] std::optional<std::string> note_of_touching(std::span<const StageReport> reports);
 
 }  // namespace isoextract::convert

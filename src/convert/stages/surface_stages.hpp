@@ -36,8 +36,8 @@ struct Surface {
   std::uint64_t label_voxels = 0;                // voxels of the label in the region
   double label_volume = 0;                       // volume of these voxels, in output coordinates
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
-  double untangled_by = 0;                       // upper bound of how far untangling and rounding moved it
-  // The measures of a mesh that was taken, if the job asks for figures.
+  double untangled_by = 0;                       // upper bound of the move by untangling and rounding, in voxels
+  // The measures of a mesh that went part by part, if its sink measured it (partwise_output()).
   std::optional<mesh::MeshMeasures> measures = {};
 
   [[nodiscard]] std::uint64_t vertices() const { return taken ? taken->vertices : mesh.positions.size(); }

@@ -19,10 +19,10 @@ struct SurfaceList {
   std::vector<SurfaceId> rising;    // sorted, each once
 };
 
-// Returns the material of surface `id`, one of `all`: its color and opacity. The color comes from the iso value's place
-// in the job's range, or else between the least and greatest of `all`. `kind` tells which surfaces are outer ones,
-// which may be translucent (ConversionJob::opacity). `open` makes the material double-sided, because the inside may be
-// visible. Returns nullopt if the job neither colors by iso value nor sets an opacity, and `open` is false.
+// Returns the material of surface `id`, one of `all`: its color and opacity. The color comes from the position of the
+// iso value in the job's range, else in the range of `all`. `kind` tells which surfaces are outer ones, which may be
+// translucent (ConversionJob::opacity). `open` makes the material double-sided, because the inside may be visible.
+// Returns nullopt if the job neither colors by iso value nor sets an opacity, and `open` is false.
 [[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const SurfaceList& all,
                                                         const SurfaceId& id, field::FieldKind kind, bool open = false);
 
