@@ -34,7 +34,7 @@ namespace isoextract::extract {
 
 using CornerValues = std::array<long double, 8>;  // InsideRule::depth of each corner
 
-// Returns the faces of a cell, as bits, whose inside corners are joined.
+// Returns the alternating faces of a cell, as bits, whose inside corners are joined.
 [[nodiscard]] inline unsigned joined_faces(const CaseTable& table, unsigned cell_case, const CornerValues& corners) {
   unsigned joined = 0;
   for (unsigned f = 0; f < 6; ++f) {

@@ -55,9 +55,9 @@ struct CaseTable {
   // Bit f: the corners of kCubeFaces[f] (cube_cell.hpp) alternate; mt: always 0.
   std::array<std::uint8_t, 256> alternating_faces{};
   std::array<std::uint16_t, 256> variants{};  // number of the case's first variant
-  // The possible tunnels of each variant (variants with a tunnel have none; mt: empty). A slice of the cell at one z
-  // has four corners, one on each vertical edge. tunnels[v][0] is for slices that are inside on the edges 0-4 and 3-7
-  // and outside on 1-5 and 2-6, tunnels[v][1] for the reverse.
+  // The possible tunnels of each variant (no entry for a variant that has a tunnel; mt: empty). A slice of the cell at
+  // one z has four corners, one on each vertical edge. tunnels[v][0] is for slices that are inside on the edges 0-4 and
+  // 3-7 and outside on 1-5 and 2-6, tunnels[v][1] for the reverse.
   std::vector<std::array<Tunnel, 2>> tunnels;
   std::vector<std::uint16_t> first;  // variant v has triangles[first[v]] to triangles[first[v + 1] - 1]
   std::vector<CellTriangle> triangles;
@@ -90,8 +90,8 @@ struct CaseTable {
 [[nodiscard]] const CaseTable& case_table(Method method);
 
 // The edge table of Suravikin and Korobitsyn. One entry for each of the 16 cases of a tetrahedron (index = b0 << 3 | b1
-// << 2 | b2 << 1 | b3). `strip` holds four vertex pairs (edges): a triangle strip of three vertices, or of four if
-// `quad` is true.
+// << 2 | b2 << 1 | b3; bN is 1 if vertex N is inside). `strip` holds four vertex pairs (edges): a triangle strip of
+// three vertices, or of four if `quad` is true.
 struct TetrahedronCase {
   std::array<std::array<std::uint8_t, 2>, 4> strip;
   bool quad;

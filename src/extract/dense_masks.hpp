@@ -1,5 +1,5 @@
-// One bit a sample: inside or not. All passes after the classification work on these bits and read samples only next to
-// crossed edges.
+// One bit a sample: inside or not. The code that counts and writes triangles works on these bits, and reads samples
+// only near crossed edges.
 #pragma once
 
 #include <cmath>
@@ -66,7 +66,7 @@ class DenseMasks {
 
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return (row(p.y, p.z)[p.x / 64] >> (p.x % 64) & 1) != 0; }
 
-  // Returns the sides of the outermost samples. Valid once all samples are classified.
+  // Returns the sides of the outermost samples. Valid after classify(); classify_slice() does not set them.
   [[nodiscard]] const BoundarySides& boundary_sides() const { return boundary_sides_; }
   void set_boundary(const BoundarySides& sides) { boundary_sides_ = sides; }
 
@@ -115,7 +115,7 @@ struct SliceSides {
   }
 };
 
-// Fills the masks of slice `k` of the view. The masks must have the dims of the view.
+// Fills the masks of slice `k` of the view; returns its NaN count and boundary sides. `masks` has the dims of the view.
 template <class T>
 SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k);
 

@@ -15,8 +15,8 @@ namespace isoextract::extract {
 // f0) / (f1 - f0) (Suravikin and Korobitsyn), in double. The result is at least `margin` away from both ends.
 //
 // The margin makes values equal to iso harmless: a vertex is always strictly inside its edge, also after rounding to
-// float32. Three points strictly inside three different edges of a cube or a tetrahedron are never collinear. So no
-// triangle has zero area and no two vertices coincide.
+// float32 if OutputPlacement::keeps_vertices_apart(). Three points strictly inside three different edges of a cube or a
+// tetrahedron are never collinear. So no triangle has zero area and no two vertices coincide.
 //
 // If one value is infinite, the crossing is at the margin from the finite end. If one is NaN or both are infinite, it
 // is in the middle.
@@ -66,10 +66,10 @@ class OutputPlacement {
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
   // Returns the margin for edge_crossing(), as a fraction of an edge.
   [[nodiscard]] double margin() const { return margin_; }
-  // Returns false if float32 cannot keep positions apart: coordinates or steps leave its range, or samples are too far
-  // from the origin.
+  // Returns false if coordinates or steps leave the range of float32, or if exceeds_float32_precision(). If true,
+  // vertices may still coincide: see keeps_vertices_apart().
   [[nodiscard]] bool fits_float32() const { return in_range_ && !reaches_too_far_; }
-  // Returns true if samples lie so far from the origin (more than about 2^19 steps) that rounding is larger than the
+  // Returns true if samples lie so far from the origin (more than about 2^19 steps) that rounding can exceed twice the
   // margin.
   [[nodiscard]] bool exceeds_float32_precision() const { return reaches_too_far_; }
   // Returns true if vertices on different edges have different positions, also after rounding to float32.
@@ -99,7 +99,7 @@ class OutputPlacement {
   }
   [[nodiscard]] static bool is_placeholder_normal(const glm::vec3& normal) { return glm::dot(normal, normal) > 2; }
 
-  // Returns the unit normal in the output of a plane whose normal in index space is `covector`.
+  // Returns the unit normal, in output space, of a plane whose normal in index space is `covector`.
   [[nodiscard]] glm::vec3 plane_normal(const glm::dvec3& covector) const {
     return glm::normalize(covector_map_ * covector);
   }
@@ -119,8 +119,8 @@ class OutputPlacement {
 // Returns the placement for `region`; `stored` is the box of all samples of `field`. Normally takes origin and margin
 // from `stored`, so that a region changes no position. Takes them from the part of the region that can have triangles
 // in two cases:
-// - samples lie so far from the origin (more than about 512 steps) that the margin for `stored` is visible, and
-//   options.shared_origin is not set;
+// - the region leaves out samples of `stored` and options.shared_origin is not set, and samples lie so far from the
+//   origin (more than about 512 steps) that the margin for `stored` is visible;
 // - with options.cap, the region reaches more than one step beyond `stored`.
 // In these cases, positions on a face shared by two regions differ by up to the larger margin.
 [[nodiscard]] OutputPlacement output_placement(const field::ScalarField& field, const ExtractOptions& options,

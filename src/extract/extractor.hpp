@@ -58,15 +58,16 @@ struct ExtractOptions {
   // Extract only from the cells within this box of samples. The part of the box beyond dense data is ignored.
   std::optional<field::IndexBox> region;
   // All regions of one field use one mesh origin, so vertices on a shared face are equal bit for bit. Large fields lose
-  // precision (edge_geometry.hpp). No effect on a region that, with `cap`, reaches more than one step beyond the data.
+  // precision (edge_geometry.hpp). No effect on a region that reaches more than one step beyond the data, if `cap` is
+  // set or the method is always closed.
   bool shared_origin = false;
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
   // Receives the mesh part by part, once for each of MeshSink::passes(); null: no sink. Works on the CPU for mc and mt
   // with dense samples, without edge keys. With NaN samples, it works only without NanPolicy::hole and without smooth
-  // normals. Otherwise, and if the sink declines (MeshSink::begin()), the mesh is Extraction::mesh. Several ranks can
-  // share the extraction (MeshSink::ranks()) in the same cases, without a cap or holes. Each then extracts a part of
-  // the samples; statistics are those of the whole surface. If the mesh must be whole, rank 0 extracts it alone, and
-  // the others fail with ErrorCode::cancelled.
+  // normals. In all other cases, and if the surface has no triangles or the sink declines (MeshSink::begin()), the mesh
+  // is Extraction::mesh. Where a sink works, several ranks can share the extraction (MeshSink::ranks()), without a cap
+  // or holes. Each rank then extracts from its part of the samples; statistics are those of the whole surface. If the
+  // mesh must be whole, rank 0 extracts it alone, and the other ranks fail with ErrorCode::cancelled.
   mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
@@ -74,8 +75,8 @@ struct ExtractOptions {
 
 // Statistics of the GPU backend.
 struct DeviceStats {
-  // Samples uploaded to the device: those of the bricks that the iso value crosses, and of the cells around them. A
-  // sample that is uploaded twice counts twice.
+  // Samples uploaded to the device: those of the bricks that the iso value crosses, and those around them that cells
+  // and gradients read. A sample that is uploaded twice counts twice.
   std::uint64_t samples_uploaded = 0;
   std::uint64_t bytes_uploaded = 0;  // size of the uploaded samples
   // Only if samples stay on the device between extractions. A brick here has 8x8x8 samples.
@@ -94,19 +95,20 @@ struct DeviceStats {
 // The work done and skipped. A brick is a box of cells that is visited or skipped as a whole.
 struct ExtractStats {
   std::string brick;                     // "64x8x8 cells", "8x8x8 voxels"
-  std::uint64_t bricks = 0;              // bricks in the data
-  std::uint64_t bricks_visited = 0;      // bricks that the iso value crosses; the others are skipped
+  std::uint64_t bricks = 0;              // dense: bricks in the region; sparse: stored bricks
+  std::uint64_t bricks_visited = 0;      // bricks that the iso value crosses, or with the label; the others are skipped
   std::uint64_t places_visited = 0;      // sparse fields: positions of bricks that are not stored, but visited because
                                          // stored bricks or tiles touch them; bricks_visited does not count them
-  std::uint64_t samples_classified = 0;  // samples that were classified, each once: dense samples in the region, all
+  std::uint64_t samples_classified = 0;  // samples that were classified, counted once: dense samples in the region, all
                                          // samples of stored blocks; in a label map, only the first label counts them
   std::uint64_t nan_samples = 0;
   std::uint64_t hole_cells = 0;  // NanPolicy::hole: cells with both a NaN corner and an inside corner, which therefore
                                  // lack triangles
-  // These two flags refer to the outermost samples: those at the data boundary, or on the region's faces.
-  // inside_at_boundary: some of them are inside, so a cap would have triangles. meets_boundary: some of them are inside
-  // and some outside, so the surface reaches the boundary; without a cap it is open there. The background surrounds
-  // sparse data, so without a region both flags are false.
+  // Flags of the outermost samples: those at the data boundary, or on the region's faces. inside_at_boundary: some are
+  // inside, so a cap would have triangles. meets_boundary: some are inside and some outside, and cells there have
+  // triangles (NanPolicy::hole can leave out all). So the surface reaches the boundary; without a cap it is open there.
+  // Both are false for methods that are always closed, and for sparse data without a region (background surrounds
+  // them).
   bool inside_at_boundary = false;
   bool meets_boundary = false;
   StageTime classify;
@@ -139,7 +141,7 @@ class Extractor {
   // - if float32 cannot keep positions apart, because of their range or the number of samples,
   // - for a NaN sample with NanPolicy::error,
   // - if the mesh would have more than 2^32 - 1 vertices, or arrays that exceed the address space,
-  // - if the file of mapped samples changes during the extraction.
+  // - if it finds that the file of mapped samples changed meanwhile (it does not find every change).
   // Fails with ErrorCode::out_of_memory, and with ErrorCode::cancelled between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);

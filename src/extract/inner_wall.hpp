@@ -29,16 +29,16 @@ struct WallFigures {
   // Components that face outward: each is the outside of a wall around a cavity of the mesh. The wall lies loose in the
   // new empty space.
   std::uint64_t loose_walls = 0;
-  // The distance from the inner wall to the mesh, measured at the centers and edge midpoints of its triangles; 0 if
-  // the wall is empty.
+  // The least and the greatest distance from the inner wall to the mesh, measured at the centers and edge midpoints of
+  // the wall's triangles; 0 if the wall is empty.
   double thinnest = 0;
   double thickest = 0;
-  double rms_difference = 0;  // from the thickness
+  double rms_difference = 0;  // of these distances from the thickness
 };
 
 struct InnerWall {
   mesh::Mesh mesh;                         // empty if no part is thick enough; has normals if the given mesh has
-  Buffer<std::uint32_t> nearest_vertices;  // for each vertex, a corner of the closest triangle of the given mesh
+  Buffer<std::uint32_t> nearest_vertices;  // for each vertex, the closest corner of the given mesh's closest triangle
   WallFigures facts;
 };
 

@@ -21,7 +21,7 @@ struct MeshSizes {
 [[nodiscard]] Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
                                                   const ExtractOptions& options);
 
-// Fails with ErrorCode::input if float32 cannot keep the vertices of the mesh apart (OutputPlacement::fits_float32).
+// Fails with ErrorCode::input if float32 cannot hold the positions of the mesh (OutputPlacement::fits_float32()).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputPlacement& placement);
 
 // Fails with ErrorCode::input for more vertices than 32-bit indices can number.
@@ -51,10 +51,10 @@ struct MeshSizes {
 // them.
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& cap, const ExtractOptions& options);
 
-// Replaces unknown normals (OutputPlacement::placeholder_normal) by the mean of the normals of their triangles,
-// weighted by area. If that mean is zero up to rounding or the vertex has no triangle, its normal is the direction of
-// the grid edge that it lies on, from the inside sample to the outside one. Call it before append_cap(). Fails with
-// ErrorCode::out_of_memory.
+// Replaces unknown normals (OutputPlacement::placeholder_normal) by the mean of the normals of the triangles at the
+// vertex, weighted by area. If that mean is zero up to rounding or the vertex has no triangle, the normal is the
+// direction of the vertex's grid edge, from the inside sample to the outside one. Call it before append_cap(). Fails
+// with ErrorCode::out_of_memory.
 [[nodiscard]] Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
                                         const Context& context);
 

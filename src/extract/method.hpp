@@ -5,8 +5,8 @@
 // code reports the reason instead of a figure (the why_no_...() function of the missing trait).
 //
 // A new method adds itself to Method and gets a row here. It must meet the guarantees at the top of extractor.hpp, and
-// skip bricks that iso cannot cross. A method that works cell by cell has a case table (cell_tables.hpp): the top of
-// the table's file documents corner order and bit order with a drawing, and cites papers and equations. A test checks
+// skip bricks that iso cannot cross. A method that works cell by cell has a case table. The top of cell_tables.hpp
+// documents corner order and bit order with a drawing; the table's .cpp file cites the papers. A test checks
 // orientation and closure of every case. If the GPU draws the method, pipeline_of (src/gpu/detail/gpu_surface.cpp)
 // names its pipeline.
 //
@@ -51,7 +51,7 @@ struct MethodTraits {
   bool follows_interpolant = true;
   // Normals can come from the gradient of the field (ExtractOptions::smooth_normals).
   bool gradient_normals = true;
-  // The surface is closed at the data boundary, too: ExtractOptions::cap and NanPolicy::hole do not apply.
+  // The surface is closed at the data boundary, too: ExtractOptions::cap has no effect, NanPolicy::hole is an error.
   bool always_closed = false;
 
   friend bool operator==(const MethodTraits&, const MethodTraits&) = default;

@@ -1,6 +1,6 @@
 // Finds the places of a sparse grid that have no stored block but may own a part of the surface. A place is a box of
-// 8x8x8 samples whose origin is a multiple of 8 along each axis. A stored block, a tile or the background has the
-// values of a place. A place owns the cells whose lowest sample it contains. BlockBits has one bit for each of the 512
+// 8x8x8 samples whose origin is a multiple of 8 along each axis. A place has the values of a stored block, a tile or
+// the background. A place owns the cells whose lowest sample it contains. BlockBits has one bit for each of the 512
 // samples of a place: 1 if the sample is inside.
 #pragma once
 

@@ -90,7 +90,7 @@ class SparseSites {
   // Returns the sides of the samples at the faces of the constructor's region: both if an edge in a face is crossed,
   // else the one side of all these samples. Returns neither side if options.region is unset.
   [[nodiscard]] BoundarySides boundary_sides() const;
-  // Returns whether any cell at the faces of the constructor's region has triangles; cells with a NaN sample have none.
+  // Returns whether a cell at a face of the constructor's region has triangles there; cells with NaN samples have none.
   [[nodiscard]] bool draws_at_boundary() const;
 
   // Runs f(i) for 0 <= i < count in parallel.

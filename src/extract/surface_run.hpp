@@ -53,8 +53,8 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
   // Makes the mesh that emit() would write, part by part, with the arrays that `pass` names; hands each part to the
   // sink. Fails as the sink does, and as emit(). Called once for each pass of the sink.
   { surface.deliver(sink, pass) } -> std::same_as<Result<void>>;
-  // Returns whether this is only the part of one rank: others make the other parts at the same time. count() and the
-  // facts about the boundary are those of the whole surface even so.
+  // Returns whether this is only the part of one rank: other ranks make the other parts at the same time. count() and
+  // the facts about the boundary are those of the whole surface even so.
   { surface.is_shared() } -> std::same_as<bool>;
 };
 

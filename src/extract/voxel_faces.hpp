@@ -8,8 +8,8 @@
 namespace isoextract::extract {
 
 enum class VoxelFaces {
-  merged,      // coplanar faces merged into large rectangles, each with the vertices that its neighbors have on its
-               // boundary
+  merged,      // coplanar faces merged into large rectangles; a rectangle's sides also have the corners of adjacent
+               // rectangles, so there are no T-junctions
   rectangles,  // the same rectangles as two triangles each: fewest triangles, but with T-junctions
   plain,       // each face by itself, as two triangles
 };

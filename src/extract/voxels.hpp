@@ -48,25 +48,26 @@ class LabelVoxels {
   // labels if all samples of the region, and the background and all tiles of a sparse field, are whole numbers of at
   // most largest_label() (field/label_value.hpp) in absolute value. With NanPolicy::outside, NaN samples have no label.
   // Fails with ErrorCode::usage if the field scales its samples, and if a chosen label is the background of a sparse
-  // field. Fails with ErrorCode::input if a sample is no label, if the transform is singular or not finite, or if
-  // options.region contains no sample. Fails with ErrorCode::input, too, if surface nets have more corners than 32-bit
-  // indices can number. Fails with ErrorCode::out_of_memory or cancelled.
+  // field. Fails with ErrorCode::input if a sample is no label, if the transform is singular or not finite, if
+  // options.region contains no sample, or if sparse samples lie too far from index 0 (field::kMaxSparseIndex). Fails
+  // with ErrorCode::input, too, if surface nets have more corners or faces than 32-bit numbers allow. Fails with
+  // ErrorCode::out_of_memory or cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context);
 
   // Returns the chosen labels in the given order, found or not; for LabelChoice::all, the found labels in rising order.
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
 
-  // Returns the facts about a label, or null if no sample has it. Returns null for labels that were not chosen; surface
-  // nets have facts about them, too, except about LabelChoice::background and the background of a sparse field.
+  // Returns the facts about a label, or null if no sample has it. Returns null for labels that were not chosen; with
+  // surface nets, only for LabelChoice::background and the background of a sparse field.
   [[nodiscard]] const FoundLabel* find(std::int64_t label) const;
 
   // Returns sentences about the samples to show to the user.
   [[nodiscard]] const Notes& notes() const;
 
   // Returns the surface of one label; an empty mesh if the label was not found. `field` must be the field given to
-  // find(). `options` must pass check_method(), which is not called here. Of its members only voxel_faces has an
-  // effect; find() used the others. With surface nets, two labels share the triangles of their common faces, with
+  // find(). `options` must pass check_method(), which is not called here. Of the options only voxel_faces has an effect
+  // here; find() used the others. With surface nets, two labels share the triangles of their common faces, with
   // opposite winding. Fails with ErrorCode::input if float32 or 32-bit indices cannot hold the mesh, with
   // ErrorCode::out_of_memory or cancelled. Throws std::bad_alloc.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, std::int64_t label,

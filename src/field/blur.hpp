@@ -22,7 +22,7 @@ inline constexpr int kMaxMedianWidth = 8;
 // are equal, the value does not change at all.
 //
 // A sparse field stays sparse. Filters tiles and the background like other values. For a narrow band this means: the
-// filter does not recompute distances, and values farther outside the band than the kernel reaches do not change. The
+// filter does not recompute distances, and values farther from the band than the kernel reaches do not change. The
 // result has a block wherever the kernel reaches (a) a block of the input or (b) a face between a tile and a different
 // value. `active_box` and `active_voxels` do not change.
 //

@@ -41,7 +41,7 @@ class Percent {
   std::uint32_t parts_ = 0;
 };
 
-// Returns these percentiles of the scaled samples, in the order of `percents`. Counts the samples that
+// Returns the percentiles `percents` of the scaled samples, in the order of `percents`. Counts the samples that
 // FieldStatistics::samples counts. Returns nothing if no sample is finite.
 [[nodiscard]] std::optional<std::vector<double>> measure_percentiles(const ScalarField& field,
                                                                      std::span<const Percent> percents,

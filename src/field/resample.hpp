@@ -33,8 +33,8 @@ enum class NanHandling {
 };
 
 // Returns `field` on a dense grid of `resolution` samples that covers the same box: along each axis the first and last
-// samples of both grids coincide. Adjusts `index_to_world` and `index_to_file`. Replaces the notes of `field` by its
-// own. The result is the same for any number of threads.
+// samples of both grids coincide. Adjusts `index_to_world` and `index_to_file`. The result has the notes of this
+// function only, and is the same for any number of threads.
 //
 // Along an axis that gets more samples, a new sample is the kernel's value at its position. Along an axis that gets
 // fewer, it is the mean of the old voxels (boxes around the samples) over an interval of one new step, centered at it.

@@ -1,5 +1,6 @@
 // The samples of a field in memory: a dense array, or sparse blocks and tiles over a background. A reader keeps the
-// file's sample type if SampleType has it (64-bit integers become double); operations such as resample() state theirs.
+// file's sample type if SampleType has it (64-bit integers become double). Operations such as resample() state the
+// sample type of their result.
 #pragma once
 
 #include <atomic>

@@ -17,11 +17,11 @@ struct SurfaceEstimate {
 // Counts all of them for sparse samples. For dense samples, returns three times the crossings along x, as if the
 // surface faced all axes equally.
 //
-// Also counts block-sized places for sparse samples: stored blocks, empty places beside them, and faces of tiles that
-// the surface passes. A place beside several blocks counts once for each. Dense samples have none.
+// Also counts block-sized places for sparse samples: stored blocks, empty places beside them, and block-sized parts of
+// tile faces that the surface passes. A place beside several blocks counts once for each. Dense samples have none.
 [[nodiscard]] SurfaceEstimate estimate_surface(const ScalarField& field, double iso);
 
-// Returns a lower bound for the number of marching cubes vertices within `box` (all samples without it). For dense
+// Returns a lower bound for the number of marching cubes vertices within `box` (nullopt: among all samples). For dense
 // samples it counts the crossings along all three axes, which is exact. For sparse samples it counts crossings within
 // blocks, or returns 0 if there is a box. NaN counts as outside, so NanPolicy::hole can give fewer vertices than this.
 [[nodiscard]] std::uint64_t min_vertex_count(const ScalarField& field, double iso, const std::optional<IndexBox>& box);

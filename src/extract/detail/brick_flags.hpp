@@ -16,8 +16,8 @@
 
 namespace isoextract::extract {
 
-// Marks the bricks with samples on both sides. The samples of a brick include those that its last cells share with the
-// next brick.
+// Marks the bricks that have samples on both sides of the iso value. The samples of a brick include those that its last
+// cells share with the next brick.
 class BrickFlags {
  public:
   // `dims` is the number of samples along each axis. Has memory only for `slabs`, a range of brick layers along z.
@@ -78,8 +78,8 @@ class BrickFlags {
   Buffer<std::uint8_t> crossed_;
 };
 
-// Releases the pages of the slices of slab `bk` and of `around` slices on either side. Slab `bk` reads the outer
-// slices, too, perhaps after their own slab has released them.
+// Releases the pages of the slices of slab `bk` and of `around` slices on either side. Slab `bk` reads these outer
+// slices, too, and may have brought their pages back after the neighboring slab released them.
 template <class T>
 void leave_slab(const DenseView<T>& view, int bk, int around) {
   view.leave_slices(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z));

@@ -30,7 +30,7 @@ class CellDrawings {
   struct Drawing {
     std::uint16_t first = 0;
     std::uint8_t count = 0;
-    bool decided = false;   // for cases: the VariantChooser chooses the variant
+    bool decided = false;   // only in by_case_: the VariantChooser chooses the variant
     bool left_out = false;  // the VariantChooser left the cell out
   };
 

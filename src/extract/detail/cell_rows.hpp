@@ -67,8 +67,8 @@ class EdgeList {
 // Fills `edges` with the crossed edges that the samples of the row own.
 void list_edges(const CellDrawings& drawings, const CellRow& row, EdgeList& edges);
 
-// Sets one byte for each word in `crossed`: 1 if samples of the word in `rows` are on both sides, else 0. Each row has
-// `samples` samples. The samples of a word include the first of the next word.
+// Sets one byte for each word in `crossed`: 1 if samples of the word in `rows` are on both sides of the iso value, else
+// 0. Each row has `samples` samples. The samples of a word include the first of the next word.
 void mark_crossed_words(std::span<const std::uint64_t* const> rows, int samples, std::uint8_t* crossed);
 
 }  // namespace isoextract::extract

@@ -28,7 +28,7 @@ struct CellStreams {
 
   struct Stream {
     int direction = 0;  // axis bits
-    int row = 0;        // the row of the cell that owns the edges: bit 1 is the next along y, bit 2 along z
+    int row = 0;        // the row whose samples own the edges: 0 the cell's first, +1 the next along y, +2 along z
   };
   struct EdgeSource {
     int stream = 0;

@@ -5,7 +5,7 @@
 //      4-+-----5 |
 //      | |  c  | |          The twelve faces: axis * 4 + quadrant. The quadrant has bit 1 for the upper side along the
 //      | 2-----+-3          lower one of the other two axes, bit 2 along the higher one. The face separates the two
-//      |/      |/           voxels of its quadrant. The six edges: axis, plus 3 if the edge leads upward.
+//      |/      |/           voxels of its quadrant. The six edges: by axis, and downward or upward.
 //      0-------1
 //
 // Voxels are connected through faces only. Where two voxels touch along an edge only, the two faces of each voxel at

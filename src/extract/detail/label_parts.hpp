@@ -77,7 +77,7 @@ class LabelIds {
   [[nodiscard]] std::int64_t id_of(std::int64_t sample) const {
     return table_ != nullptr ? (*table_)[static_cast<std::size_t>(sample)] : sample;
   }
-  // Returns nullopt if no sample has the id.
+  // Returns the sample value of an id: the id itself without a table; nullopt if the table lacks the id.
   [[nodiscard]] std::optional<std::int64_t> sample_of(std::int64_t id) const {
     if (table_ == nullptr || id == 0) return id;
     const auto found = std::lower_bound(table_->begin() + 1, table_->end(), id);

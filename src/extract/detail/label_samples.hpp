@@ -10,7 +10,7 @@ namespace isoextract::extract {
 using field::is_label;
 using field::largest_label;
 
-// A sample that is not a label.
+// A sample that is not a label. `at` is its voxel index (dense: from the lowest sample of the region).
 struct NonLabelSample {
   double value = 0;
   glm::ivec3 at{0};

@@ -40,7 +40,7 @@ class NearLabels {
   std::vector<Entry> entries_;
 };
 
-// Separates the voxels around the corners of a chunk that have no label from the voxels beyond the data boundary.
+// Separates voxels without a label from voxels beyond the data boundary, around the corners of a chunk.
 class NearRest {
  public:
   NearRest(const LabelChunks& labels, const NearLabels& near, const glm::ivec3& origin);

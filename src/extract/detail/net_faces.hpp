@@ -57,7 +57,7 @@ class NetFaces {
     return (sides >> 3 & 1) | (sides >> 6 & 2) | (sides >> 9 & 4);
   }
 
-  // Returns the number of the first face of a row, by its first point; of a later row if the row has no faces.
+  // Returns the number of the first face whose first point is in a row; if the row has none, that of the next face.
   [[nodiscard]] std::uint32_t first_of_row(std::size_t chunk, std::size_t row) const {
     return first_of_rows_[64 * chunk + row];
   }

@@ -5,9 +5,10 @@
 // surface (net_relaxation.hpp). Then keep_volumes() gives each shell the volume of its voxels (net_volumes.hpp). A
 // point stays within its cell (Gibson: Constrained Elastic Surface Nets. 1998).
 //
-// If a face of the cell has three or more labels, a curve where these labels meet passes through it. Points on such a
-// curve are connected with their neighbors on the curve only. So the curve is smooth, and surfaces that end on it do
-// not displace it (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp Boundaries. 2022).
+// If at least two faces of the cell have three or more labels, a curve where these labels meet passes through it.
+// Points on such a curve are connected with their neighbors on the curve only. So the curve is smooth, and surfaces
+// that end on it do not displace it (Frisken: SurfaceNets for Multi-Label Segmentations with Preservation of Sharp
+// Boundaries. 2022).
 //
 // The space beyond the data boundary counts as one more label. Points on the boundary stay in its plane, edge, or
 // corner. All labels share the points, so their meshes meet without gaps, bit for bit.
@@ -29,8 +30,8 @@ class NetPoints {
  public:
   // Returns the net of all labels in `labels` after `relaxations` rounds of smoothing. All voxels without a label count
   // as one more label. `output_from_index`: the linear part of the map to the mesh's coordinates. Runs in parallel; the
-  // result does not depend on the number of threads. Fails if memory runs out and if the context is cancelled. `what`
-  // starts the message about memory.
+  // result does not depend on the number of threads. Fails as NetGrid::make() and NetFaces::make() do. `what` starts
+  // the message about memory.
   [[nodiscard]] static Result<NetPoints> make(const LabelChunks& labels, std::uint64_t relaxations,
                                               const glm::dmat3& output_from_index, const Context& context,
                                               const std::string& what);
@@ -51,8 +52,8 @@ class NetPoints {
   [[nodiscard]] glm::vec3 offset(std::int32_t chunk, const glm::ivec3& corner) const;
 
   // Returns the edges of a chunk that have an extra vertex in their middle, by axis and lower corner; null if there are
-  // none. Such an edge exists where two voxels of one label touch along it and are in one fan at both of its ends. All
-  // labels get the vertex there, so that their meshes have the same triangles.
+  // none. Such an edge exists where two voxels of one label touch along it only, and are in one fan at both of its
+  // ends. All labels get the vertex there, so that their meshes have the same triangles.
   [[nodiscard]] const std::array<ChunkBits, 3>* middles(const glm::ivec3& origin) const;
 
  private:

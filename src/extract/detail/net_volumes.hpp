@@ -11,10 +11,10 @@
 
 namespace isoextract::extract {
 
-// The relative error of a shell's volume that keep_volumes() leaves, unless the cells of the points allow no better.
+// The largest relative error of a shell's volume that keep_volumes() accepts; limits of the cells can leave more.
 inline constexpr double kNetVolumeTolerance = 0.0005;
 
-// Moves points along the normals of their faces, within their cells, until each shell encloses as much as its voxels.
+// Moves points along the normals of their faces, within their cells, until each shell has the volume of its voxels.
 // All faces of a shell move by the same distance; a face of two shells moves by the mean of their two moves. The first
 // passes choose the distances of all shells together, so that neighbors do not undo each other's moves. The normals
 // turn and cells limit moves, so further passes correct the shells whose volume is not right yet, until all volumes are

@@ -66,7 +66,7 @@ class RowTable {
     return below_[static_cast<std::size_t>(k - first_slice_)];
   }
 
-  // Turns counts into numbers that begin with `first`.
+  // Turns counts into numbers that begin with `first`. Call sum() first.
   void place(const MeshSizes& first) {
     for_each_index(slices_, [&](std::size_t k) {
       auto vertex = static_cast<std::uint32_t>(first.vertices + below_[k].vertices);

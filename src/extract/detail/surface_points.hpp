@@ -56,8 +56,8 @@ class SurfacePoints {
     [[nodiscard]] std::uint32_t vertex(const FaceCorner& at);
 
     // Calls found(vertex, steps), in order, for the vertices strictly between the used corner `from` and the corner
-    // `length` steps further along `axis`. `steps` counts half grid steps. `upper` is 1 if the face's voxel is on the
-    // upper side of the edge along the lower one of the other two axes, else 0.
+    // `length` grid steps further along `axis`. `steps` counts half grid steps. `upper` is 1 if the face's voxel is on
+    // the upper side of the edge along the lower one of the other two axes, else 0.
     template <class Found>
     void along(const FaceCorner& from, int axis, int length, int upper, const Found& found) {
       FaceCorner at = from;

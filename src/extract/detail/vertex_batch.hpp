@@ -1,5 +1,5 @@
-// Computes positions of vertices on crossed edges, many at a time. Vectorized; edge_crossing() and OutputPlacement
-// (edge_geometry.hpp) are the readable version and handle values that are not finite.
+// Computes positions and normals of vertices on crossed edges, many at a time. Vectorized; edge_crossing() and
+// OutputPlacement (edge_geometry.hpp) are the readable version and handle values that are not finite.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Inside bits of voxels, in chunks of 64x8x8. Only chunks that may contain an exposed face are listed.
+// Inside bits of voxels, in chunks of 64x8x8. Lists all chunks that may contain an exposed face, and perhaps others.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ class VoxelChunks {
 
   VoxelChunks() = default;
   // `chunks` are in chunk_order(), without duplicates. `owner` keeps their bits alive. `memory` is the reservation of
-  // bytes() and of the bits.
+  // bytes(), without the bits.
   VoxelChunks(std::vector<VoxelChunk> chunks, Unlisted unlisted, std::shared_ptr<const void> owner, Reservation memory);
 
   // Returns the bytes of the list and its index.

@@ -61,9 +61,10 @@ struct ChunkGrid {
 [[nodiscard]] ChunkBits bits_within(const glm::ivec3& origin, const field::IndexBox& box);
 
 // Returns the chunks of sparse samples in which voxel faces may be exposed, in chunk_order(). These are the chunks of
-// blocks and small tiles, and of the skins of large tiles on the other side than the background. If the background is
-// inside (`unbounded`), adds the skin of a limited region, and the neighbors of all these chunks. `tiles_inside` tells
-// for each tile whether it is inside. Fails if memory runs out; `memory` receives the reservation of the list.
+// blocks and small tiles (below 64 samples a side), and of the skins of larger tiles on the other side than the
+// background. If the background is inside (`unbounded`), adds the skin of a limited region, and the neighbors of all
+// these chunks. `tiles_inside` tells for each tile whether it is inside. Fails if memory runs out; `memory` receives
+// the reservation of the list.
 [[nodiscard]] Result<std::vector<glm::ivec3>> sparse_chunks(const field::ScalarField& field,
                                                             const field::SparseSamples& samples,
                                                             const field::IndexBox& region, bool unbounded,

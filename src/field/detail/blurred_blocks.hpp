@@ -16,8 +16,9 @@ struct BlurredBlocks {
   Reservation memory;               // of these lists
 };
 
-// The filter reaches `reach` voxels. A block-sized place stays as it is if all samples within reach have one value;
-// every other place becomes a block. `what` starts the message if memory runs out.
+// Returns the blocks and tiles of a grid blurred by a filter that reaches `reach` voxels. A place becomes a block if a
+// stored block or a different value is at most ceil(reach / 8) places away; all others stay constant. `what` starts the
+// message if memory runs out.
 [[nodiscard]] Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const SparseLookup& lookup,
                                                         int reach, const std::string& what, const Context& context);
 

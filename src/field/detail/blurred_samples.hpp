@@ -47,7 +47,7 @@ class Surroundings {
   }
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
 
-  // Writes the samples around the block at `origin` to `values`, which has size() elements.
+  // Writes the samples of the block at `origin` and those around it to `values`, which has size() elements.
   void gather(const glm::ivec3& origin, double* values) const {
     const glm::ivec3 low = origin - reach_;
     const glm::ivec3 high = low + dims_;  // exclusive

@@ -60,7 +60,7 @@ class AxisCells {
   bool is_coarser_;
 };
 
-// Adds weights of values.
+// Sums the weights of each value.
 class Votes {
  public:
   void clear() {

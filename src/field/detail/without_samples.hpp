@@ -1,11 +1,11 @@
-// Copies what a filter keeps of a field.
+// Copies the parts of a field that a filter keeps.
 #pragma once
 
 #include "field/scalar_field.hpp"
 
 namespace isoextract::field {
 
-// Returns a copy of everything but the samples and notes.
+// Returns a copy without the samples, notes, labels, label ids, times, `parts` and `is_sampled`.
 inline ScalarField without_samples(const ScalarField& field) {
   ScalarField other;
   other.name = field.name;
