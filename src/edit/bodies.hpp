@@ -67,20 +67,20 @@ struct SelectedBodies {
 using OriginalPositions = Buffer<glm::vec3>;
 
 // Keeps the components that `options` select, with their vertices, attributes and triangles in order. Filling a cavity
-// also removes the components in it. If select_bodies() removes any component, it also drops triangles that repeat an
-// index. They belong to no component, so closed components stay closed. Returns the mesh unchanged if nothing is
-// removed. The result does not depend on the number of threads. Fails if memory is short.
+// also removes the components in it. If select_bodies() removes any component, it also drops vertices and triangles
+// that belong to no component, so closed components stay closed. Returns the mesh unchanged if nothing is removed. The
+// result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
 [[nodiscard]] Result<SelectedBodies> select_bodies(mesh::Mesh mesh, const BodySelection& options,
                                                    const Context& context, OriginalPositions sites = {});
 
 // Adds an attribute that stores the body of each vertex, for split_into_bodies(). Later stages may move or remove
-// vertices but must not join components; cavities then stay with their bodies. Fails if memory is short.
+// vertices but must not join components; cavities then stay with their bodies. Fails as select_bodies() does.
 [[nodiscard]] Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context, OriginalPositions sites = {});
 
 // Returns one mesh for each body, the largest area first, with all attributes but that of mark_bodies(); an empty list
 // for a mesh without triangles. Without that attribute, finds from the positions which cavity is in which body. All
 // meshes have the name of `mesh`. Fails with ErrorCode::input, before it splits, if there are more than `most` bodies;
-// fails if memory for all of them beside `mesh` is short.
+// with ErrorCode::out_of_memory if memory for all bodies beside `mesh` is short; or with ErrorCode::cancelled.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_into_bodies(mesh::Mesh mesh, std::uint64_t most,
                                                                 const Context& context);
 

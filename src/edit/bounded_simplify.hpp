@@ -2,12 +2,12 @@
 // is bounded in both directions at every point, not only at vertices.
 //
 // Edges are collapsed in patches that run in parallel; vertices shared by patches stay (detail/edge_collapse.hpp). The
-// next round uses larger patches, so that shared vertices become interior, until one patch contains the whole remaining
-// mesh. So no outline of a patch remains visible. The distance limit rises in steps, each with all its rounds, so that
-// a larger limit never gives more triangles than a smaller one. During collapses, sample points of the input estimate
-// the distance. Afterwards the distance is proven for every point, and collapses that went too far are undone
-// (detail/distance_proof.hpp). For a triangle target, the limit rises until the target is near or few patches are left.
-// Then one patch collapses the cheapest edges first, down to the target, and the final distance is measured.
+// next round visits these vertices and their surroundings in larger patches, so that they become interior, until only
+// one patch is left. So no outline of a patch remains visible. The distance limit rises in steps, each with all its
+// rounds, so that a larger limit never gives more triangles than a smaller one. During collapses, sample points of the
+// input estimate the distance. Afterwards the distance is proven for every point, and collapses that went too far are
+// undone (detail/distance_proof.hpp). For a triangle target, the limit rises until the target is near or few patches
+// are left. Then one patch collapses the cheapest edges first, down to the target, and the final distance is measured.
 //
 // No triangles intersect that did not before (mesh/self_intersections.hpp). A collapse that would make triangles of its
 // patch intersect is refused (detail/intersection_guard.hpp). Collapses of different patches that together make

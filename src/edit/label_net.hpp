@@ -41,7 +41,7 @@ class LabelNet {
   //
   // Each mesh keeps a subset of its vertices, and its topology. Triangles of one label only, as in cut or smoothed
   // meshes, form sheets of their own. Vertices stay where a curve ends, and where a label touches itself other than
-  // along a curve. Fails as simplify_mesh() does.
+  // along a curve. Fails as simplify_mesh() does; if memory is short, some of the meshes may then be simplified.
   [[nodiscard]] Result<SimplifyFigures> simplify(std::span<mesh::Mesh* const> meshes, const SimplifyOptions& options,
                                                  const Context& context) const;
 

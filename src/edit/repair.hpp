@@ -48,7 +48,7 @@ struct RepairFigures {
 
 // Repairs the mesh. The only new vertices are the copies of step 5. Vertices keep their positions and attributes.
 // Removes normals and edge keys. The result does not depend on the number of threads. Positions must be finite and
-// indices valid. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
+// indices valid. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled; the mesh may then be half repaired.
 [[nodiscard]] Result<RepairFigures> repair(mesh::Mesh& mesh, const RepairOptions& options, const Context& context);
 
 }  // namespace isoextract::edit

@@ -7,10 +7,10 @@
 // vertex moves to the other side, in a direction that lies on that side of all triangles of the cone. So the moved
 // triangles lie on the side of the old ones that faces away from the other sheets, and cannot meet these. The cone of a
 // vertex may be so bent that it has no such direction, or it may have sheets on both sides: this vertex stays, and the
-// others move away.
-// If two or more cones at one position have no such direction, each vertex moves away from only those of its triangles
-// that have an edge in common with another of these cones. If there is no such direction either, all vertices but one
-// move along the means of their normals; triangles may then intersect within the distance.
+// other vertices at the position move away.
+// If two or more cones at one position have no such direction, each of their vertices moves off only those triangles of
+// its cone that share an edge with another cone there. If some have no such direction either, all of these but one move
+// along the means of their normals; triangles may then intersect within the distance.
 // Directions are found in voxel coordinates, where the sheets are not stretched.
 #pragma once
 
@@ -33,8 +33,8 @@ struct SeparationFigures {
 };
 
 // Moves the touching vertices that have a direction (see above) by the distance `voxels`, in voxels, if float32 is fine
-// enough there. Else moves them by eight steps of float32 numbers at its world position, or not at all if these exceed
-// 20 times the distance. The columns of `voxel` are the edges of a voxel in the mesh's units; if they have no volume, a
+// enough there. Else moves them by eight float32 steps at their world position, or not at all if eight steps exceed 20
+// times the distance. The columns of `voxel` are the edges of a voxel in the mesh's units; if they have no volume, a
 // voxel is a cube as large as the unit. Triangles, attributes and the order of vertices stay. Positions must be finite.
 // The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or cancelled.
 [[nodiscard]] Result<SeparationFigures> separate_touching_vertices(mesh::Mesh& mesh, double voxels,

@@ -82,13 +82,13 @@ struct SmoothFigures {
 };
 
 // Moves the vertices of `mesh`. Recomputes existing normals from the triangles, weighted by angle (G. Thuermer and C.
-// Wuethrich, Computing vertex normals from polygonal facets, 1998). SmoothMethod::weighted then averages each normal
-// with those of its neighbors in kNormalPasses passes, by the weight of the vertex: the triangles of a smoothed surface
-// are flat, while their normals still show the cells. Drops edge keys, as vertices leave their grid edges; keeps
-// triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the number of
-// threads. A vertex moves less, or not at all, if its move would make triangles intersect that did not before
+// Wuethrich, Computing vertex normals from polygonal facets, 1998). SmoothMethod::weighted then averages the normals of
+// freely moving vertices with those of their neighbors in kNormalPasses passes, by weight: the triangles of a smoothed
+// surface are flat, while their normals still show the cells. Drops edge keys, as vertices leave their grid edges.
+// Keeps triangles and attributes, so closed manifolds stay closed manifolds. The result does not depend on the number
+// of threads. A vertex moves less, or not at all, if its move would make triangles intersect that did not before
 // (detail/untangled_moves.hpp). Fails if the context is cancelled, or if memory is short: about 65 bytes a vertex and
-// 24 a triangle (weighted, with normals: 97 and 36), plus the memory of the search for intersections.
+// 24 a triangle (weighted, with normals: 85 and 48), plus the memory of the search for intersections.
 [[nodiscard]] Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context);
 
 // Returns the filter's gain at a frequency from 0 to 2; for SmoothMethod::weighted, the gain at weight 1.

@@ -38,8 +38,8 @@ struct ValueColors {
                                                   const std::optional<ValueRange>& range, ColorStorage storage,
                                                   const Context& context);
 
-// Gives all vertices one color, in sRGB with channels from 0 to 1, stored as srgb_u8. Fails with
-// ErrorCode::out_of_memory if memory is short.
+// Gives all vertices one color, in sRGB with channels from 0 to 1, stored as srgb_u8. The mesh must have no colors yet.
+// Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<void> color_uniformly(mesh::Mesh& mesh, const glm::dvec3& color, const Context& context);
 
 // The color of a range of vertices, in sRGB with channels from 0 to 1.

@@ -40,7 +40,7 @@ struct FloatBox {
   return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
 }
 
-// A box to find those that meet it, four lanes at a time.
+// A box that is compared with many other boxes, four floats at a time.
 class BoxQuery {
  public:
   explicit BoxQuery(const FloatBox& box)
@@ -52,7 +52,7 @@ class BoxQuery {
     static_assert(sizeof(FloatBox) == 6 * sizeof(float));
     return meets(load4(&other.min.x), last_three(load4(&other.min.z)));
   }
-  // The other box is that of a triangle, whose corners follow each other in memory.
+  // Compares with the bounding box of a triangle, whose three corners follow each other in memory.
   [[nodiscard]] bool meets_triangle(const glm::vec3* corners) const {
     const Float4 a = load4(&corners[0].x);
     const Float4 b = load4(&corners[1].x);
@@ -61,7 +61,7 @@ class BoxQuery {
   }
 
  private:
-  // Returns whether the boxes meet; the last lanes hold coordinates that pass.
+  // Returns whether the boxes meet. The last lane never decides: low_ and high_ are infinite there.
   [[nodiscard]] bool meets(const Float4& low, const Float4& high) const { return !any4((low > high_) | (low_ > high)); }
 
   Float4 low_;
@@ -89,8 +89,8 @@ class BoxTree {
   }
 
   // Needs at least one item, with finite centers; sorts `items` into tree order. box_of(number) returns the box of an
-  // item. `groups` is empty or has an entry for each number; nodes are then split by group first, so that the items of
-  // a group are in adjacent leaves. The tree is the same for any number of threads. Throws std::bad_alloc.
+  // item. `groups` is empty, or has the group of each number: nodes with several groups are split by group, so that the
+  // items of a group are in adjacent leaves. The tree is the same for any number of threads. Throws std::bad_alloc.
   template <class BoxOf>
   BoxTree(std::span<Item> items, const BoxOf& box_of, std::span<const std::uint32_t> groups = {})
       : BoxTree(items, groups) {

@@ -22,8 +22,8 @@ struct MeshShape {
   bool has_normals = false;
   bool may_be_open = false;         // the mesh may have boundary edges
   bool distinct_positions = false;  // no two vertices have equal positions
-  // If the parts come in order, triangles refer to vertices of their own part, of the next one, and to these, which
-  // are in ascending order.
+  // Vertices that triangles of later parts may use, ascending. If the parts come in order, triangles use no other
+  // vertices but those of their own part and of the next part.
   std::vector<std::uint32_t> far_vertices = {};
 };
 
@@ -45,11 +45,11 @@ struct MeshPart {
   std::span<const glm::uvec3> triangles;  // vertex indices in the whole mesh; the vertices may be in other parts
 };
 
-// One pass over the parts of a mesh, which is made once for it.
+// One pass over the parts of a mesh. The mesh is made anew for each pass.
 struct PartPass {
   // True: one part after another, in the order of the mesh. False: in any order, several threads call take() at once.
   bool in_order = false;
-  // The arrays that the sink gets; the others are empty. Parts without any are left out.
+  // The arrays that the sink gets; the other arrays are empty. A part is left out if all its arrays are empty.
   bool positions = true;
   bool normals = true;
   bool triangles = true;

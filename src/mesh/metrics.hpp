@@ -24,7 +24,7 @@ struct LocalBounds {
 };
 [[nodiscard]] LocalBounds measure_local_bounds(const Mesh& mesh);
 
-// Bounds of positions that come in parts. Of equal coordinates (0 and -0), those of the part added first stay.
+// Bounds of positions that come in parts. Keeps the coordinate that was added first if two are equal (0 and -0).
 class GrowingBounds {
  public:
   void add(std::span<const glm::vec3> positions) {

@@ -24,7 +24,8 @@ class PartwiseMeasures final : public MeshSink {
 
   Result<bool> begin(const MeshShape& shape) override;
   [[nodiscard]] std::vector<PartPass> passes() const override;
-  // Fails with ErrorCode::out_of_memory, and with ErrorCode::input if the second pass has another mesh. So does take().
+  // All functions may fail with ErrorCode::out_of_memory. take() in the second pass, and finish(), also fail with
+  // ErrorCode::input if the mesh of this pass differs from that of the first pass.
   [[nodiscard]] Result<void> begin_pass(std::size_t pass) override;
   Result<void> take(const MeshPart& part) override;
   // Call once, after the last part.

@@ -34,7 +34,7 @@ struct SelfIntersections {
   // The first pairs, ordered by first and then by second triangle; the lower number comes first.
   std::vector<std::array<std::uint32_t, 2>> examples;
 
-  std::uint64_t looked_at = 0;            // pairs whose bounding boxes overlap, so that the search tested them exactly
+  std::uint64_t looked_at = 0;            // pairs that the search tested exactly: their bounding boxes overlap
   std::uint64_t zero_area_triangles = 0;  // corners exactly on one line
   std::uint64_t duplicate_triangles = 0;  // with the corners of an earlier triangle, in either winding
 };

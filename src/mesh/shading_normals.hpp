@@ -30,12 +30,13 @@ struct ShadingOptions {
   // The number of each triangle's plane, 0 for none; or empty. Edges between different numbers are creases, and
   // triangles with a number get the normal of their plane.
   std::span<const std::uint8_t> planes;
-  // If set, edges of flat parts are also creases where the planes turn by more than this angle, and every normal is
-  // checked against its triangles. A triangle belongs to a flat part if it and a neighbor are coplanar within
-  // kFlatDegrees. Elsewhere, as in rough data, a group is split only if a normal points the wrong way.
+  // Makes edges of flat parts creases, too, where the planes turn by more than this angle, and has every normal checked
+  // against its triangles. A triangle belongs to a flat part if it and a neighbor are coplanar within kFlatDegrees.
+  // Elsewhere, as in rough data, a group is split only if a normal points the wrong way.
   // If empty, vertices whose triangles have no plane number keep their normal.
   std::optional<double> crease_degrees;
-  // If false, no vertex is copied, and each vertex that does not keep its normal gets the mean of all its triangles.
+  // Allows copies of vertices. Without copies, each vertex gets the mean of all its triangles; it keeps its normal only
+  // if crease_degrees is empty and none of its triangles has a plane number.
   bool may_copy = true;
 };
 

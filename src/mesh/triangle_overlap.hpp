@@ -26,8 +26,8 @@ struct TriangleOverlap {
 // share all three corners meet.
 //
 // Without a shared corner, two triangles meet if a side of one meets the other. With one shared corner, their
-// intersection is convex and contains it; if it holds more, it reaches the opposite side of one triangle. With a shared
-// side, they overlap if they lie in one plane on the same side of it.
+// intersection is convex and contains the corner; a larger intersection reaches the side opposite this corner in one
+// triangle. With a shared side, they overlap if they lie in one plane and on one side of the shared side.
 [[nodiscard]] TriangleOverlap find_overlap(const PlacedTriangle& p, const PlacedTriangle& q);
 
 // The corners of a triangle, a lane for each; the last lane repeats the last corner.
@@ -38,7 +38,7 @@ struct CornerLanes {
       : x{t[0].x, t[1].x, t[2].x, t[2].x}, y{t[0].y, t[1].y, t[2].y, t[2].y}, z{t[0].z, t[1].z, t[2].z, t[2].z} {}
 };
 
-// Rejects most pairs with a triangle by its plane, without a call of find_overlap().
+// Rejects most partners of one triangle by its plane, without a call of find_overlap().
 //
 // Computes the determinants of orientation_3d() in float and compares them with a bound of the rounding error: each
 // term is a product of three differences (Shewchuk, see exact_sign.hpp, with a generous constant).
@@ -62,8 +62,8 @@ class PlaneFilter {
     }
   }
 
-  // Returns true only if find_overlap() finds that the triangles do not meet: the corners of q that they do not share
-  // are all on one side of the plane.
+  // Returns true only if find_overlap() would find that the triangles do not meet: all corners of q except shared ones
+  // are on one side of the plane.
   [[nodiscard]] bool is_apart(const CornerLanes& q) const {
     const Float4 x = q.x - corners_[0][0];
     const Float4 y = q.y - corners_[0][1];

@@ -71,7 +71,7 @@ class AnimationWriter {
   // becomes the node's name; several surfaces become child nodes with the names of their meshes.
   // `packing` replaces options.packing for this frame. If it quantizes positions, its box must be set. mesh_packing.hpp
   // tells when frames share a lattice.
-  // `placement` replaces options.placement: the file stores the placement of its first frame, and a note tells if later
+  // `placement` replaces options.placement: all files store the placement of the first frame, and a note tells if later
   // frames have another one.
   //
   // Refuses a frame with ErrorCode::output if its rounded coordinates would destroy triangles
@@ -84,7 +84,7 @@ class AnimationWriter {
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);
 
   // Returns what packing did to each surface of the last frame added, with default values for a surface that packing
-  // left as it is. Empty if no packing was asked for, or if add() refused the frame.
+  // left as it is. Empty if no packing was requested, if the frame has no triangles, or if add() refused it.
   [[nodiscard]] std::span<const PackedFacts> packed() const;
 
   // Returns whether an earlier failure ended the whole file, so that every later call fails alike. Refusing one frame

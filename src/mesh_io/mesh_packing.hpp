@@ -56,7 +56,7 @@ struct MeshPacking : PackingOptions {
   // allow or, if unset, kMaxPositionBits (16 bits with `quantize`).
   double voxel = 0;
   // The box around every mesh that shares the lattice; a vertex outside is an error. If unset, MeshWriter uses the box
-  // around the meshes of the file and holds them all in memory until the last one; AnimationWriter fails.
+  // around the meshes of the file and holds all of them in memory until finish(); AnimationWriter fails.
   std::optional<mesh::Bounds> box = {};
 };
 

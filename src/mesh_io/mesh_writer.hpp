@@ -29,8 +29,8 @@ constexpr auto words_of(MeshFormat /*type*/) {
 }
 
 // Returns whether a file of this format has one place for each vertex and triangle, so that parts can come in any
-// order, also from several ranks. False for text, for STL, whose triangles have their own copies of the vertices, and
-// for .gltf, because ranks share no two files.
+// order, also from several ranks. False for text, for DRC, for STL, whose triangles have their own copies of the
+// vertices, and for .gltf, because ranks share only one file.
 [[nodiscard]] bool has_fixed_places(MeshFormat format, bool ascii);
 
 // Returns true for glb and gltf, in which y points up, lengths are in meters and meshes have materials.
@@ -44,7 +44,7 @@ struct MeshFormatInfo {
   bool can_hold_several_meshes;   // several iso values can share one file
   bool writes_each_mesh_at_once;  // add() writes and frees each mesh; otherwise finish() writes all
   bool can_stream;                // can be written to standard output
-  bool has_ascii;                 // has a text form
+  bool has_ascii;                 // has a text form besides its binary one
   bool has_attributes;            // can store vertex attributes besides position and normal
   // True: the format rounds world positions to float32. False: it keeps more precision by a separate origin, doubles or
   // decimal text.
@@ -109,21 +109,23 @@ class MeshWriter {
   ~MeshWriter();
 
   // Adds a mesh with its vertex normals and attributes. A note lists the attributes that the format cannot store; STL
-  // drops vertex normals without a note. Fails with ErrorCode::usage if the format does not support the options.
-  // Fails with ErrorCode::output if writing fails, if a vertex lies outside packing.box, or if the unpacked mesh
-  // differs from the original. Fails with the same code if rounding would destroy the mesh because it is far from the
-  // origin (write/coordinate_rounding.hpp). After a failure every later call returns the first error.
+  // drops vertex normals without a note. Fails with ErrorCode::usage if the format does not support the options, or if
+  // it holds one mesh only and this is the second. Fails with ErrorCode::output if writing fails, if a vertex lies
+  // outside packing.box, or if the unpacked mesh differs from the original. Fails with the same code if rounding would
+  // destroy the mesh because it is far from the origin (write/coordinate_rounding.hpp). After a failure every later
+  // call returns the first error.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Begins the only mesh of the file, whose parts take_part() writes. `head` is the mesh without its arrays. Works for
-  // PLY, OBJ, STL and unpacked glTF, without attributes or an origin. A glTF must have 32-bit indices and no flat
-  // normals, and an OBJ no vertex copies for normals. Otherwise returns false and does nothing: add the whole mesh.
+  // PLY, OBJ, STL and unpacked glTF, in the original order, without attributes or an origin. A glTF must have 32-bit
+  // indices and no flat normals, an OBJ no vertex copies for normals. Otherwise returns false: add() the whole mesh.
   // Fails like add(). If `ranks` is not null, these ranks write a binary PLY without flat normals or a GLB together:
   // all of them call it with the same mesh, each writes its parts, and all call finish(). Only rank 0 knows the hash.
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
   // After begin_parts() returned true, part_passes() are the passes of mesh::MeshSink, begin_pass() comes before each
   // of them, and take_part() writes a part. They fail with ErrorCode::output, for STL and flat normals with
-  // ErrorCode::out_of_memory, too. A stream gets bytes with the parts, and ends incomplete if a later part fails.
+  // ErrorCode::out_of_memory, too; do not call finish() then. A stream gets bytes with the parts, and ends incomplete
+  // if a later part fails.
   [[nodiscard]] std::vector<mesh::PartPass> part_passes() const;
   [[nodiscard]] Result<void> begin_pass(std::size_t pass) const;
   [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;

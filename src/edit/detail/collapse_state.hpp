@@ -1,13 +1,13 @@
 // A mesh while its edges are collapsed. Triangles keep their numbers, so that each collapse can be looked up and
 // undone.
 //
-// A collapse moves one vertex onto a neighbor. It removes the two triangles that have both vertices (one triangle at a
-// boundary edge); the other triangles of the vertex get the neighbor as their corner. A collapse can be undone once all
-// later collapses that changed one of its triangles are undone. This order is that of a multi-triangulation (De
-// Floriani, Magillo, Puppo: Efficient implementation of multi-triangulations. IEEE Visualization 1998). Any set of
-// collapses that includes all collapses it depends on gives a mesh with the components and the Euler number of the
-// original. The reason: a collapse adds and removes only edges at its two vertices, so the link condition of the other
-// collapses still holds.
+// A collapse moves one vertex onto a neighbor. It removes the two triangles that have both vertices (one at a boundary
+// edge, one per sheet along a curve); the other triangles of the vertex get the neighbor as their corner. A collapse
+// can be undone once all later collapses that changed one of its triangles are undone. This order is that of a
+// multi-triangulation (De Floriani, Magillo, Puppo: Efficient implementation of multi-triangulations. IEEE
+// Visualization 1998). Any set of collapses that includes all collapses it depends on gives a mesh with the components
+// and the Euler number of the original. The reason: a collapse adds and removes only edges at its two vertices, so the
+// link condition of the other collapses still holds.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,7 @@ struct CollapseState {
   // end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
-  std::vector<char> tangled;          // 1: the triangle intersected another one when it was changed
+  std::vector<char> tangled;          // 1: an allowed collapse left the triangle in an intersecting pair
   std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
   Sheets sheets;
   SheetTrees original_trees;

@@ -12,7 +12,7 @@ namespace isoextract::edit {
 
 struct CutCapFigures {
   std::uint64_t triangles = 0;
-  // Cap triangles that overlap others by more than rounding because the cut crosses itself.
+  // Cap triangles that overlap other cap triangles by more than rounding because the cut crosses itself.
   std::uint64_t turned = 0;
 };
 

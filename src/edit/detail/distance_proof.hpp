@@ -1,8 +1,9 @@
 // Proves that a mesh with collapsed edges is within a distance of the original, in both directions and at every point;
 // undoes collapses where it is not.
 //
-// If a triangle is too far away, the last collapse that changed it (or the triangle nearest to it) is undone. This ends
-// at the original mesh at the latest; usually a few collapses of thousands are undone.
+// Undoes the last collapse of each changed triangle that is too far away. For an original triangle too far away, undoes
+// the last collapse of the triangle nearest to its centroid. This ends at the original mesh at the latest; usually
+// a few collapses of thousands are undone.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +29,7 @@ struct Proof {
   // With `once`: the vertices whose collapses went too far. Collapses that were undone only because they depend on
   // these are not listed.
   std::vector<std::uint32_t> refused;
-  int passes = 0;  // measurements; the first covers the whole mesh
+  int passes = 0;  // measurements; the first covers the whole mesh, unless an earlier proof is taken up
 };
 
 // The distances that a proof found. A later proof of the same state then measures only what undone collapses changed.

@@ -28,11 +28,11 @@ struct CollapseLimits {
   // Rejects a collapse if a point of a new triangle is farther from the original mesh. Skips the measurement of
   // triangles whose samples are all nearer than half of this limit.
   double proven = std::numeric_limits<double>::infinity();
-  std::size_t triangles = 0;  // of the patch: stop here, or one triangle below
+  std::size_t triangles = 0;  // of the patch: stop here, or a few below (collapse_state.hpp: triangles of a collapse)
 };
 
-// `locked`: vertices that this round must not move. `wanted`: vertices tried first; others are tried once a collapse
-// changes their surroundings.
+// `locked`: vertices that this round must not move. `wanted`: vertices tried first; other vertices are tried once a
+// collapse changes their surroundings.
 struct CollapseVertices {
   std::span<const char> locked;
   std::span<const char> wanted;

@@ -25,7 +25,7 @@ struct FillFigures {
 //   - the least area; short new edges decide between nearly equal areas.
 //
 // `uses` lists the edges of `mesh`. Neighboring triangles must have the same winding: fills only loops that all
-// boundary edges run around in one direction, and counts no others. The time grows with the cube of the edges of a
+// boundary edges run around in one direction, and counts only these. The time grows with the cube of the edges of a
 // loop. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled. Throws std::bad_alloc.
 [[nodiscard]] Result<FillFigures> fill_holes(mesh::Mesh& mesh, const EdgeUses& uses, std::uint64_t most_edges,
                                              const Context& context);

@@ -1,7 +1,7 @@
 // Finds whether a collapse in a patch would make triangles intersect, as mesh/self_intersections.hpp counts it.
 //
-// Knows the triangles of the patch only. A BoxTree finds those near the new triangles. After a collapse it keeps its
-// shape; the boxes of its nodes grow where new triangles are larger. The pairs found are tested exactly.
+// Knows the triangles of the patch only. A BoxTree finds the triangles near new ones. A collapse does not change the
+// shape of the tree; the boxes of its nodes grow where new triangles are larger. The pairs found are tested exactly.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ class IntersectionGuard {
   struct Placed {
     Corners corners;
     std::uint32_t triangle;    // its position in the patch
-    std::uint32_t looked = 0;  // the last look in which it was around the vertex
+    std::uint32_t looked = 0;  // number of the last allows() that had it in `around`
     bool counts = true;        // false: removed, or without area
   };
 

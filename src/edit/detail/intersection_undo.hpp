@@ -16,15 +16,15 @@ namespace isoextract::edit {
 
 struct UndoneIntersections {
   std::uint64_t collapses = 0;
-  std::vector<RestoredTriangle> restored;  // triangles that these brought back
+  std::vector<RestoredTriangle> restored;  // as undo_collapse() lists them
 };
 
-// Undoes collapses until no new pair of triangles intersects: each time the last collapse of the triangle that changed
-// last. A pair is not new if both triangles are original, or if both intersected when they were changed
-// (CollapseState::tangled). `restored` are the triangles that undone collapses have brought back: with `is_first` since
-// edges were collapsed, else since the last check. Without `is_first`, looks only at pairs with such a triangle. `logs`
-// are sorted by `first`; `name` is that of the mesh, for messages. The result does not depend on the number of threads.
-// Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
+// Undoes collapses until no new pair of triangles intersects: for each pair, the latest collapse that changed one of
+// the two. A pair is not new if both triangles are original, or if both are CollapseState::tangled. `restored` are the
+// triangles that undone collapses have brought back: with `is_first` since edges were collapsed, else since the last
+// check. Without `is_first`, looks only at pairs with such a triangle. `logs` are sorted by `first`; `name` is that of
+// the mesh, for messages. The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or
+// ErrorCode::cancelled.
 [[nodiscard]] Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
                                                              std::span<const RestoredTriangle> restored, bool is_first,
                                                              const std::string& name, const Context& context);

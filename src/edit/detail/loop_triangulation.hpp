@@ -6,7 +6,7 @@
 // must not overlap it; all signs are exact. Then edges are flipped until each is locally Delaunay (C. L. Lawson,
 // Software for C1 surface interpolation, 1977).
 //
-// If rounding makes loops cross, or flattens a loop to zero width, every triangulation has overlaps. Even then the
+// Rounding can make loops cross, or flatten a loop to zero width: every triangulation then has overlaps. Even then the
 // triangles close the loops; only their positions suffer, not their connectivity.
 #pragma once
 
@@ -28,7 +28,7 @@ struct LoopTriangles {
   // New points, numbered after the given ones: each is the midpoint of two points. They split edges that would occur
   // twice.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> midpoints;
-  std::uint64_t turned = 0;  // triangles that run clockwise and are wider than rounding: they overlap others
+  std::uint64_t turned = 0;  // triangles that run clockwise and are wider than rounding: they overlap other triangles
 };
 
 // Fills the region on the left of the loops. `points` must have coordinates that float32 represents exactly. `next` is

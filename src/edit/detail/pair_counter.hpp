@@ -21,7 +21,7 @@ class PairCounter {
  public:
   struct Triangle {
     std::uint32_t number;
-    glm::uvec3 corners;  // the mesh may have others for this number
+    glm::uvec3 corners;  // may differ from the mesh's corners of this triangle
   };
 
   // Keeps a reference to the mesh, which needs at least one triangle. The caller reserves bytes(). Throws

@@ -130,7 +130,7 @@ class PatchMesh {
   std::vector<char> removed_;                // 1: triangle removed
   std::vector<std::uint32_t> first_corner_;  // for each vertex: 3 * triangle + corner
   std::vector<std::uint32_t> next_corner_;
-  std::vector<char> locked_;          // 1: vertex has triangles outside the patch
+  std::vector<char> locked_;          // 1: the caller locked the vertex, as one with triangles outside the patch
   std::vector<char> fixed_;           // 1: vertex must stay
   std::vector<std::uint8_t> leaves_;  // of a vertex on a curve: count_leaves(); else 0
 

@@ -43,9 +43,9 @@ class PlaceSearch {
   std::size_t move_vertices(Pairs pairs, const Context& context);
 
   // Splits at most one edge of each pair, for a new vertex at the place that leaves the fewest pairs. Each split leaves
-  // fewer pairs. The mesh must have spares: vertices from `first_spare` on, used only by triangles with repeated
-  // indices. Spare number i has the triangles first_half + 2 i and first_half + 2 i + 1, which become the new halves of
-  // a split. Returns the split edges, one for each spare used. For more splits, make a new object.
+  // fewer pairs. The mesh must have a spare for each pair: vertices from `first_spare` on, used only by triangles with
+  // repeated indices. Spare number i has the triangles first_half + 2 i and first_half + 2 i + 1, which become the new
+  // halves of a split. Returns the split edges, one for each spare used. For more splits, make a new object.
   std::vector<std::array<std::uint32_t, 2>> split_edges(Pairs pairs, std::uint32_t first_spare,
                                                         std::uint32_t first_half, const Context& context);
 

@@ -22,7 +22,7 @@ struct MergedCorners {
   std::int8_t to = -1;
 };
 
-// Has no triangles if nothing changed.
+// The result of collapse_sheets(). Both lists are empty if nothing changed.
 struct CollapsedSheets {
   std::vector<glm::uvec3> corners;    // of each triangle; of a removed one, the last corners
   std::vector<MergedCorners> merged;  // for each triangle
@@ -38,8 +38,8 @@ struct CollapsedSheets {
                                                       const SimplifyOptions& options, SimplifyFigures& facts,
                                                       const Context& context);
 
-// Sets the triangles and drops vertices without one; the others keep their order. Drops the edge keys, as they describe
-// only extracted meshes.
+// Sets the triangles and drops vertices without a triangle; the other vertices keep their order. Drops the edge keys,
+// as they describe only extracted meshes.
 void set_triangles(mesh::Mesh& mesh, std::span<const glm::uvec3> triangles);
 
 }  // namespace isoextract::edit

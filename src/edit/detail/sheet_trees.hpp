@@ -19,7 +19,7 @@ enum class VertexRole : std::uint8_t {
   free,
   kept,  // must stay
   // A vertex of a curve where a label touches itself. The label's mesh has several vertices there, one for each part
-  // that touches. An edge of the curve needs such a vertex at one end, or the parts would share it.
+  // that touches. Each edge of the curve needs such a vertex at one end, or the parts would share the edge.
   touching,
 };
 

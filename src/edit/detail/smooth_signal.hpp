@@ -43,7 +43,7 @@ inline Neighbors ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
 }
 
 // Bits that say how a vertex may move.
-inline constexpr std::uint8_t kFixed = 8;   // does not move; bits 1, 2, 4: not across a side of the box in x, y, z
+inline constexpr std::uint8_t kFixed = 8;   // does not move; lower bits 1, 2, 4: not along x, y, z of the box
 inline constexpr std::uint8_t kInCut = 16;  // does not move either: it lies in a cut
 
 class Signal {

@@ -1,8 +1,8 @@
 // Moves the vertices of a mesh, and takes moves back where they make triangles intersect.
 //
 // The vertices of triangles that intersect, and did not before, move half as far, then a quarter, then not at all,
-// until no such pair is left. A vertex that stays can make its triangles meet others, whose vertices are then taken
-// back, too. Tests are exact and count as mesh/self_intersections.hpp does.
+// until no such pair is left. A vertex that stays can make its triangles meet other triangles, whose vertices then move
+// less, too. Tests are exact and count as mesh/self_intersections.hpp does.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@ struct UntangledMoves {
   std::uint64_t held_vertices = 0;  // vertices that moved less than they should
 };
 
-// Moves each vertex by its entry of `moves`, or by less. Does not change a vertex without new intersections nearby. The
-// result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled; `mesh`
-// may then be moved.
+// Moves each vertex by its entry of `moves`, or by less where the move would make triangles intersect. The result does
+// not depend on the number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled; `mesh` may then be
+// moved.
 [[nodiscard]] Result<UntangledMoves> move_untangled(mesh::Mesh& mesh, const Buffer<glm::vec3>& moves,
                                                     const Context& context);
 

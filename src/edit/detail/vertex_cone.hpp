@@ -21,10 +21,10 @@ class VertexCone {
 
   [[nodiscard]] bool empty() const { return sectors_.empty(); }
 
-  // Returns the distance from the other cone's triangle that is farthest from this cone, positive if that triangle is
-  // outside, negative if inside; distances are measured on the unit sphere around the common vertex. The cones must not
-  // cross. By the pseudo-normal of the closest point: J. A. Baerentzen, H. Aanaes, Signed distance computation using
-  // the angle weighted pseudonormal. IEEE TVCG 11(3), 2005.
+  // Returns the signed distance to this cone from the triangle of the other cone that is farthest from it: positive
+  // outside, negative inside. A triangle counts by its middle direction, at distance 1 from the common vertex. The
+  // cones must not cross. By the pseudo-normal of the closest point: J. A. Baerentzen, H. Aanaes, Signed distance
+  // computation using the angle weighted pseudonormal. IEEE TVCG 11(3), 2005.
   [[nodiscard]] double side_of(const VertexCone& other) const;
 
   // Returns a direction of unit length on the outer side of all triangles if `sign` is 1, on their inner side if -1.

@@ -38,7 +38,7 @@ class BoxFilter {
  private:
   static constexpr float kRounding = 3e-7F;  // more than a float rounds, relative to the number
 
-  // Returns a lower bound of the distance. A number that is not finite in float makes a lane NaN, which counts as 0.
+  // Returns a lower bound of the squared distance. A lane that a number beyond float makes NaN counts as 0.
   [[nodiscard]] double bound(const Float4& low, const Float4& high) const {
     const Float4 away = max4(max4(low - high_, low_ - high), Float4{});
     const Float4 squared = away * away;

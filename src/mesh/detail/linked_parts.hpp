@@ -15,14 +15,15 @@
 
 namespace isoextract::mesh {
 
-// Finds the components of each part, and joins those with common vertices.
+// Joins the components of the parts that have common vertices.
 class LinkedParts {
  public:
   // `far` are MeshShape::far_vertices; they must outlive the object. `what` is for messages.
   LinkedParts(std::span<const std::uint32_t> far, std::string what, const Context& context)
       : far_(far), what_(std::move(what)), context_(context), far_sets_(far.size(), Components::kNone) {}
 
-  // Adds the next part that has triangles; call it in the order of the parts. Fails with ErrorCode::out_of_memory.
+  // Adds the next part that has triangles, in the order of the parts; `own` are its components. Fails with
+  // ErrorCode::out_of_memory. Throws std::bad_alloc.
   [[nodiscard]] Result<void> add(const PartVertices& vertices, std::uint64_t first_vertex, const Components& own);
   // Numbers the components in the order of their first vertices. Call once, after the last part.
   void number();
@@ -31,7 +32,7 @@ class LinkedParts {
   //
   // Returns how many components the mesh has.
   [[nodiscard]] std::uint32_t count() const { return count_; }
-  // Returns the numbers of the components of a part, in the order of its own. The part is the `index`-th of add().
+  // Returns the component of the mesh for each component of the part of the `index`-th add(); empty if there is none.
   [[nodiscard]] std::span<const std::uint32_t> of_part(std::size_t index) const {
     if (index >= ends_.size()) return {};
     const std::size_t first = index == 0 ? 0 : ends_[index - 1];
@@ -45,12 +46,12 @@ class LinkedParts {
   std::string what_;
   Context context_;
   Reservation memory_;
-  std::vector<std::uint32_t> sets_;      // components of parts: their parents, after number() their components
-  std::vector<std::uint32_t> least_;     // the first vertex of each
+  std::vector<std::uint32_t> sets_;      // per component of a part: its parent; after number(): its component
+  std::vector<std::uint32_t> least_;     // per component of a part: its first vertex
   std::vector<std::size_t> ends_;        // end of the components of each part
   std::vector<std::uint32_t> far_sets_;  // of each far vertex
-  std::uint64_t carried_from_ = 0;       // the number of the first vertex in
-  std::vector<std::uint32_t> carried_;   // the sets of the vertices of the last part and of the one behind it
+  std::uint64_t carried_from_ = 0;       // the first vertex in carried_
+  std::vector<std::uint32_t> carried_;   // the sets of the last part's vertices, its own and those of the next part
   std::uint32_t count_ = 0;
 };
 

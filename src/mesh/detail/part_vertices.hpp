@@ -14,11 +14,11 @@
 
 namespace isoextract::mesh {
 
-// The triangles of a part with local numbers of their vertices: from 0 on those of this part and of the next, then, if
-// the part is a cap, all far vertices (MeshShape::far_vertices).
+// The triangles of a part with local vertex numbers, from 0 on: first the vertices of this part and of the next part,
+// then, if the part is a cap, all far vertices (MeshShape::far_vertices).
 class PartVertices {
  public:
-  // Takes bytes(). `far` must outlive the object. Throws std::bad_alloc.
+  // The caller reserves bytes(). `far` must outlive the object. Throws std::bad_alloc.
   PartVertices(std::span<const glm::uvec3> triangles, std::uint64_t first_vertex, std::span<const std::uint32_t> far)
       : first_(first_vertex), far_(far), triangles_(triangles.size()) {
     struct Range {
@@ -49,9 +49,9 @@ class PartVertices {
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) { return triangles * sizeof(glm::uvec3); }
 
   [[nodiscard]] std::span<const glm::uvec3> triangles() const { return triangles_.span(); }
-  // Returns the count of numbers.
+  // Returns the count of local numbers.
   [[nodiscard]] std::size_t size() const { return near_ + (has_far_ ? far_.size() : 0); }
-  // Returns how many numbers are those of vertices of this part and of the next.
+  // Returns the count of local numbers for vertices of this part and of the next part.
   [[nodiscard]] std::size_t near() const { return near_; }
   [[nodiscard]] bool has_far() const { return has_far_; }
   [[nodiscard]] std::uint32_t global(std::size_t number) const {

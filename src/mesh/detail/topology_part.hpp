@@ -23,8 +23,8 @@ inline void add_counts(const Topology& part, Topology& all) {
   all.unused_vertices += part.unused_vertices;
 }
 
-// The facts that one thread finds, vertex by vertex, for each part of a mesh. An edge counts at the lower of its ends.
-// Euler characteristics and components are left to the caller.
+// The facts that one thread finds, vertex by vertex, for each part of a mesh (a component). An edge counts at the lower
+// of its ends. The caller sets `euler`, `components` and `repeated_index_triangles`.
 class TopologyPart {
  public:
   explicit TopologyPart(std::size_t parts) : facts_(parts) {}
@@ -63,8 +63,8 @@ class TopologyPart {
     std::uint32_t from;
   };
 
-  // Returns whether the triangles form one closed fan: each is followed by the one that leaves along the edge by which
-  // it returns, until all have been met. Every edge then has two triangles, which run along it in opposite directions.
+  // Returns whether the triangles form one closed fan: each triangle leaves along the edge by which the one before it
+  // returned, until all have been met. Every edge then has two triangles, which run along it in opposite directions.
   // Almost every vertex is like this, and this test takes few comparisons.
   [[nodiscard]] bool forms_closed_fan() const {
     constexpr std::size_t kMany = 32;  // with more triangles sorting is faster

@@ -22,9 +22,9 @@ class CrowdedStars {
   // The corner or side of a star has more triangles than this; some of them may belong to other stars.
   static constexpr std::uint32_t kFewTriangles = 64;
 
-  // `chosen` are numbers of triangles with area, rising. place_of(triangle) gives the places of its corners, as vertex
-  // numbers: corners at the same position have the same number. Assigns each triangle to at most one star: around its
-  // fullest side, or else its fullest corner. Throws std::bad_alloc.
+  // `chosen` are ascending numbers of triangles with area. place_of(triangle) gives the places of its corners, as
+  // vertex numbers: corners at the same position have the same number. Assigns each triangle to at most one
+  // star: around its fullest side, or else its fullest corner. Throws std::bad_alloc.
   template <class PlaceOf>
   CrowdedStars(std::span<const glm::vec3> positions, std::span<const std::uint32_t> chosen, const PlaceOf& place_of)
       : positions_(positions) {

@@ -42,8 +42,8 @@ struct GltfView {
 
 class GltfData {
  public:
-  // Loads the buffers: `binary` is the binary chunk of a .glb; other buffers are files beside it or data URIs. `source`
-  // and `model` must outlive this object.
+  // Loads the buffers: `binary` is the binary chunk of a .glb; other buffers are files beside it or data URIs.
+  // `source`, `model` and the bytes of `binary` must outlive this object.
   GltfData(const MeshSource& source, const nlohmann::json& model, std::span<const std::byte> binary);
 
   // Returns the values of an accessor of `type` (such as "VEC3") with that many components, after checking that all lie

@@ -20,7 +20,7 @@ namespace isoextract::mesh_io {
 // Returns the beginning of the value's text, for messages.
 [[nodiscard]] std::string shown(const nlohmann::json& value);
 
-// Returns an unsigned integer member of the object, or `missing` if there is no such member.
+// Returns an unsigned integer member of the object. If there is none, returns `missing`, or throws if that is not set.
 [[nodiscard]] std::uint64_t whole(const nlohmann::json& object, const char* key,
                                   std::optional<std::uint64_t> missing = {});
 

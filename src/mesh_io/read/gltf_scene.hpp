@@ -29,7 +29,8 @@ struct GltfScene {
   std::uint64_t hidden = 0;             // nodes with a mesh and a scale of 0, which are left out
 };
 
-// Returns the meshes of the default scene, or of all root nodes if the file has no scene.
+// Returns the meshes of the default scene (the first scene if the file names none as default), or of all root nodes if
+// the file has no scene.
 [[nodiscard]] GltfScene find_gltf_scene(const nlohmann::json& model, MemoryUse& memory);
 
 // Returns the color, opacity and sides of a primitive's material; nothing if it has no material. In a file of

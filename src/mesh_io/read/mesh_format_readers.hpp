@@ -27,7 +27,7 @@ namespace isoextract::mesh_io {
 
 struct MeshPart;
 
-// Thrown within this room if a mesh file is invalid. The message says what was expected and found. read_mesh() prepends
+// Thrown within mesh_io if a mesh file is invalid. The message says what was expected and found. read_mesh() prepends
 // the file's name and returns it as an Error.
 struct DamagedMesh : std::runtime_error {
   explicit DamagedMesh(const std::string& message, Hint the_hint = {})
@@ -35,7 +35,7 @@ struct DamagedMesh : std::runtime_error {
   Hint hint;
 };
 
-// Thrown within this room if the Context was cancelled.
+// Thrown within mesh_io if the Context was cancelled.
 struct Cancelled {
   Error error;
 };
@@ -66,7 +66,7 @@ struct FileSurface {
   std::vector<FileAttribute> attributes;  // one value per position
   FileSurfaceNormals normals;             // if requested and in the file
   std::vector<FilePart> parts;            // for formats with several meshes, in order
-  // If set, positions are stored float32 numbers relative to this origin, and must be kept exactly.
+  // Set if positions are float32 numbers from the file, relative to this origin; they must be kept exactly.
   std::optional<glm::dvec3> origin;
   std::string_view format;
   bool y_up = false;              // the format prescribes that y points up

@@ -31,15 +31,15 @@ class GltfModel {
   // needs ten times the memory.
   void add(const GltfPart& part);
 
-  // Returns the JSON text and appends notes. The one buffer is described in the finished JSON, because TinyGLTF would
-  // need its bytes to describe it.
+  // Returns the JSON text and appends notes. `uri` names the file of the buffer; empty in a GLB. `indent` -1 gives one
+  // line. Describes the buffer in the finished JSON, because TinyGLTF would need the buffer's bytes to describe it.
   [[nodiscard]] std::string json(const std::string& uri, int indent, Notes& notes);
 
   // Adds one node for all parts of a frame and returns its number; no scene refers to it yet. A hidden node has scale
   // 0. Skips parts without triangles, but at least one part must have triangles.
   // Used with take() instead of add() and json() for files whose model is never complete in memory.
   [[nodiscard]] int add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden);
-  // Passes the JSON of everything added since the last call to `look`, without scenes and buffers, then forgets it.
+  // Calls look() with the JSON of everything added since the last take(), without scenes and buffers; then forgets it.
   // Later nodes, meshes and accessors continue the numbering.
   void take(const std::function<void(nlohmann::json& document)>& look);
   [[nodiscard]] Notes release_notes();

@@ -41,7 +41,8 @@ struct GltfSemantic {
 
 struct GltfPackedPart;
 
-// The binary layout of one mesh: its positions, each attribute in turn, then the indices; or the packed form of these.
+// The binary layout of one mesh: its positions, normals, each attribute in turn, then the indices; or the packed form
+// of these. Refers to the mesh, which must outlive it.
 struct GltfPart {
   const mesh::Mesh* mesh = nullptr;
   mesh::MeshShape shape;                    // of the mesh
@@ -49,8 +50,8 @@ struct GltfPart {
   std::vector<GltfSemantic> semantics;
   enum class Layout {
     nothing,  // no triangles: glTF has no empty accessors
-    split,    // three vertices per triangle, position and face normal interleaved, no indices
-    indexed,  // positions, normals if any, indices
+    split,    // three vertices per triangle, position and face normal interleaved; attributes; no indices
+    indexed,  // positions, normals if any, attributes, indices
   } layout = Layout::nothing;
   bool short_indices = false;
   std::shared_ptr<const GltfPackedPart> packed;  // null if not packed

@@ -20,8 +20,8 @@ namespace isoextract::mesh_io {
 
 class PartwiseWriter : public mesh::MeshSink {
  public:
-  // Returns what a rank must tell rank 0 about its parts, if several write one file and all call begin() with the same
-  // shape. Rank 0 adds the facts of the others in their order, and finishes.
+  // Returns the facts about the parts of a rank that rank 0 needs, if several ranks write one file and all call begin()
+  // with the same shape. Rank 0 calls add_facts() for the other ranks in their order, then finish().
   [[nodiscard]] virtual std::string facts() const { return {}; }
   virtual void add_facts(std::string_view /*facts*/) {}
   // Writes the data that depend on all parts: in a GLB the bounds of the positions. Call once, after the last part.

@@ -18,8 +18,8 @@ struct PositionLattice {
   glm::dvec3 first{0.0};  // whole numbers, in steps
   glm::uvec3 last{0};     // the largest n on each axis
   int bits = 1;           // bits of the largest component of `last`
-  // The translation of the node, a multiple of the step. Zero if float32 holds all lattice points exactly, or the
-  // format has no nodes.
+  // The translation of the node, a multiple of the step: the first lattice point. Zero for float_world, and for
+  // float_positions if float32 holds all lattice points exactly.
   glm::dvec3 origin{0.0};
 
   // Returns point n relative to the origin. Exact, since the point is at most 2^24 steps from the origin.
