@@ -30,7 +30,7 @@ struct AttributeMatch {
 };
 
 struct AttributeMatches {
-  bool same_vertices = false;  // equal count and order, places within the tolerance
+  bool same_vertices = false;  // equal count, and positions of equal index within the tolerance
   std::vector<AttributeMatch> both;
   std::array<std::vector<std::string>, 2> only;  // attributes of one mesh only
 };

@@ -1,4 +1,4 @@
-// Statistics of many distances: rms, 99th percentile, maximum and its place.
+// Statistics of many distances: rms, 99th percentile, and the maximum with its position.
 #pragma once
 
 #include <cstdint>

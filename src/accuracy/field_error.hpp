@@ -41,8 +41,8 @@ struct FieldError {
   ErrorStatistics vertices;  // at the vertices, equally weighted
 
   // Error of storing positions: distances of the vertices on axis-aligned grid edges from the isosurface of the
-  // trilinear interpolant, which contains the exact crossings. Only the search along the gradient measures them. They
-  // contain only the rounding to float32 and the shift of vertices away from the ends of their edges
+  // trilinear interpolant, which contains the exact crossings. Measured by the search along the gradient alone.
+  // Contains only the rounding to float32 and the shift of vertices away from the ends of their edges
   // (extract/edge_geometry.hpp). Vertices of marching tetrahedra on diagonals are in `vertices` only. Has no points
   // with FieldErrorOptions::grid, or if the method has no vertices on edges.
   ErrorStatistics storage;

@@ -4,7 +4,7 @@
 // vertices at exactly the same place count as one, because formats without connectivity cannot tell them apart. Each
 // file vertex is matched with the nearest extracted vertex within a limit along each axis; the match is one to one.
 //
-// The limit is the sum of what writing and reading can cost a coordinate:
+// The limit is the sum of the errors that writing and reading can add to a coordinate:
 // - kStabilityUlps of the local coordinates, as another backend may have written the file.
 // - One float32 spacing of the world coordinates, if the format stores only float32 world coordinates (STL) and the
 //   mesh has its own origin. The comparison rounds the extracted coordinates, too, but another backend may have

@@ -11,7 +11,7 @@ namespace isoextract {
 void release_pages(const void* begin, std::size_t bytes);
 
 // Gives the allocator's free pages, and the blocks that Buffer keeps for reuse, back to the system. Worthwhile after a
-// stage that needs much more memory than those after it: to get the pages again takes longer than to fill them.
+// stage that needs much more memory than later stages: getting the pages again takes longer than filling them.
 void release_free_memory();
 
 // Makes the allocator give each block of 1 MiB or more back to the system as soon as it is freed, from now on. By

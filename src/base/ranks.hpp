@@ -49,8 +49,8 @@ class Ranks {
   [[nodiscard]] bool is_first() const { return rank() == 0; }
 
   // Returns the bytes of all ranks, by rank. Waits until every rank has called it. All ranks make the same calls in the
-  // same order. Once a rank calls end(), the next gather() fails at the others: at rank 0 with the error of that rank
-  // (ErrorCode::unavailable if it gave none), at other ranks with ErrorCode::cancelled.
+  // same order. Once a rank calls end(), the next gather() of every other rank fails: at rank 0 with the error given to
+  // end() (ErrorCode::unavailable if there is none), at other ranks with ErrorCode::cancelled.
   [[nodiscard]] Result<std::vector<std::string>> gather(std::string_view bytes);
 
   // Sends a message to one rank.
@@ -60,8 +60,9 @@ class Ranks {
     return link_->receive(most);
   }
 
-  // Ends the common work of this rank: waits until the others end theirs. `error` is set if this rank failed. Returns
-  // the first error of another rank, with the number of that rank, or the error of the connection. Call once, last.
+  // Ends the common work of this rank: waits until all other ranks end, too. `error` is set if this rank failed.
+  // Returns the first error of another rank, with the number of that rank, or the error of the connection. Call once,
+  // last.
   [[nodiscard]] std::optional<Error> end(const Error* error);
 
   // Ends the sharing of a task: rank 0 does the task alone, and the other ranks end. Every rank must come to the same

@@ -1,8 +1,8 @@
 // Measures error against run time: every method, backend and number of threads, at several resolutions of one field.
 //
-// The time is that of the extraction alone: positions and triangles in memory, without normals and caps. After one
-// warm-up each setting runs `repeats` times. The settings of a resolution take turns in alternating order, so other
-// load on the machine hits all of them alike. The error is measured once for each method, backend and resolution.
+// Times the extraction alone: positions and triangles in memory, without normals and caps. After one warm-up each
+// setting runs `repeats` times. The settings of a resolution take turns in alternating order, so other load on the
+// machine hits all of them alike. The error is measured once for each method, backend and resolution.
 #pragma once
 
 #include <algorithm>
@@ -118,15 +118,15 @@ struct BenchResult {
 [[nodiscard]] Result<void> check_thread_counts(std::span<const int> threads);
 
 // Benchmarks a demo field with a formula, at `sizes` samples along each axis, in ascending order. `name` lacks "demo:".
-// Compares areas and volumes with find_reference_size(); volumes are those of capped meshes. Fails with
+// Compares areas and volumes with find_reference_size(); measures volumes on capped meshes. Fails with
 // ErrorCode::usage for a demo without formula or as check_thread_counts() does, with ErrorCode::input if there is no
 // surface, and as field::make_demo_field() and extraction do.
 [[nodiscard]] Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes,
                                              const BenchOptions& options, const Context& context);
 
 // Benchmarks a field and versions of it that are coarser by `factors` (powers of two, falling; the last may be 1). The
-// truth is the field's own trilinear interpolant; areas and volumes are compared with those of the same method and
-// backend on the field. Coarser data cover a smaller box: if one of the surfaces is open or the field's surface leaves
+// truth is the field's own trilinear interpolant; areas and volumes are compared with the mesh of the field by the same
+// method and backend. Coarser data cover a smaller box: if one of the surfaces is open or the field's surface leaves
 // that box, areas and volumes are not compared, and a note says so. Fails with ErrorCode::input if there is no surface,
 // and as check_thread_counts(), field::coarsen() and extraction do.
 [[nodiscard]] Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,

@@ -16,13 +16,13 @@ struct GridEdge {
   glm::ivec3 step{0};
 };
 
-// Returns for each vertex the grid edge that it lies inside, found from its position alone. In index space, coordinates
-// within rounding of an integer count as integers; its other coordinates must have equal fractions, up to rounding.
+// Returns for each vertex the grid edge that contains it, found from the vertex's position alone. In index space,
+// coordinates within rounding of an integer count as integers; all others must have equal fractions, up to rounding.
 //
 // Returns nullopt for a vertex that is not finite, and for all vertices if the float32 steps at the mesh's largest
 // coordinates exceed 0.1 voxels. Returns nullopt if both ends of the edge are on the same side of the surface, or if
 // the edge is a diagonal of a face or cell and the method has no diagonal edges. A cap vertex must be an inside sample
-// on the data boundary. `options` are those of the extraction; `field` must be dense.
+// on the data boundary. `options` are the options of the extraction; `field` must be dense.
 [[nodiscard]] std::vector<std::optional<GridEdge>> grid_edges(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                               const extract::ExtractOptions& options,
                                                               const extract::MethodTraits& traits);

@@ -12,7 +12,7 @@
 
 namespace isoextract::check {
 
-// The counts have the meaning of those in mesh::Topology.
+// The counts mean the same as in mesh::Topology.
 struct EdgeDefects {
   std::uint64_t open = 0;
   std::uint64_t nonmanifold = 0;

@@ -35,7 +35,8 @@ struct MeshCheck {
   std::optional<NormalFigures> normals;
   Reservation memory;  // for loops and components
 
-  // Returns whether the mesh encloses a volume: it has triangles, and all components have an inside.
+  // Returns whether the mesh encloses a volume: it has components, all have an inside, and no triangle repeats an
+  // index.
   [[nodiscard]] bool has_volume() const;
   // Counts the components with this shell type.
   [[nodiscard]] std::uint64_t count(Shell shell) const;
@@ -50,8 +51,8 @@ struct MeshCheck {
 [[nodiscard]] Result<void> weld_coincident_vertices(mesh::Mesh& mesh, const Context& context);
 
 // Returns why the mesh does not meet the requirement ("12 open edges in 2 loops"), or nothing if it does. A mesh
-// without triangles meets none. `check` may have only the facts that the requirement is about; it then tells of no
-// loops.
+// without triangles meets none. `check` needs only the figures that the requirement is about; without
+// MeshCheck::loops, the text names no loops.
 [[nodiscard]] std::optional<std::string> unmet_reason(Requirement requirement, const MeshCheck& check);
 
 }  // namespace isoextract::check

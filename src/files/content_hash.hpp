@@ -30,7 +30,7 @@ struct ContentState {
 
 // Returns the file's size and modification time with the hash of the part's ranges only. Reads them at every call, and
 // does not check whether the file changes meanwhile. Fails as InputFile::open() and read_at() do, and with
-// ErrorCode::input if a range exceeds the file. Without ranges, does exactly what hash_file() does.
+// ErrorCode::input if a range exceeds the file. Without ranges, works exactly as hash_file() does.
 [[nodiscard]] Result<ContentState> hash_part(const FilePart& part, const Context& context);
 
 // Hashes bytes incrementally.

@@ -40,7 +40,7 @@ class InputFile {
   [[nodiscard]] std::string name() const { return input_label(path_); }
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] const FileVersion& version() const;  // at the time of opening
-  // Returns the descriptor. Others may share it: do not seek or close it.
+  // Returns the descriptor. Other InputFiles may share it: do not seek or close it.
   [[nodiscard]] int descriptor() const;
   [[nodiscard]] const Context& context() const { return context_; }
 

@@ -14,7 +14,7 @@ namespace isoextract::files {
 
 class InputFileSet {
  public:
-  // Adds an input; "-" adds the file or pipe that standard input is. `what` is its role in messages: "is the input".
+  // Adds an input; "-" adds the file or pipe of standard input. `what` is the input's role in messages: "is the input".
   // The first role of a file stays. Ignores files that do not exist.
   void add(const std::filesystem::path& file, const std::string& what);
 

@@ -32,8 +32,8 @@ class MappedFile {
   MappedFile& operator=(MappedFile&&) = delete;
   ~MappedFile();
 
-  // Returns the address of the first byte of the range. It has the alignment that the range's offset has in the file,
-  // but at most that of a page.
+  // Returns the address of the first byte of the range. The address is aligned as the range's offset in the file is,
+  // but at most to a page.
   [[nodiscard]] const std::byte* data() const { return static_cast<const std::byte*>(pages_) + lead_; }
 
   // Returns a flag that is set if some of the data was missing. It lives as long as the mapping.

@@ -32,7 +32,8 @@ namespace isoextract::files {
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
 
 // Renames the regular file that an OutputFile of this name would replace. The new name is NAME.old or, if that exists,
-// NAME.old.2 and so on. Returns the new path, or nothing if there is no such file.
+// NAME.old.2 and so on up to NAME.old.1000. Returns the new path, or nothing if there is no file to rename. Fails with
+// ErrorCode::output.
 [[nodiscard]] Result<std::optional<std::filesystem::path>> rename_old_file(const std::filesystem::path& path);
 
 // Returns whether the path is standard output, a pipe or a device: bytes written there cannot be taken back.
@@ -53,11 +54,10 @@ class OutputFile {
   // SIGPIPE must be ignored so that a closed pipe is reported as an error. Fails with ErrorCode::output.
   [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& path);
 
-  // Creates a regular file that other processes write as well, each a part of it. Rank 0 of several (base/ranks.hpp)
-  // creates and commits it. The others join it by the name that shared_name() returns at rank 0. A process that joined
-  // makes the same calls as rank 0. In the joined process, write() and extend() only count bytes, which rank 0 writes.
-  // fill() writes its bytes; commit() closes the file; overwrite() and move_end() fail. All processes must see one file
-  // system, and rank 0 commits last.
+  // Creates a regular file that several ranks (base/ranks.hpp) write, each a part of it. Rank 0 creates and commits the
+  // file. The other ranks join it by the name that shared_name() returns at rank 0, and then make the same calls.
+  // There, write() and extend() only count bytes, which rank 0 writes. fill() writes the given bytes; commit() closes
+  // the file; overwrite() and move_end() fail. All ranks must see one file system, and rank 0 commits last.
   [[nodiscard]] static Result<OutputFile> create_shared(const std::filesystem::path& path);
   [[nodiscard]] static Result<OutputFile> join(const std::filesystem::path& path, const std::string& shared_name);
   [[nodiscard]] std::string shared_name() const;
@@ -74,12 +74,12 @@ class OutputFile {
   // extend(), overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard output, which
   // cannot be rewritten.
   //
-  // Makes room for `count` bytes at the end and returns the place of the first. Fill all of it with fill().
+  // Makes room for `count` bytes at the end and returns the file offset of the first. Fill all of it with fill().
   [[nodiscard]] Result<std::uint64_t> extend(std::uint64_t count);
-  // Writes into room that extend() made. Several threads may fill disjoint ranges at once. Do not commit after a
-  // failure: commit() does not know of the failure.
+  // Writes into room that extend() made, from file offset `place` on. Several threads may fill disjoint ranges at once.
+  // Do not commit after a failure: commit() does not know of the failure.
   [[nodiscard]] Result<void> fill(std::uint64_t place, std::span<const std::byte> bytes) const;
-  // Replaces bytes at `place`; the whole range must have been written already.
+  // Replaces bytes from file offset `place` on; the whole range must have been written already.
   [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);
   // Moves all bytes from offset `from` on, so that they begin at offset `to`. If `to` is larger, the gap has undefined
   // content.

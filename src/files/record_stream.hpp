@@ -19,8 +19,8 @@ using FillRecords = std::function<char*(std::size_t first, std::size_t last, cha
 [[nodiscard]] Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes,
                                          const FillRecords& fill);
 
-// Fills the room of `count` records of `record_bytes` bytes each at `place` (OutputFile::extend()). Works on the
-// calling thread alone; several threads may fill disjoint ranges at once. Fails as OutputFile::fill().
+// Fills the room of `count` records of `record_bytes` bytes each, from file offset `place` on (OutputFile::extend()).
+// Works on the calling thread alone; several threads may fill disjoint ranges at once. Fails as OutputFile::fill().
 [[nodiscard]] Result<void> fill_records(const OutputFile& file, std::uint64_t place, std::size_t count,
                                         std::size_t record_bytes, const FillRecords& fill);
 

@@ -21,7 +21,7 @@ class DrawingThread {
 
   // Returns an extractor that any thread may use, several at once. The owning thread does the extractions one after
   // another in the caller's Context while the caller waits. Exceptions reach the caller. An extraction may use as many
-  // oneTBB threads as the waiting callers leave idle. The mesh equals that of make_gpu_extractor() bit for bit.
+  // oneTBB threads as the waiting callers leave idle. The mesh equals a mesh of make_gpu_extractor() bit for bit.
   [[nodiscard]] std::unique_ptr<extract::Extractor> extractor() const;
 
   friend bool operator==(const DrawingThread&, const DrawingThread&) = default;  // true for handles of the same thread

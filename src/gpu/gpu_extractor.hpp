@@ -4,7 +4,7 @@
 //
 // The CPU compares all samples with iso once, at memory speed, to find the bricks that the surface crosses. It uploads
 // and draws only these. The GPU compares again, interpolates, and writes triangles with the integer keys of their
-// edges. The GPU marks ambiguous cells of marching cubes; the CPU extractor decides them, because near ties need more
+// edges. The GPU marks ambiguous cells of marching cubes; the CPU chooses their triangles, because near ties need more
 // digits than a shader has. Then the CPU welds the vertices by key.
 #pragma once
 

@@ -32,7 +32,8 @@ struct SampledAttributes {
 // Interpolates attributes with the kernels and densities of Method::sph, divided by the interpolated constant 1 (D.
 // Shepard: A two-dimensional interpolation function for irregularly-spaced data. ACM National Conference 1968). So a
 // constant attribute stays constant and no result leaves the range of its attribute. `radius` (world units) and
-// `smoothing_length` (in radii) are as in FieldOptions. Always uses isotropic kernels, even for Method::anisotropic.
+// `smoothing_length` (in radii) are as in FieldOptions. Always uses balls of one radius as kernels, even if the field
+// has anisotropic kernels or kernels of unlike radii.
 //
 // In a periodic box (ParticleSet::box), kernels reach across its faces.
 //

@@ -40,9 +40,9 @@ inline constexpr std::array<std::string_view, 3> kElementAttributes{"species", "
 inline constexpr std::string_view kAtomName = "name";
 inline constexpr std::string_view kResidueName = "residue";
 
-// Returns the symbol of an element from the name of an atom ("CA", "HW1"), ignoring digits and charges. Returns the
-// whole name if atom and residue have one name, as ions do (atom "NA" of residue "NA"). Else returns the first letter,
-// or the first two if the second is lower case ("Cl1").
+// Returns the symbol of an element from the name of an atom ("CA", "HW1"). Ignores digits and signs at both ends.
+// Returns the whole name if the residue has the same name, as for ions (atom "NA" of residue "NA"). Else returns the
+// first letter, or the first two if the second is lower case ("Cl1").
 [[nodiscard]] std::string_view element_of_atom(std::string_view name, std::string_view residue);
 
 // Gives the particles the radii of their elements, as if the file had the attribute "radius". An existing attribute of

@@ -33,9 +33,9 @@ struct MethodInfo {
 // In the order of the enum. Sources of the defaults:
 //
 // weight: the weight 0.1 and the iso value 0.15 come from Suravikin and Korobitsyn (docs/papers.md). A cell of 4 radii
-// is two particle distances wide, so liquid has eight particles per sample. Samples within it are 0.8, and the surface
-// is where the sum falls to the weight of 1.5 particles. sph: splashsurf's documentation suggests this iso value and
-// cell size. spheres, smooth: a cell size of 0.5 makes the radius two samples long, which is above kMinSphereRadius.
+// is two particle distances wide, so liquid has eight particles per sample. Samples in the liquid are 0.8, and the
+// surface is where the sum falls to the weight of 1.5 particles. sph: splashsurf's documentation suggests this iso
+// value and cell size. spheres, smooth: a cell size of 0.5 makes the radius two samples long, above kMinSphereRadius.
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::weight,
                .id = "weight",

@@ -23,8 +23,9 @@ namespace isoextract::points {
 [[nodiscard]] Result<std::size_t> add_neighbor_counts(ParticleSet& particles, double radius, double smoothing_length,
                                                       const Context& context);
 
-// Returns how much a place with this count is smoothed, 0 to 1: a quintic smooth step up to 13, about the count inside
-// a lattice of touching particles with the default smoothing length. A flat surface of the lattice has weight 0.8.
+// Returns the smoothing weight of a vertex with this count, 0 to 1: a quintic smooth step up to 13, about the count
+// inside a lattice of touching particles with the default smoothing length. A flat surface of the lattice has weight
+// 0.8.
 [[nodiscard]] constexpr double smoothing_weight(double count) {
   const double x = std::clamp(count / 13, 0.0, 1.0);
   return x * x * x * (x * (x * 6 - 15) + 10);

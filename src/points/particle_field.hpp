@@ -42,7 +42,7 @@ struct AnisotropyOptions {
 // particle-based fluids. VMV 2023, section 3; splashsurf_lib, density_map and kernel). The kernel is a cubic spline
 // whose support is twice the smoothing length. The field at x is
 //   sum_j m / rho_j W(x - x_j),   rho_j = sum_k m W(x_j - x_k), including the particle itself.
-// The field is about 1 within the liquid. The mass m cancels (splashsurf uses that of a liquid cube two radii wide).
+// The field is about 1 within the liquid. The mass m cancels (splashsurf: the mass of a liquid cube two radii wide).
 struct FieldOptions {
   Method method = Method::sph;
   // Particle radius in world units. Without it, an attribute of kRadiusAttributes (sphere_set.hpp) gives each particle
@@ -63,12 +63,12 @@ struct FieldOptions {
   AnisotropyOptions anisotropy;
   NonFiniteParticles bad = NonFiniteParticles::error;
 
-  // For a periodic box: how many layers of samples around the region store the periodic continuation, in addition to
-  // those that an extraction needs. Filters of the field need them. At least 0.
+  // For a periodic box: how many layers of samples around the region store the periodic continuation for filters of the
+  // field, in addition to the layers that an extraction needs. At least 0.
   int margin = 0;
 
   // The iso value of the later extraction. If given, a tile of value 1 replaces each brick that is deep inside: all
-  // its samples and those of its 26 neighbors are proved to be above this iso value. The surface at this iso value
+  // samples of the brick and of its 26 neighbors are proved to be above this iso value. The surface at this iso value
   // stays bit-identical. Do not set it if the field is resampled, coarsened or extracted at another iso value. Has no
   // effect for Method::weight and for iso values of 1 and above.
   std::optional<double> tile_iso;
@@ -114,8 +114,8 @@ struct ParticleField {
 // - if particles are too far apart or too far from 0 for the spacing,
 // - if the field needs 2^31 bricks or more,
 // - if a periodic box has too many samples, or kernels reach across it too many times,
-// - if the radius is so large that a particle has more than 32,768 neighbors on average; with unlike radii, counted
-//   within the reach of the largest one,
+// - if the radius is so large that the grid cells within reach of a position hold more than 32,768 positions on
+//   average; with unlike radii, within reach of the largest kernel,
 // - if a radius of the attribute is negative or not finite.
 // It fails with ErrorCode::out_of_memory if memory does not suffice.
 // It fails with ErrorCode::cancelled if the context is cancelled.

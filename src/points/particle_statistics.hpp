@@ -46,8 +46,8 @@ struct ParticleStatistics {
 [[nodiscard]] Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context);
 
 // Returns half the spacing of a cubic lattice as dense as the particles, in world units: the radius of touching
-// particles. The density is that of 48 neighbors of each of 2^12 particles (detail/spacing_estimate.hpp). Returns
-// nothing unless two particles, or images of one, differ in position. Fails as measure_statistics() does.
+// particles. The density comes from the 48 nearest neighbors of at most 2^12 particles (detail/spacing_estimate.hpp).
+// Returns nothing unless two particles, or images of one, differ in position. Fails as measure_statistics() does.
 [[nodiscard]] Result<std::optional<double>> suggest_radius(const ParticleSet& particles, const Context& context);
 
 }  // namespace isoextract::points

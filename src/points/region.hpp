@@ -1,4 +1,4 @@
-// Restricts particles to those that a region of their field depends on.
+// Removes the particles that do not affect a region of their field.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ namespace isoextract::points {
 // it removed.
 [[nodiscard]] Result<std::uint64_t> keep_finite(ParticleSet& particles, NonFiniteParticles bad, const Context& context);
 
-// Keeps the particles on which the field in the region depends, or the attributes of a surface in the region
-// (sample_attributes() with FieldOptions::smoothing_length). Removes the others. Samples of the region, and those next
-// to it that an extraction and FieldOptions::margin need, stay the same apart from rounding.
+// Keeps the particles that affect the field in the region, or the attributes of a surface there (sample_attributes()
+// with FieldOptions::smoothing_length). Removes all other particles. The samples in the region stay the same apart from
+// rounding, and so do the samples next to it that an extraction and FieldOptions::margin need.
 //
 // Also fixes the radius in `options`, so that the remaining particles give the field of all: sets median_radius if an
 // attribute gives the radii, else suggested_radius unless it is set. Takes the radius from the particles inside the

@@ -1,8 +1,8 @@
 // Chooses particles by a condition on their attributes and positions.
 //
 // Numbers are compared as float64. Attributes are float32. If an attribute without arithmetic is compared with a number
-// literal, the literal is rounded to float32 first, so that `T == 0.1` finds what the file calls 0.1. A comparison with
-// NaN is false, also `!=` and `in`. Words are compared byte by byte.
+// literal, the literal is rounded to float32 first, so that `T == 0.1` finds values that the file states as 0.1.
+// A comparison with NaN is false, also `!=` and `in`. Words are compared byte by byte.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ namespace isoextract::points {
 [[nodiscard]] Result<std::shared_ptr<ReservedBuffer<std::uint32_t>>> choose_particles(
     const ParticleSet& particles, const SelectionExpression& condition, const Context& context);
 
-// Returns the particles at these indices, in this order, with all attributes, and all columns of words but those marked
-// too_many. Fails as Context::reserve() does.
+// Returns the particles at these indices, in this order, with all attributes, and all columns of words except columns
+// marked too_many. Fails as Context::reserve() does.
 [[nodiscard]] Result<ParticleSet> take_particles(const ParticleSet& particles, std::span<const std::uint32_t> indices,
                                                  const Context& context);
 

@@ -6,8 +6,8 @@
 //   name        x, y, z: the position; others are attributes: type, v[0], v.x, `odd name`, 'odd name'
 //   word        bare or quoted, to the right of == and != or within {}, where the attribute on the left holds words
 //
-// `and` binds closer than `or`. Ranges include both ends. The names species, element and symbol mean the same
-// attribute.
+// `and` binds closer than `or`. Ranges include both ends. The names species, element and symbol, without quotes, mean
+// the same attribute.
 #pragma once
 
 #include <cstddef>
@@ -58,7 +58,7 @@ struct SelectionItem {
 
 struct SelectionStep {
   SelectionOp op = SelectionOp::number;
-  std::size_t place = 0;                      // of its first byte in the text
+  std::size_t place = 0;                      // offset in the text, in bytes
   double number = 0;                          // of SelectionOp::number
   std::string word = {};                      // name, or number as written
   bool bare = false;                          // a name without quotes
@@ -98,7 +98,8 @@ class SelectionExpression {
 // Returns 0, 1 or 2 if the step is the name of a coordinate.
 [[nodiscard]] std::optional<std::size_t> axis_of(const SelectionStep& name);
 
-// Returns the word in quotes that it does not contain, as in the text of a condition. It must not contain all of ' " `.
+// Returns the word as a condition writes it, in quotes of a kind that does not occur in the word. The word must not
+// contain all of ' " `.
 [[nodiscard]] std::string word_in_selection(std::string_view word);
 
 }  // namespace isoextract::points

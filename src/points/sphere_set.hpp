@@ -28,8 +28,8 @@ class SphereSet {
   [[nodiscard]] const ParticleSet& particles() const { return kept_ ? *kept_ : *all_; }
   // Returns one radius per particle; empty if all have ParticleFieldStatistics::radius.
   [[nodiscard]] std::span<const float> radii() const { return radii_; }
-  // Returns the samples of one period, as ParticleField::region, for a periodic box. Sample 0 lies at its origin, and
-  // the spacing is that of figures().
+  // Returns the samples of one period, as ParticleField::region, for a periodic box. Sample 0 lies at the box's origin;
+  // the spacing is figures().spacing.
   [[nodiscard]] const std::optional<field::IndexBox>& region() const { return region_; }
   // Returns the origin of the coordinates of particles() in the world.
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
@@ -45,7 +45,7 @@ class SphereSet {
   explicit SphereSet(const ParticleSet& all) : all_(&all) {}
 
   const ParticleSet* all_;
-  std::shared_ptr<const ParticleSet> kept_;  // set if particles were dropped
+  std::shared_ptr<const ParticleSet> kept_;  // set if particles were dropped, or the box is periodic
   std::shared_ptr<const ReservedBuffer<float>> kept_radii_;
   std::span<const float> radii_;
   std::optional<field::IndexBox> region_;

@@ -11,7 +11,7 @@ inline constexpr int kMostRaysAcross = 4;
 
 // Draws the scene with `across` x `across` rays per pixel, evenly spread, or with fewer if a side of `options.size`
 // times `across` would exceed PictureSize::kMaxSide. `across` is from 1 to kMostRaysAcross. A pixel's color is the mean
-// of its rays; depth and normal are those of its nearest ray. The statistics count all rays. Fails as Renderer::draw()
+// of its rays; depth and normal come from its nearest ray. The statistics count all rays. Fails as Renderer::draw()
 // does.
 [[nodiscard]] Result<Rendered> draw_antialiased(Renderer& renderer, const Scene& scene, const Camera& camera,
                                                 const RenderOptions& options, int across, const Context& context);

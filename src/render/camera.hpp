@@ -2,7 +2,7 @@
 //
 // View space has the eye at 0 and the axes of OpenGL: x to the right, y up, z backwards. Depth is the distance along
 // the view axis, -z. The ray through picture position (x, y) reaches the point d * direction_through(x, y) at depth d.
-// The length of a ray between two depths is their difference times the length of direction_through().
+// The length of a ray between two depths is the difference of the depths times the length of direction_through().
 //
 // Scenes may have any size, so renderers compute in view coordinates divided by unit(), the distance from eye to target
 // (view_from_world(), clip_from_view()). direction_through() is the same in both. Depths of pictures are in world
@@ -40,8 +40,8 @@ struct Camera {
   double near_depth = 0.01;      // in world units; nearer objects are not drawn
   double far_depth = 100;        // in world units; farther objects are not drawn
 
-  // Checks that values are finite, eye and target differ, up is not parallel to the axis, 0 < near < far, and fovy is
-  // in range. Otherwise fails with ErrorCode::usage and names the reason.
+  // Checks that values are finite, eye and target differ, up is neither 0 nor parallel to the view axis, 0 < near <
+  // far, and fovy is in range. Otherwise fails with ErrorCode::usage and names the reason.
   [[nodiscard]] Result<void> check() const;
 
   // Returns the distance from eye to target. Renderers divide view coordinates by it.
@@ -112,7 +112,7 @@ constexpr auto words_of(UpAxis /*type*/) {
 [[nodiscard]] Camera frame_box(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                double fovy = Camera::kDefaultFovy);
 
-// Extends the depth range from the near to the far plane by the range that frame_box() would choose for `box`.
+// Moves the near and far planes apart so that their depth range includes the range that frame_box() chooses for `box`.
 void enclose_box(Camera& camera, const field::Box& box);
 
 // Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest distance at which the corners of
@@ -122,7 +122,7 @@ void enclose_box(Camera& camera, const field::Box& box);
 
 // Returns the camera of frame_box(). If `angles` has no distance, chooses the shortest distance at which the box fits
 // into the picture while it turns around the up axis. This distance depends on the elevation, not on the azimuth, and
-// is never longer than that of frame_box().
+// never exceeds the distance of frame_box().
 [[nodiscard]] Camera frame_turn(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                                 double fovy = Camera::kDefaultFovy);
 

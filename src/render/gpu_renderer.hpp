@@ -1,5 +1,5 @@
-// Draws scenes on a GPU through EGL, without a display. Follows the rendering model of renderer.hpp, within its
-// tolerance.
+// Draws scenes on a GPU through EGL, without a display. Follows the rendering model of renderer.hpp, within the
+// tolerance stated there.
 //
 // The first pass draws opaque surfaces into a framebuffer object, which keeps the nearest triangle of each pixel and
 // its depth. Then it counts and lists, per pixel, the transparent fragments in front of this triangle.

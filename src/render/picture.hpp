@@ -15,9 +15,9 @@ struct Picture {
   int width = 0;
   int height = 0;
   Buffer<glm::vec4> color;  // premultiplied red, green, blue, and alpha; not clamped, so highlights exceed 1
-  // Depth along the view axis in world units: of the first surface fragment, or of the middle of the first volume step,
-  // at which the transmittance falls to 1/2 or less. If it stays above 1/2: of the nearest surface; without a surface
-  // +infinity.
+  // Depth along the view axis in world units: of the first surface fragment, or of the middle of the first slab, at
+  // which the transmittance falls to 1/2 or less. If the transmittance stays above 1/2: of the nearest surface
+  // fragment; +infinity without one.
   Buffer<float> depth;
   // Unit normal of the surface at that depth, in the world, toward the eye; 0 if no surface lies there.
   Buffer<glm::vec3> normals;

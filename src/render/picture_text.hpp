@@ -11,7 +11,8 @@ namespace isoextract::render {
 
 // The color of text in pictures, linear.
 inline constexpr glm::vec3 kTextColor{0.02F, 0.02F, 0.03F};
-// Returns the color of text on a background, linear with straight alpha: dark, but light on a dark background.
+// Returns the color of text on a background: dark, but light on a dark opaque background. `background` is linear, with
+// straight alpha.
 [[nodiscard]] glm::vec3 text_color(const glm::dvec4& background);
 
 // Returns the size of a text in pixels. Glyphs have 5 x 7 dots in cells of 6 x 9; a dot is a square of `scale` pixels.

@@ -29,7 +29,7 @@ struct PreviewOptions {
 };
 
 // Draws the surfaces with 2 x 2 rays per pixel, or with one if the doubled size would exceed PictureSize::kMaxSide.
-// Depth and normals are those of the nearest ray. Without a triangle the picture is the background alone, without
+// Depth and normals come from the nearest ray. Without a triangle the picture is the background alone, without
 // a scale bar. Fails as Renderer::draw() does and, without PreviewOptions::box, as box_of() does.
 [[nodiscard]] Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOptions& options,
                                             Renderer& renderer, const Context& context);

@@ -86,9 +86,9 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
   virtual ~Renderer() = default;
 
-  // Draws a picture; reserves all memory from the context. Fails as check() does, with ErrorCode::out_of_memory if
-  // memory is short, with ErrorCode::unavailable if the device fails, and as Context::check() does. After draw(), the
-  // caller must check DenseSamples::lost(): reading samples of a mapped file may have failed.
+  // Draws a picture; reserves all host memory from the context. Fails as check() and Context::check() do, with
+  // ErrorCode::out_of_memory if memory is short, with ErrorCode::unavailable if the device fails, and for too many
+  // triangles. Then the caller must check DenseSamples::lost(): reading samples of a mapped file may have failed.
   [[nodiscard]] virtual Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                               const Context& context) = 0;
 

@@ -98,8 +98,8 @@ struct Scene {
 // finite, and as volume_box() does.
 [[nodiscard]] Result<field::Box> box_of(const Scene& scene);
 
-// Checks the requirements stated above, except pointers and vertex indices. Fails with ErrorCode::input if a field
-// or a mesh does not meet them, with ErrorCode::usage if another part of the scene does not, and as volume_box() does.
+// Checks the requirements stated above, except pointers and vertex indices. Fails with ErrorCode::input if a field, its
+// transform or a mesh does not meet them, with ErrorCode::usage if another part does not, and as volume_box() does.
 [[nodiscard]] Result<void> check(const Scene& scene);
 
 }  // namespace isoextract::render

@@ -9,8 +9,8 @@
 
 namespace isoextract::render {
 
-// The values from `low`, where the function is transparent, to `high`. With `both_sides`, `low` and `high` are
-// distances above and below `middle`.
+// The values from `low` to `high`. The function is transparent at `low`, for level sets at `high`. With `both_sides`,
+// `low` and `high` are distances above and below `middle`.
 struct VisibleRange {
   double low = 0;
   double high = 1;  // above low
@@ -29,8 +29,8 @@ struct VisibleRange {
 //     far above it as the mean.
 //   - All other fields: the background is the samples below the iso value t of field::suggest_iso() (Otsu's threshold).
 //     With their median m and 1st percentile p, the range begins at min(t, m + 1.3 (m - p)), the upper end of a
-//     symmetric noise. It ends at the 99.9th percentile of the samples above its beginning, but at most 8 times as far
-//     from the beginning as the mean of these samples, so that a few large values do not hide the others.
+//     symmetric noise. The range ends at the 99.9th percentile of the samples above its beginning, but at most 8 times
+//     as far from the beginning as the mean of these samples. So a few large values do not hide the smaller ones.
 [[nodiscard]] VisibleRange visible_range(const field::ScalarField& field, const field::FieldStatistics& statistics);
 
 // Returns the control points of a built-in function over the range. For a level set, the function runs from high to low

@@ -7,8 +7,8 @@
 //
 // Frames are 1 / fps apart and consist of steps. In a step, velocity and gravity move no particle farther than 0.8
 // spacings, a spacing being two radii (a Courant-Friedrichs-Lewy condition: a kernel reaches over 2); corrections of
-// the density come on top. The top speed is twice that of a particle which left the nozzle and fell the tank's whole
-// height; faster particles are slowed down and counted.
+// the density come on top. The top speed is twice the speed of a particle that left the nozzle and fell the tank's
+// whole height; faster particles are slowed down and counted.
 //
 // All numbers are double and bitwise equal for any number of threads. One seed gives the same particles on every
 // machine with IEEE arithmetic, if its compiler fuses no operations; the default radius also needs the same std::cbrt.
@@ -56,9 +56,9 @@ struct JetFigures {
 class ParticleJet {
  public:
   // Fails with ErrorCode::usage for options that are not finite or out of range, and for a tank too small for nozzle or
-  // particles. Also fails with ErrorCode::usage if the tank is wider than 2^20 spacings, if a layer of the nozzle has
-  // more than `count` particles, or if a frame could take more than kMostSteps steps. Fails as Context::reserve() does
-  // if memory is short.
+  // particles, or wider than 2^20 spacings. Also fails with ErrorCode::usage if a layer of the nozzle has more than
+  // `count` (at least 5) particles, or if a frame could take more than kMostSteps steps. Fails as Context::reserve()
+  // does if memory is short.
   [[nodiscard]] static Result<ParticleJet> make(const JetOptions& options, const Context& context);
 
   ParticleJet(ParticleJet&&) noexcept;
@@ -73,7 +73,7 @@ class ParticleJet {
   // components), `age` (since it left the nozzle), `id` (0 for the first particle). Fails as Context::reserve() does.
   [[nodiscard]] Result<points::ParticleSet> particles(const Context& context) const;
 
-  // Returns the radius of a particle that is in use.
+  // Returns the particle radius in use: JetOptions::radius or its default.
   [[nodiscard]] double radius() const;
   [[nodiscard]] std::uint64_t size() const;
   [[nodiscard]] JetFigures figures() const;

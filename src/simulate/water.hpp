@@ -19,7 +19,7 @@
 // negative: it takes water from the left neighbor even if the neighbor has none, so that the neighbor's depth falls
 // below 0. (The last line of the listing, the front neighbor's "+ flow", is lost at the end of a page.)
 //
-// WaterRule::conservative implements what the listing evidently intends: own levels are T + W - E towards left and
+// WaterRule::conservative implements the evident intention of the listing: own levels are T + W - E towards left and
 // back, T + W + E towards right and front. Seen from both sides of a face, the driving difference is the same number
 // with opposite signs, so water crosses in one direction only. All flows come from the state at the start of the step
 // and none is negative. If the four flows of a cell exceed its water, they are scaled down together. A cell adds its

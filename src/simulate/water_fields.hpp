@@ -39,9 +39,9 @@ constexpr auto words_of(WaterOutput /*type*/) {
 // higher.
 [[nodiscard]] Result<int> count_layers(const WaterAutomaton& automaton);
 
-// Returns one field or two. `layers` applies to volumes and must cover all land and water: higher parts are missing.
-// Cells with a negative depth (of the printed rule) have no water in volumes; maps contain the numbers unchanged. Fails
-// as MemoryBudget::reserve() does.
+// Returns one field or two. `layers` (see count_layers()) applies to volumes, which end there: higher parts are
+// missing. Cells with a negative depth (of the printed rule) have no water in volumes; maps contain the numbers
+// unchanged. Fails as MemoryBudget::reserve() does.
 [[nodiscard]] Result<std::vector<field::ScalarField>> water_fields(const WaterAutomaton& automaton, WaterOutput content,
                                                                    int layers, const glm::dvec3& spacing,
                                                                    const Context& context);

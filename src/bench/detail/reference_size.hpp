@@ -23,9 +23,9 @@ struct ReferenceSize {
 // area changes by at most 5e-4 of itself, but not beyond 384.
 //
 // Fields with AnalyticField::inside_length_along_z use the closed form of each column along z, with 1,023 and then
-// 2,047 columns along an axis. The integral of its length is the volume; graphs over z get their area from these
-// columns, too. For other fields, the volume follows from the divergence theorem: a third of the integral of p . n over
-// the surface and over the part of the cube's faces above iso.
+// 2,047 columns along an axis. The integral of the inside lengths is the volume; graphs over z get their area from
+// these columns, too. For other fields, the volume follows from the divergence theorem: a third of the integral of
+// p . n over the surface and over the part of the cube's faces above iso.
 [[nodiscard]] ReferenceSize find_reference_size(const field::AnalyticField& field, double iso,
                                                 Progress* progress = nullptr);
 

@@ -46,7 +46,7 @@ class OpenedFiles {
 
   // Sets the streams that readers of this table may keep; null: none.
   void keep_streams(std::shared_ptr<ParkedStreams> streams);
-  // Returns the streams of this table, else those of `before`; null if there are none.
+  // Returns the streams of this table, else the streams of `before`; null if there are none.
   [[nodiscard]] std::shared_ptr<ParkedStreams> streams() const;
 
  private:

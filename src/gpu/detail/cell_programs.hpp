@@ -1,9 +1,9 @@
 // The shader programs of the pipelines, one for each kind of samples and mesh; kept for later extractions.
 //
 // Shaders are files in the folder shaders. src/gl/CMakeLists.txt lists and embeds them; cell_programs.cpp joins them
-// with the case tables of the CPU (case_constants.hpp). Shaders decide and place vertices by integer comparisons, or in
-// double with `precise` and in the order of extract/edge_geometry.hpp. Then both backends give equal numbers, as
-// `isoextract verify INPUT --iso V` checks. Call GL only on the thread that opened the context.
+// with the case tables of the CPU (case_constants.hpp). Shaders find inside samples by integer comparisons, and compute
+// positions in double with `precise`, in the order of extract/edge_geometry.hpp. So both backends agree within the
+// limits that `isoextract verify INPUT --iso V` checks. Call GL only on the thread that opened the context.
 //
 // Tests run on Mesa's llvmpipe, and treat the driver's messages as errors (GpuOptions::debug). llvmpipe repeats
 // vertices in a draw of more than 65,536 tessellated vertices, so compare contents, not counts.

@@ -12,7 +12,8 @@ namespace isoextract::gpu {
 
 constexpr int kBrickCells = 8;  // along each axis
 
-// A site is a brick of 8x8x8 cells with samples on both sides. It owns the edges whose lower end is one of its samples.
+// A site is a brick of 8x8x8 cells with samples inside and outside the surface. It owns the edges whose lower end is
+// one of its 8x8x8 lowest samples.
 class DenseSites {
  public:
   // `masks` are the inside bits of the samples from `low` on.

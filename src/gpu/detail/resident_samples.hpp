@@ -45,8 +45,8 @@ struct TextureLimits {
 class ResidentSamples {
  public:
   // Makes room for a box of bricks at once. Keeps the content if the lattice is unchanged and the texture is large
-  // enough. Returns false, and drops the content, if the box exceeds `limits` or `host` has no memory for the hashes.
-  // The hashes stay reserved in `host` as long as they live. Fails as GlContext::check() does.
+  // enough; else drops it. Returns false if the box exceeds `limits` or `host` has no memory for the hashes. Reserves
+  // the memory of the hashes in `host` until drop(). Fails as GlContext::check() does.
   [[nodiscard]] Result<bool> make_room(const gl::GlContext& context, const BrickLattice& lattice,
                                        const field::IndexBox& bricks, const TextureLimits& limits, const Context& host);
   // Drops the texture and the hashes.

@@ -1,6 +1,6 @@
 // Sparse samples on the device, in an atlas of leaves (8x8x8 samples). Only leaves that the sites need are uploaded.
-// Each is uploaded once if the atlas holds all leaves that are in use at a time; sites sorted by position need few at a
-// time. A place without a leaf is stored as one constant.
+// Each leaf is uploaded once if the atlas can hold all leaves needed at the same time; sites sorted by position need
+// few. A box of 8x8x8 samples without a leaf is stored as one constant.
 #pragma once
 
 #include <deque>
@@ -27,8 +27,8 @@ class SparseSource final : public FieldSource {
   SparseSource(const gl::GlContext& context, const field::SparseSamples& samples, const extract::SparseSites& sites,
                const SourceOptions& options);
 
-  // Calls f(slot in the 3x3x3 places around the site, lowest sample of the place) for all places that the site's cells
-  // need.
+  // Calls f(n, lowest sample) for each box of 8x8x8 samples that the site's cells need; n is the number of the box in
+  // the 3x3x3 boxes around the site.
   template <class F>
   void for_each_place(std::uint32_t site, const F& f) const;
   [[nodiscard]] bool make_resident(std::uint32_t site);

@@ -3,7 +3,7 @@
 // After J. Yu, G. Turk: Reconstructing surfaces of particle-based fluids using anisotropic kernels. ACM Transactions on
 // Graphics 32(1), 2013, section 4 (with the paper's equation numbers). h is the support of the kernel:
 //
-//   w_ij = 1 - (|x_i - x_j| / r)^3 if nearer than r, else 0,  r = 2h (11)
+//   w_ij = 1 - (|x_i - x_j| / r)^3 if nearer than r, else 0; r = h AnisotropyOptions::neighborhood, by default 2h (11)
 //   x_i^w = sum w_ij x_j / sum w_ij                                  (10)
 //   C_i = sum w_ij (x_j - x_i^w)(x_j - x_i^w)^T / sum w_ij           (9)
 //   C_i = R diag(s_1, s_2, s_3) R^T, s_1 >= s_2 >= s_3               (12)
@@ -21,14 +21,14 @@
 //   center of kernel i = x_i + lambda z_i n_i
 //
 // c_i = 2 sum over j != i of w_ij: the number of neighbors for constant density. 0.15 r^2 is s_1 for constant
-// density on all sides. So an isolated particle, or a cluster narrower than a kernel, has a ball of radius k_n h, and
-// there is no step in between, which would show as flicker. shortest is at least 3 samples: shorter axes fall between
-// the samples.
+// density on all sides. So an isolated particle, or a cluster narrower than a kernel, has a ball of radius k_n h. The
+// axes change continuously with t: a jump would show as flicker. shortest is at least 3 samples: shorter axes fall
+// between the samples.
 //
-// n_i is the direction of x_i^w - x_i, which is the inner normal near a surface. z_i is the mean depth along it of the
-// neighbors in the same layer: those nearer than 1.4 h and less than half a support above or below. So a kernel moves
-// to the local surface of its layer, and convex and concave places keep their volume; the paper's centers move to
-// x_i^w. Deep inside (|x_i^w - x_i| below 0.2 h) centers stay.
+// n_i is the direction of x_i^w - x_i, which is the inner normal near a surface. z_i is the mean depth along n_i of the
+// neighbors in the same layer: neighbors nearer than 1.4 h and less than h / 2 above or below. So a kernel moves to the
+// local surface of its layer, and convex and concave regions keep their volume; the paper's centers move to x_i^w. Deep
+// inside (|x_i^w - x_i| below 0.2 h) centers stay; from 0.2 h to 0.4 h the move grows from 0 to its full length.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// SPH kernels of particles with unlike radii: a ball for each particle, whose radius is proportional to that of the
-// particle.
+// SPH kernels of particles with unlike radii: a ball for each particle. The radius of the ball is proportional to the
+// radius of the particle.
 #pragma once
 
 #include <cstdint>
@@ -30,9 +30,9 @@ struct LargeEnough {
 class BallKernels {
  public:
   // Makes the kernels of the particles that `grid` holds apart (Coinciding::apart), in index coordinates. `radii` has
-  // the radius of each particle; `support` is the reach of a kernel of radius 1, and `reach` that of the largest. The
-  // masses m_j are proportional to the cubes of the radii, and so are the volumes of the kernels; H_j is the reach of a
-  // kernel. Density and field are
+  // the radius of each particle; `support` is the reach of the kernel of a particle of radius 1, and `reach` the
+  // largest reach of a kernel. The masses m_j are proportional to the cubes of the radii, and so are the volumes of the
+  // kernels; H_j is the reach of kernel j. Density and field are
   //   rho_j = sum_k m_k W(x_j - x_k, H_k),   field(x) = sum_j m_j / rho_j W(x - x_j, H_j)
   // As m_j / H_j^3 is equal for all particles, the weight of kernel j is 1 / sum_k S(|x_j - x_k| / H_k). The
   // density uses the kernels of the field, of reach H_k. Between particles of unlike sizes, this keeps the field

@@ -30,7 +30,7 @@ namespace isoextract::points {
 class BoxSamples {
  public:
   // A periodic edge gets the number of steps nearest to its length / spacing, at least 4. Fails with ErrorCode::input
-  // if there are more samples than indices. `label` starts the message.
+  // if an edge has too many samples for indices, or the box is too far from 0. `label` starts the message.
   [[nodiscard]] static Result<BoxSamples> make(const SimulationBox& box, double spacing, const std::string& label);
 
   [[nodiscard]] const field::Affine& world_from_index() const { return world_from_index_; }
@@ -41,7 +41,7 @@ class BoxSamples {
   // index coordinates, too.
   [[nodiscard]] std::optional<double> cubic_step() const { return cubic_step_; }
 
-  // Returns index coordinates; those along periodic edges lie in [0, n). Not finite for positions too far away.
+  // Returns index coordinates, along periodic edges in [0, n). Not finite for positions too far away.
   [[nodiscard]] glm::dvec3 wrapped_index(const glm::dvec3& world) const;
 
   // Returns how far a ball reaches along each index axis; `radius` is in Cartesian units.

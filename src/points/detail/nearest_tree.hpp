@@ -20,7 +20,7 @@ namespace isoextract::points {
 
 class NearestTree {
  public:
-  // Builds the tree; skips non-finite points. Keeps a view of `points`, which must outlive it. Fails as
+  // Builds the tree; skips non-finite points. `points` must outlive the tree, which refers to them. Fails as
   // Context::reserve() and Context::check() do; `label` names the points in the message.
   [[nodiscard]] static Result<NearestTree> make(std::span<const glm::dvec3> points, const Context& context,
                                                 const std::string& label);

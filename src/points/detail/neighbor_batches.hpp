@@ -24,8 +24,8 @@ struct CellTargets {
   std::size_t padded = 0;  // size rounded up to a multiple of 8
 };
 
-// Counts the pairs that for_each_neighbor_batch() visits (a spot with each spot near it, itself included), which
-// measures its work. Stops soon after `most`. Up to `most`, the result is the same for any number of threads.
+// Counts the pairs that for_each_neighbor_batch() visits (a spot with each spot near it, itself included), a measure of
+// run time. Stops soon after `most`. Up to `most`, the result is the same for any number of threads.
 [[nodiscard]] std::uint64_t count_neighbor_pairs(const CellGrid& grid, double radius, std::uint64_t most);
 
 // Visits the spots of cell c, 64 at a time: calls begin(targets), then add(targets, batch) for each batch of source

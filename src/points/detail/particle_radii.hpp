@@ -1,4 +1,4 @@
-// Radii that the particles have from an attribute of their own.
+// The radii of particles, from one of their attributes.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 namespace isoextract::points {
 
 struct ParticleRadii {
-  const ParticleAttribute* attribute = nullptr;  // one value per particle; those at finite positions are valid
+  const ParticleAttribute* attribute = nullptr;  // one value per particle; valid for particles at finite positions
   double median = 0;                             // of the particles at finite positions, or FieldOptions::median_radius
   double min = 0;
   double max = 0;

@@ -35,16 +35,16 @@ enum class Coordinates { cartesian, index };
 // Particles in the box, in their order, followed by images.
 struct ParticleImages {
   std::shared_ptr<ReservedBuffer<glm::dvec3>> places;
-  std::shared_ptr<ReservedBuffer<std::uint32_t>> sources;  // for each place: the index of its particle
+  std::shared_ptr<ReservedBuffer<std::uint32_t>> sources;  // for each position: the index of its particle
 
   [[nodiscard]] std::span<const glm::dvec3> positions() const { return std::as_const(places->values).span(); }
 };
 
-// Moves particles into the box and adds their images that lie at most `reach` outside the region, in index units along
-// each axis. A position that is not finite stays.
+// Returns the particles, moved into the box, and their images that lie at most `reach` outside the region, in index
+// units along each axis. A position that is not finite stays.
 //
-// Fails with ErrorCode::input if there are 2^32 images or more, or if a particle is too far away for index coordinates.
-// Fails as Context::reserve() does; `label` starts the messages.
+// Fails with ErrorCode::input if particles and images together are 2^32 - 1 or more, or if a particle is too far away
+// for index coordinates. Fails as Context::reserve() does; `label` starts the messages.
 [[nodiscard]] Result<ParticleImages> with_images(std::span<const glm::dvec3> positions, const BoxSamples& box,
                                                  const glm::dvec3& reach, Coordinates coordinates,
                                                  const Context& context, const std::string& label);

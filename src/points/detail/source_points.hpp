@@ -1,4 +1,4 @@
-// The particles that kernels around a place reach: all of them and, in a periodic box, their images.
+// The particles whose kernels may reach a position: all particles and, in a periodic box, their images.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ class SourcePoints {
   // world. Fails as BoxSamples::make() and with_images() do.
   [[nodiscard]] static Result<SourcePoints> make(const ParticleSet& particles, double support, const Context& context);
 
-  // Returns the positions of the particles in their order, followed by those of images.
+  // Returns the positions of the particles in their order, followed by the positions of images.
   [[nodiscard]] std::span<const glm::dvec3> positions() const { return positions_; }
   // Returns the support of the kernels in the coordinates of the positions.
   [[nodiscard]] double support() const { return support_; }

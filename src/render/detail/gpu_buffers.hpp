@@ -41,7 +41,7 @@ class GpuArray {
  public:
   GpuArray() = default;
   // Makes an array of `count` elements; `what` names the elements in messages. Fails with ErrorCode::unavailable if a
-  // texture cannot have that many.
+  // texture cannot have that many elements, and as GpuMemory::take() and GlContext::check() do.
   [[nodiscard]] static Result<GpuArray> make(const gl::GlContext& context, GLenum format, std::uint64_t count,
                                              std::uint64_t element_bytes, const std::string& what, GpuMemory& memory);
 

@@ -20,7 +20,7 @@ class GpuMemory {
             const Context& context);
 
   // Call before allocating on the device; `what` names the data in messages. Fails with ErrorCode::unavailable beyond
-  // the limit, and as Context::reserve() does if the device uses the memory of the host.
+  // the limit, and as Context::reserve() does if the device renders in software.
   [[nodiscard]] Result<void> take(std::uint64_t bytes, const std::string& what);
 
   // Returns the bytes taken, including `besides`.

@@ -56,7 +56,8 @@ class GpuPicture {
 
   [[nodiscard]] Result<void> draw_tile(const PixelBox& tile, Rendered& rendered);
   [[nodiscard]] Result<void> draw_opaque(const PixelBox& tile);
-  // Returns the number of transparent fragments in the tile; sets `places_` to where each pixel's list begins.
+  // Returns the number of transparent fragments in the tile; sets `places_` to the index of each pixel's first
+  // fragment.
   [[nodiscard]] Result<std::uint64_t> count_fragments(const PixelBox& tile);
   [[nodiscard]] Result<void> list_fragments(const PixelBox& tile, std::uint64_t count);
   [[nodiscard]] Result<void> draw_lists(const PixelBox& tile, bool counting);

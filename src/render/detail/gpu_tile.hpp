@@ -36,7 +36,7 @@ class GpuTile {
   [[nodiscard]] bool read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4>& counts,
                           RenderStatistics& statistics) const;
 
-  // Bytes per pixel, on the device and in `counts`.
+  // Bytes per pixel on the device: of the results, the opaque surfaces and the lists.
   static constexpr std::uint64_t kPictureBytes = 16 + 16 + 4 + 16;
   static constexpr std::uint64_t kSurfaceBytes = 4 + 4 + 4;
   static constexpr std::uint64_t kListBytes = 4 + 4;

@@ -103,7 +103,7 @@ class SurfaceTiles {
   [[nodiscard]] static Result<SurfaceTiles> sort(const SurfaceView& view, const Camera& camera, const PictureSize& size,
                                                  const Context& context);
 
-  // Replaces `fragments` by those of the tile.
+  // Replaces `fragments` by the fragments of the tile. Fails as Context::reserve() does.
   [[nodiscard]] Result<void> draw(std::size_t tile, TileFragments& fragments) const;
 
  private:

@@ -12,8 +12,8 @@
 
 namespace isoextract::render::detail {
 
-// Brick b holds the cells from 8 b on, 8 per axis; it shares the samples of its far side with its neighbors. A brick is
-// invisible if every lookup between its least and its greatest sample has sigma 0. NaN samples have sigma 0 themselves.
+// Brick b holds the cells from 8 b on, 8 per axis; it shares the samples of its upper faces with the next bricks. A
+// brick is invisible if every lookup between its least and its greatest sample has sigma 0. NaN samples have sigma 0.
 //
 // For sparse fields only bricks around stored blocks are listed. Any other brick has the constant values of tiles or
 // background at its corners, and seen() looks these up on demand.
@@ -21,7 +21,8 @@ class VolumeBricks {
  public:
   static constexpr int kCells = 8;
 
-  // Reads every sample once. The result holds its memory reservation. `samples` must outlive it.
+  // Reads all samples. `samples` must outlive the result, which holds its memory reservation. Fails as
+  // Context::reserve() and Context::check() do.
   [[nodiscard]] static Result<VolumeBricks> measure(const VolumeSamples& samples, const Context& context);
 
   [[nodiscard]] bool seen(const glm::ivec3& brick) const;

@@ -13,17 +13,17 @@
 
 namespace isoextract::render::detail {
 
-// A two-level table: nodes of 16 x 16 x 16 bricks of 8 x 8 x 8 cells. A brick has 9 samples per axis; neighbors share
-// those at their borders. All bricks that have the same constant value, from tiles or the background, share a slot. A
-// node with only one such value is stored as that slot.
+// A two-level table: nodes of 16 x 16 x 16 bricks of 8 x 8 x 8 cells. A brick has 9 samples per axis; adjacent bricks
+// share the samples of their common face. All bricks that have the same constant value, from tiles or the background,
+// share a slot. A node with only one such value is stored as that slot.
 class VolumeNodes {
  public:
   static constexpr int kSide = 16;  // bricks per axis of a node
   static constexpr int kCells = kSide * VolumeBricks::kCells;
   static constexpr std::int32_t kUnseen = -1;
 
-  // Lists the bricks of the cells from `first` to `last`; all of them if `bricks` is null. The result holds its memory
-  // reservation.
+  // Lists the visible bricks of the cells from `first` to `last`, or all bricks if `bricks` is null. The result holds
+  // its memory reservation. Fails with ErrorCode::unavailable for 2^31 bricks or more, and as Context::reserve() does.
   [[nodiscard]] static Result<VolumeNodes> list(const VolumeSamples& samples, const VolumeBricks* bricks,
                                                 const glm::ivec3& first, const glm::ivec3& last,
                                                 const Context& context);

@@ -1,8 +1,8 @@
 // A fluid of particles in a box under gravity: M. Macklin and M. Mueller, "Position based fluids" (ACM TOG 32(4),
 // 2013), Algorithm 1. One step
 // - moves all particles by their velocities and gravity (lines 1 to 4) and finds their neighbors there (5 to 7);
-// - corrects positions so that no density exceeds the rest density (lines 8 to 19): Jacobi iterations of equations 8 to
-//   12, with the constraint relaxed as in equation 11;
+// - moves particles apart where the density exceeds the rest density (lines 8 to 19): Jacobi iterations of equations 8
+//   to 12, with the constraint relaxed as in equation 11;
 // - derives velocities from positions (line 21) and evens them out between neighbors (XSPH, equation 17).
 //
 // The paper's constraint demands the rest density; ours only limits it. Particles at a surface, which have few
@@ -45,7 +45,7 @@ class Fluid {
   // Reserves memory for `capacity` particles, below 2^32. Does not check the options. Fails as Context::reserve() does.
   [[nodiscard]] static Result<Fluid> make(const FluidOptions& options, std::size_t capacity, const Context& context);
 
-  // Adds a particle; there must be room, and `place` must be where particles may be. Its number is the old size().
+  // Adds particle number size(); there must be room, and `place` must be at least half a spacing from each wall.
   void add(const glm::dvec3& place, const glm::dvec3& velocity);
 
   // Advances by `duration`. Fails as Context::reserve() and Context::check() do; the fluid is unusable afterwards.

@@ -18,7 +18,7 @@ namespace detail {
 
 inline constexpr double kKernelReach = 2;  // spacings
 
-// Returns the sum of poly6 over the lattice, in units of its value at 0.
+// Returns the sum of poly6 over the lattice, in units of poly6 at 0.
 constexpr double lattice_sum() {
   double sum = 0;
   for (int x = -2; x <= 2; ++x) {
@@ -66,7 +66,7 @@ class FluidKernels {
     const double within = u * (1 + u2 * (-4.0 / 3 + u2 * (6.0 / 5 + u2 * (-4.0 / 7 + u2 / 9))));
     return 0.5 - 315.0 / 256 * within;
   }
-  // Returns the derivative of the spiky kernel's wall density by distance: minus its integral over the wall's plane.
+  // Returns the derivative of the spiky kernel's wall density by distance: minus the kernel's integral over the plane.
   [[nodiscard]] double wall_slope(double distance) const {
     const double a = 1 - distance / reach_;
     const double a4 = a * a * a * a;

@@ -18,13 +18,13 @@ namespace isoextract::simulate {
 
 class NeighborLists {
  public:
-  // Finds all pairs of particles nearer than `reach`. `places` are in the order of the grid's spots, one particle a
-  // spot; grid cells are at least `reach` wide. Each list is in spot order, without the particle itself. Keeps memory
+  // Lists for each particle the other particles nearer than `reach`, in spot order. Each spot of `grid` has one
+  // particle; places[s] is the position of the particle at spot s. Grid cells are at least `reach` wide. Keeps memory
   // for the next call. Fails as Context::reserve() does; then the lists are invalid.
   [[nodiscard]] Result<void> make(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach,
                                   const Context& context);
 
-  // Returns the spots of a particle's neighbors; `particle` is its own spot. Valid until the next make().
+  // Returns the spots of the neighbors of the particle at spot `particle`. Valid until the next make().
   [[nodiscard]] std::span<const std::uint32_t> of(std::size_t particle) const { return lists_[particle]; }
 
  private:
@@ -35,7 +35,8 @@ class NeighborLists {
     Reservation memory;
     std::optional<Error> error;
 
-    // Returns whether there is room for `count` more; keeps the content.
+    // Grows the buffer, if needed, to hold `count` more neighbors; keeps the content. Returns false and sets `error` if
+    // memory cannot be reserved.
     bool make_room(std::size_t count, const Context& context);
   };
   void fill(Block& block, std::size_t first_cell, std::size_t last_cell, const points::CellGrid& grid,

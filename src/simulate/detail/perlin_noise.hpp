@@ -22,8 +22,8 @@ class PerlinNoise {
 };
 
 // Sum of octaves of noise, each with twice the frequency and half the amplitude of the one before. The seed shifts the
-// lattice of each octave by a fraction of a cell, so that the zeros of an octave are neither at the origin nor at the
-// zeros of other octaves.
+// lattice of each octave by whole cells and a fraction, so that the zeros of an octave are neither at the origin nor at
+// the zeros of other octaves.
 class FractalNoise {
  public:
   // Requires 1 to 16 octaves.
