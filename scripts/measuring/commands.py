@@ -37,20 +37,20 @@ def page(measured):
     comparisons = figures["comparisons"]
     left = max(row["cold"]["input_in_page_cache"] for one in comparisons for row in one["rows"])
     start = figures["start_up_seconds"]
-    caveat = "" if left < 0.01 else f"\n**Up to {left:.0%} of an input stayed in the page cache: cold is not cold here.**\n"
+    caveat = "" if left < 0.01 else f"\n**Up to {left:.0%} of an input stayed in the page cache: the cold times are too short.**\n"
     tables = "\n".join(map(comparison, comparisons))
-    return f"""Wall time, processor time and the peak of memory of processes, by `scripts/compare_speed.py`.
+    return f"""Wall time, processor time and peak memory of whole processes, measured by `scripts/compare_speed.py`.
 
-- **Cold** is the first run of a command, before which the input's pages were dropped from the system's page cache, so
-  that it comes from the disk. The programs and their libraries were not dropped; below a virtual machine, its host may
-  still have held the pages.
-- **Warm** is the median of {figures['runs']} rounds after it, in which the commands ran in turn; so are processor time and peak.
-- The last columns are the first row's figures over this row's, below 1 where the first row's were less: of one run cold,
-  the median of the rounds' ratios warm.
+- **Cold** is the first run of a command. Before it, the script drops the input from the system's page cache, so the program reads
+  the input from the disk. The programs and their libraries stay in the cache. On a virtual machine, the host may still cache the input.
+- **Warm** is the median of {figures['runs']} later rounds; each round runs every command once. Processor time and peak are medians of the
+  same rounds.
+- **First row / this row** compares each command with that of the first row; below 1, the first row is faster or needs less memory.
+  The cold ratio is of one run each, the others are the median of the rounds' ratios.
 {caveat}
 {tables}
 ## Start
 
-`isoextract --version`: {number(1000 * start['cold'])} ms with the program's own file dropped from the page cache (its libraries were not),
-{number(1000 * start['median'])} ms after that (median of {len(start['rounds'])}).
+`isoextract --version` takes {number(1000 * start['cold'])} ms if the program's file, but not its libraries, was dropped from the page cache, and
+{number(1000 * start['median'])} ms after that (median of {len(start['rounds'])} runs).
 """

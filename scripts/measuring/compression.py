@@ -67,13 +67,18 @@ def page(measured):
              number(row["bytes"] / row["triangles"]), number(row["seconds"]["median"]),
              number(row["seconds"]["median"] - first["seconds"]["median"]) if row["program"] == "isoextract" else "",
              number(row["decode_ms"]["median"])] for row in figures["rows"]]
-    columns = ["command", "triangles:", "MB:", "of plain:", "bytes a triangle:", "whole command, s:", "more than plain, s:",
+    columns = ["command", "triangles:", "MB:", "of the plain file:", "bytes per triangle:", "whole command, s:", "more than plain, s:",
                "reading, ms:"]
-    return f"""One mesh with smooth normals as GLB. isoextract goes from the volume to the file, so what packing takes is the time beyond
-that of a plain file; `gltfpack`, the npm package, goes from the plain file to its own, with the start of Node in its time.
-`--meshopt` alone loses nothing, and `-noq` keeps floats; `--quantize` and `-vp 16` round positions to 16 bits, `--draco` to
-a 32nd of a voxel at most. Reading is by glTF-Transform with the decoders of Draco and meshoptimizer as WebAssembly, in memory.
-All are warm: the median of {figures['rounds']} after a first, the commands in turn.
+    return f"""One mesh with smooth normals, written as GLB in several ways.
+
+- **isoextract** extracts the surface and writes the file. The first row writes a *plain* file without compression. The column
+  *more than plain* is the time of a row minus the time of the plain file: the time for compression.
+- **`gltfpack`**, the npm package, reads the plain file and writes its own file. Its time includes the start of Node.
+- **Precision**: `--meshopt` alone and `-noq` keep float32 positions. `--quantize` and `--draco` without a number round positions
+  to steps of at most 1/32 voxel. `--draco=16` and `-vp 16` use at most 16 bits for the longest side.
+- **Reading** is the time in which glTF-Transform decodes the file from memory, with the WebAssembly decoders of Draco and meshoptimizer.
+- **All times are warm.** Each round runs every command once. A first round does not count; the table has the median of
+  {figures['rounds']} rounds. Reading is the median of {figures['rounds']} runs per file, after one that does not count.
 
 {table(columns, rows)}
 """

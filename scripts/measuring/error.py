@@ -56,8 +56,8 @@ def page(measured):
 ![Error over run time for marching cubes and marching tetrahedra]({figures['plot']['file']})
 
 - The table is for {threads} threads; the picture also shows one thread.
-- **Cold** is the time of the extraction in a process that has made the samples and nothing else, as the report of a conversion
-  states it: the median of {number_word} processes. **Warm** is the median of {figures['repeats']} extractions in one process, after a first
+- **Cold** is the time of the extraction in a process that has only made the samples before, as the report of a
+  conversion states it: the median of {number_word} processes. **Warm** is the median of {figures['repeats']} extractions in one process, after a first
   one that does not count; the picture shows warm times.
 - Errors of positions and normals are root mean squares, except *max*. Errors of area and volume are relative.
 

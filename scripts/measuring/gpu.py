@@ -6,7 +6,7 @@ from measuring import programs, record
 from measuring.tables import median, number, power, table
 
 NAME = "gpu"
-TITLE = "What extraction on the GPU costs"
+TITLE = "GPU backend: time per pipeline"
 FIELDS = ("sphere", "gyroid")
 PIPELINES = {
     ("mc", "cpu"): "`mc` on the processor",
@@ -95,13 +95,13 @@ def page(measured):
     columns = ["cells"] + [title for maker in makers for title in (f"{maker}, ms:", "memory:")]
     software = """
 The device here is software: Mesa's llvmpipe runs the shaders on the processor. The tables show that the pipelines work, and
-their cost there. They say nothing about the speed of a GPU.
+their run times on this device. They say nothing about the speed of a GPU.
 """ if figures["software"] else ""
     return f"""`isoextract bench --backends` extracts the same fields by every pipeline; [the GPU backend](../gpu.md) describes them.
 {software}
-- **Cold** is the time of the first extraction in a process that has made the samples and opened the device, as the report of a
-  conversion states it. It includes compiling the shaders, because the driver's cache of compiled shaders is off, and
-  uploading. Pipelines that only `bench` offers have no cold time.
+- **Cold** is the time of the first extraction in a process that has only made the samples and opened the device before, as the
+  report of a conversion states it. It includes uploading the samples and compiling the shaders, because the driver's cache of
+  compiled shaders is off. Pipelines that only `bench` offers have no cold time.
 - **Warm** is the median of {figures['repeats']} extractions after a first one that does not count. Count, capture and weld are parts of it.
 
 {pipelines}
@@ -109,12 +109,12 @@ their cost there. They say nothing about the speed of a GPU.
 ## Starting one thread per cell
 
 `isoextract bench gpu-threads` starts one thread for each cell of a grid, in three ways. The threads end at once, so the time is
-that of starting them. *Memory* is that of the vertex data that the driver needs for it. Times are warm: the median of
-{figures['creation']['repeats']} passes after a first one, which does not count, because the driver compiles in it.
+that of starting them. *Memory* is the size of the vertex data that the driver needs. Times are warm: the median of
+{figures['creation']['repeats']} passes. A first pass, in which the driver compiles the shaders, does not count.
 
 Timokhin and Mikhaylyuk ([papers](../papers.md)) measured on a GTX 1080 Ti that tessellation takes a fifth of the time and an
-eighth of the memory of dummy vertices. The table has {memory_ratio(figures)} of the memory, because it counts the vertex data alone: 16 bytes for
-each patch, from which the tessellator starts up to 4,096 threads, against 4 bytes for each dummy vertex.
+eighth of the memory of dummy vertices. In the table it takes {memory_ratio(figures)} of the memory, because the table counts only the vertex data:
+16 bytes for each patch, from which the tessellator starts up to 4,096 threads, against 4 bytes for each dummy vertex.
 
 {table(columns, creation_rows(figures))}
 """

@@ -8,7 +8,7 @@ from measuring import processes, programs, record
 from measuring.tables import median, number, table
 
 NAME = "labels"
-TITLE = "Surfaces of label maps"
+TITLE = "Label maps: time and quality"
 PYTHON = "/usr/bin/python3"  # which has NumPy, and VTK
 SCRIPT = record.ROOT / "scripts" / "measuring" / "label_maps.py"
 WAYS = (("surface nets", ()), ("surface nets, not smoothed", ("--relax", "0")), ("voxels", ("--method", "voxels")))
@@ -118,13 +118,13 @@ def cells_text(figures):
         peak = max(run["peak"] for run in runs)
         lines.append([f"{side}³, {named[kind]}", number(count), outputs[output], number(wall), number(cpu), number(1e6 * cpu / count),
                       number(round(peak)), number(round(runs[0]["input_mib"]))])
-    columns = ["map", "labels:", "program", "time, s:", "processor time, s:", "of it per label, µs:", "peak, MiB:", "input, MiB:"]
+    columns = ["map", "labels:", "program", "time, s:", "processor time, s:", "processor time per label, µs:", "peak, MiB:", "input, MiB:"]
     return f"""
 ## Thousands of labels
 
-The cells of random points (Voronoi) in a cube: the whole program with reading, `--labels all` and writing, on two threads; the median of
-{figures['rounds']} runs, or one run for the largest map. Processor time is that of user and system. scikit-image runs
-`marching_cubes` in the bounding box of each label, on one thread; its surfaces have the steps of the voxels, and it writes no files.
+The labels are the Voronoi cells of random points in a cube. Times are for the whole command, which reads the map, extracts `--labels all` on
+two threads and writes the meshes: the median of {figures['rounds']} runs, or one run for the largest map. Processor time is user plus system time.
+scikit-image runs `marching_cubes` on one thread in the bounding box of each label. It keeps the steps of the voxels and writes no files.
 
 {table(columns, lines)}
 """
@@ -139,25 +139,25 @@ def page(measured):
     sizes = table(["radius, voxels:", "area, surface nets:", "volume, surface nets:", "area, voxels:", "volume, voxels:"],
                   [[str(row["radius"]), *(f"{row[way][what]:.4f}" for way in ("nets", "voxels") for what in ("area", "volume"))]
                    for row in figures["balls"]])
-    return f"""`--labels`: from samples in memory to meshes in memory, of all labels in one run, {figures['rounds']} times each. Every time of
-isoextract is of a process of its own, so all are **cold**: pages of memory are taken for the first time. VTK's are of one process a
-row, of which the first is cold.
+    return f"""Times are for the extraction of all labels in one run, from samples in memory to meshes in memory, {figures['rounds']} runs for each row. Each run
+of isoextract is a new process, so all its times are **cold**: the process touches its memory for the first time. All VTK runs of a row
+are in one process, so only the first is cold.
 
 ## Five labels of a head
 
-The values of `ch2.nii.gz`, a head by MRI of 181 x 217 x 181 voxels, between 20, 60, 90, 110, 140 and above: noise and all. VTK's
-surfaces are of one label after the other; its last row smooths them with 20 iterations and a pass band of 0.1. That filter moves
-the surface of each label by itself. VTK 9.1 has no `vtkSurfaceNets3D` yet: [Surfaces of masks](masks.md) has that of a newer VTK.
+The labels 1 to 5 are ranges of the values in `ch2.nii.gz`, an MRI scan of a head with 181 x 217 x 181 voxels. The ranges begin at 20, 60,
+90, 110 and 140, so the labels have all the noise of the scan. VTK extracts one label after the other. Its last row smooths each surface
+by itself, with 20 iterations and a pass band of 0.1. VTK 9.1 has no `vtkSurfaceNets3D`; [Surfaces of masks](masks.md) has it, from a newer VTK.
 
 {times}
 
-Between two labels there are {number(meet['faces'])} faces of voxels. {number(meet['common'])} triangles are in the meshes of two labels,
-turned over, with the same numbers: two a face, and one more for each vertex in the middle of an edge that has four faces of one label.
+{number(meet['faces'])} faces of voxels separate two labels. {number(meet['common'])} triangles are in the meshes of two labels, with the same coordinates and
+opposite winding: two for each face, and one more for each vertex in the middle of a voxel edge where four faces of one label meet.
 
 ## Balls
 
-Area and volume, as parts of the true ones, of a ball that is a label. Steps between voxels give half as much area again, of any
-radius.
+The label is a ball. The table has the area and volume of its mesh, divided by those of the true ball. The steps between voxels add about
+half of the area, at any radius.
 
 {sizes}
 {cells_text(figures)}"""

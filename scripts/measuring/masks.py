@@ -203,36 +203,36 @@ def page(measured):
         ("Triangles", lambda row: number(row["triangles"]))))
     return f"""For people who have a mask, such as one organ of a scan, and choose how its surface is made.
 
-| figure | is |
+| figure | meaning |
 |---|---|
-| terraces | the mean angle between the normals of two triangles with a common edge: large if steps of voxels are left |
+| terraces | the mean angle between the normals of two triangles with a common edge: large if the surface still has the steps of the voxels |
 | volume | the volume of the mesh compared with that of the voxels |
-| distance | the largest one from vertices and centers of triangles to the faces between voxels inside and outside, or to the ball |
-| lost, gained | voxels of the mask with their center outside the mesh; other voxels with their center inside |
-| cold, ms | from samples in memory to a mesh in memory, the first in a process; median of {figures['rounds']} |
-| processor, ms | the time of all threads in the same runs |
+| distance | the largest distance from a vertex or the center of a triangle to the nearest face between voxels inside and outside (first table: to the ball) |
+| lost, gained | voxels of the mask whose center is outside the mesh; voxels outside the mask whose center is inside the mesh |
+| cold, ms | wall time from samples in memory to a mesh in memory, each run in a new process; median of {figures['rounds']} runs |
+| processor, ms | processor time of all threads in the same runs |
 
-NumPy computes the first four from the written mesh, without code of the program. Lengths are in voxels, whatever the spacing of the scan.
+NumPy computes the first four figures from the written mesh, without code of isoextract. Lengths are in voxels, whatever the spacing of the scan.
 
-Rows with `--` are isoextract's, the others VTK's with its default settings. VTK has surface nets since version 9.3;
-`scripts/measuring/newer_vtk` unpacks a newer VTK than Debian 12 has. "Sinc filter" is `vtkWindowedSincPolyDataFilter` with 20 iterations
-and this pass band; 3D Slicer uses 0.01 where its smoothing factor is 0.5. Both programs use all cores. VTK makes a surface of a few voxels
-before the clock starts, so its times are without loading libraries and starting threads. isoextract's times are with the start of threads.
+Rows with `--` are isoextract, the others VTK with default settings unless the row names others. VTK has surface nets since version 9.3, so
+`scripts/measuring/newer_vtk` unpacks a newer VTK than Debian 12 has. "Sinc filter 0.1" is `vtkWindowedSincPolyDataFilter` with 20 iterations
+and the pass band 0.1; 3D Slicer uses 0.01 if its smoothing factor is 0.5. Both programs use all cores. VTK extracts the surface of a few
+voxels before the clock starts, so its times exclude loading libraries and starting threads. isoextract's times include starting threads.
 
 ## A ball
 
-A ball with a radius of {RADIUS} voxels. Distances are those to the ball itself, not to its voxels.
+A ball with a radius of {RADIUS} voxels. Distances are to the ball itself, not to the faces of its voxels.
 
 {ball_table(ball["rows"])}
 
 ## Ten scans
 
-Each mask has the samples of a file above a limit, with all noise; of two heads, only those in the middle. A body is a set of voxels
-that are connected through faces.
+Each mask has the samples of a file above a limit, with all noise. `head` and `patient` have only the middle 128 samples along each axis.
+*Bodies* counts the sets of voxels that are connected through faces.
 
 {sizes}
 
-Of the tooth, {", ".join(ball["rows"][way]["way"] for way in SHOWN)}, from left to right:
+The tooth by {", ".join(ball["rows"][way]["way"] for way in SHOWN)}, from left to right:
 
 ![The surface of a tooth in three ways]({figures["picture"]["file"]})
 
@@ -240,8 +240,8 @@ All masks together:
 
 {summary(scans)}
 
-The last step of `--method surface-nets` gives each component the volume of its voxels. The report counts the components whose
-volume changed by more than 0.1 % all the same, because other voxels left no room. Beside that number is the largest change of a component.
+The last step of `--method surface-nets` gives each component the volume of its voxels. For some components, neighboring voxels leave too
+little room for this. The table has the number of components whose volume changed by more than 0.1 %, and the largest change of a component.
 
 {components(scans)}
 

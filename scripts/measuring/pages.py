@@ -35,13 +35,13 @@ def header(measured):
         ["program", f"`{measured['program']}`" if "/" in measured["program"] else measured["program"]],
         ["date", measured["date"].replace("T", " ").replace("Z", " UTC")],
         ["machine", machine_text(measured["machine"])],
-        ["load before", f"{measured['load']:.2f}"],
+        ["system load before", f"{measured['load']:.2f}"],
         ["threads", counts],
         ["versions", versions],
-        ["took", f"{measured['seconds']} s"],
+        ["run time", f"{measured['seconds']} s"],
     ]
     commands_text = "\n".join(measured["commands"])
-    return f"""{table(["measured", ""], rows)}
+    return f"""{table(["condition", "value"], rows)}
 
 To repeat it: `scripts/measure run {measured['measurement']}`, which runs
 
@@ -80,10 +80,9 @@ These pages are not all of one commit and one machine: compare figures within a 
 commands. `scripts/measure pages` makes these pages from those files, and a test checks that pages and files agree.
 `scripts/measure run all` repeats everything; [CONTRIBUTING.md](../../CONTRIBUTING.md#measurements) says what it needs.
 
-Each page with times says whether they are of a first run (*cold*) or of later runs (*warm*). Where it has both, they are in
-separate columns.
+Each page with times says whether a time is of a first run (*cold*) or of later runs (*warm*). A page with both has separate columns.
 {mixed}
-{table(["page", "commit", "date", "processor", "cores:", "took:", ""], rows)}
+{table(["page", "commit", "date", "processor", "cores:", "run time:", ""], rows)}
 """
 
 

@@ -216,11 +216,12 @@ def page(measured):
     figures = measured["figures"]
     return f"""Surfaces of particles of radius 1 at each method's default cell size and iso value.
 
-- Volume and area are relative to the ball or box that has 8 units of volume (a cube two radii wide) for each particle.
-- Roughness is the rms of the vertices' distances from that shape about their mean. For the box it leaves out {RIM} radii beside edges.
-- Crawl is the rms distance between two surfaces: of the particles, and of the same particles shifted by ({', '.join(map(str, SHIFT))}) of a
-  cell along the axes, moved back. It shows how much a surface flickers where liquid moves through the grid.
+- Volume and area are differences from those of the ball or box that has 8 units of volume (a cube two radii wide) for each particle.
+- Roughness is the rms deviation of the vertices' distances to this shape from the mean distance. For the box, vertices within {RIM} radii
+  of an edge do not count.
+- Crawl is the rms distance between two surfaces. The second one is made of the same particles, shifted by ({', '.join(map(str, SHIFT))}) cells
+  along x, y and z, and then moved back. Crawl shows how much a surface flickers while liquid moves through the grid.
 - Irregular particles can leave cavities inside, which count in volume, area and roughness. A larger `--smoothing-length` closes them.
-- Times are of the whole command on all cores, warm: the median of {figures['rounds']} after one that is thrown away.
+- Times are for the whole command on all cores, warm: the median of {figures['rounds']} runs after one that does not count.
 
 {chr(10).join(map(part_of, figures['sets']))}"""

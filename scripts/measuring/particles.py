@@ -11,7 +11,7 @@ from measuring.tables import median, number, percent, ratio, table
 import particle_clouds as clouds  # of tests/support, where `processes` looks for modules
 
 NAME = "particles"
-TITLE = "How long particles take, what they keep in memory, and how far the surface is off"
+TITLE = "Particles: time, memory and error"
 JITTER = 0.4  # of the lattice, in radii
 METHODS = ("sph", "anisotropic", "weight", "smooth")
 CELLS = (1.5, 1, 0.75, 0.5, 0.35)  # of the dented ball, in radii
@@ -243,8 +243,8 @@ def methods_table(figures):
              number(row["reserved"]["median"]), number(row["triangles"]), volume_error(row, ball_volume(cloud)),
              number(row["mean"] / cloud["radius"], 2), number(row["rms_about_mean"] / cloud["radius"], 2),
              number(row["max"] / cloud["radius"], 2)] for row in figures["methods"]]
-    return table(["`--particles`", "threads:", "whole command, s:", "of it the field, s:", "particles a second:", "peak, MiB:",
-                  "reserved, MiB:", "triangles:", "volume:", "mean distance, radii:", "rms about it:", "largest:"], rows)
+    return table(["`--particles`", "threads:", "whole command, s:", "field, s:", "particles per second:", "peak, MiB:",
+                  "reserved, MiB:", "triangles:", "volume:", "mean distance, radii:", "rms about the mean:", "largest distance:"], rows)
 
 
 def stray_table(figures):
@@ -253,7 +253,7 @@ def stray_table(figures):
         for key, name in (("peak", "resident"), ("reserved", "reserved")):
             without, with_one = (part[which][key]["median"] for which in ("without", "with"))
             rows.append([f"`{part['method']}`", name, number(without), number(with_one), ratio(with_one / without)])
-    return table(["`--particles`", "memory", "without, MiB:", "with the stray, MiB:", "ratio:"], rows)
+    return table(["`--particles`", "memory", "ball, MiB:", "ball and far particle, MiB:", "ratio:"], rows)
 
 
 def vdb_part(part):
@@ -265,7 +265,7 @@ def vdb_part(part):
               "" if row is rows[0] else ratio(median([a / b for a, b in zip(first, row["wall"]["rounds"])]))] for row in rows]
     return f"""{number(cloud['particles'])} particles:
 
-{table(["program", "triangles:", "whole command, s:", "processor, s:", "peak, MiB:", "volume:", "mean distance, radii:", "largest about it:", "isoextract's time to this:"], cells)}
+{table(["program", "triangles:", "whole command, s:", "processor, s:", "peak, MiB:", "volume:", "mean distance, radii:", "largest about the mean:", "isoextract / this row, time:"], cells)}
 """
 
 
@@ -274,9 +274,9 @@ def vdb_page(figures):
         return "## Beside `vdb_tool`\n\nNot measured: `vdb_tool` was not there.\n"
     return """## Beside `vdb_tool`
 
-Whole commands from PLY to PLY, at samples half a particle radius apart: OpenVDB leaves out particles of less than one and a half
-voxels. `vdb_tool -points2ls` makes the union of balls. Of the particles' own radius they leave gaps between them, whose surfaces
-are in its mesh; with balls of two radii they close, and the surface is a radius farther out.
+Whole commands from PLY to PLY. Samples are half a particle radius apart, because OpenVDB ignores particles with a radius below 1.5
+voxels. `vdb_tool -points2ls` makes the union of balls. Balls of one particle radius leave gaps between them, and the mesh has the
+surfaces of the gaps. Balls of two radii leave no gaps, but the surface is one radius farther out.
 
 """ + "\n".join(map(vdb_part, figures["vdb_tool"]))
 
@@ -291,14 +291,14 @@ def splashsurf_page(figures):
     canyon, ours = part["canyon"], part["ours"]
     return f"""## Beside splashsurf's figures
 
-Files of splashsurf's own tests, with their parameters: radius 0.025, smoothing length 2 radii, cells of 0.75 radii, threshold 0.6.
+Files of splashsurf's own tests, with the parameters of these tests: radius 0.025, smoothing length 2 radii, cells of 0.75 radii, iso value 0.6.
 
-{table(["file", "triangles that its test expects", "triangles:", "within", "closed", "whole command, s:"], rows)}
+{table(["file", "triangles that the test expects", "triangles:", "in this range", "closed", "whole command, s:"], rows)}
 
-Its README tells of {number(canyon['particles'])} particles in {number(canyon['seconds'])} s ({canyon['machine']}, version {canyon['version']}, a smoothing length
-of 2 radii, cells of 1.5 radii): {number(round(canyon['particles'] / canyon['seconds'] / 16))} particles a second for each core. With the same parameters the ball
-above takes {number(ours['wall']['median'])} s of wall time and {number(ours['cpu']['median'])} s of processor time here: {number(round(ours['particles'] / ours['cpu']['median']))} particles for each second of a processor. Neither
-the scene nor the machine is the same, so this says no more than which order of magnitude it is.
+splashsurf's README states {number(canyon['seconds'])} s for {number(canyon['particles'])} particles ({canyon['machine']}, version {canyon['version']}, a smoothing length
+of 2 radii, cells of 1.5 radii): {number(round(canyon['particles'] / canyon['seconds'] / 16))} particles per second and core. With the same parameters, isoextract converts the
+ball above in {number(ours['wall']['median'])} s of wall time and {number(ours['cpu']['median'])} s of processor time: {number(round(ours['particles'] / ours['cpu']['median']))} particles per second of processor time.
+Scenes and machines differ, so compare only the orders of magnitude.
 """
 
 
@@ -309,7 +309,7 @@ def dents_table(figures):
              number(row["max_about_mean"] / cloud["radius"], 2)]
             for row in sorted(figures["dents"], key=lambda row: (row["method"] != "sph", -row["cell"]))]
     return table(["`--particles`", "`--cell-size`:", "triangles:", "whole command, s:", "mean distance, radii:",
-                  "rms about it:", "largest about it:"], rows)
+                  "rms about the mean:", "largest about the mean:"], rows)
 
 
 def gain(figures):
@@ -317,7 +317,7 @@ def gain(figures):
     cells = sorted({row["cell"] for row in figures["dents"]}, key=lambda cell: abs(cell - 0.75))
     sph, anisotropic = ({row["method"]: row for row in figures["dents"] if row["cell"] == cells[0]}[method]
                         for method in ("sph", "anisotropic"))
-    return (f"At cells of {cells[0]} radii anisotropic kernels take {ratio(anisotropic['wall']['median'] / sph['wall']['median'])} times "
+    return (f"With cells of {cells[0]} radii, anisotropic kernels take {ratio(anisotropic['wall']['median'] / sph['wall']['median'])} times "
             f"the time of `sph`, and the surface has {ratio(anisotropic['rms_about_mean'] / sph['rms_about_mean'])} times its roughness.")
 
 
@@ -328,31 +328,31 @@ def lattice_page(figures):
              number(median([spread for block in row["spreads"] for spread in block]), 2)] for row in figures["lattice"]]
     return f"""## Flat faces
 
-`{LATTICE}`: two blocks of particles on a lattice. How far apart the vertices over one of
-the twelve faces are along its normal, in radii, without a rim of four radii; 0.1 at most is what a test allows.
+`{LATTICE}`: two blocks of particles on a lattice, with twelve faces in all. The figure of a face is the range of
+its vertices along the normal of the face, in radii, without a rim of four radii. A test allows at most 0.1.
 
-{table(["`--particles`", "largest of the twelve:", "median:"], rows)}
+{table(["`--particles`", "largest of the twelve faces:", "median:"], rows)}
 """
 
 
 def page(measured):
     figures = measured["figures"]
     cloud, dented = figures["clouds"]["ball"], figures["clouds"]["dented"]
-    return f"""Whole commands, from PLY to PLY. All are warm: the median of {figures['rounds']} rounds in which the commands ran in turn, after one that
-is thrown away. Peaks are resident memory of the process, of which none below {number(figures['peak_floor'])} MiB can be told, as the measuring
-process has as much; *reserved* is what was counted against the memory limit.
+    return f"""Times are for whole commands, from PLY to PLY, and warm: the median of {figures['rounds']} rounds. Each round runs every command once; a first
+round does not count. *Peak* is the resident memory of the process. A peak below {number(figures['peak_floor'])} MiB, which the measuring process
+needs itself, shows as that number. *Reserved* is the memory that the program counts against `--memory-limit`.
 
 ## A ball
 
-{number(cloud['particles'])} particles on a lattice, shifted by up to {JITTER} radii along each axis, within a ball. Distances are those of vertices from
-the ball that has the particles' volume, a cube two radii wide each; positive is outside, and lengths are in particle radii, of
-which the ball's has {number(1 / cloud['radius'])}. The field has its default spacing: 0.75 radii, 4 for `weight`, 0.5 for `smooth`.
+{number(cloud['particles'])} particles on a lattice within a ball, each shifted by up to {JITTER} radii along each axis. Each particle has the volume of a
+cube two radii wide. Distances are those of the vertices from the ball that has the volume of all particles; positive is outside. Lengths are
+in particle radii; the radius of the ball is {number(1 / cloud['radius'])}. The spacing of the samples is the default: 0.75 radii, 4 for `weight`, 0.5 for `smooth`.
 
 {methods_table(figures)}
 
-## A stray
+## One particle far away
 
-The same ball with one particle {number(int(STRAY))} radii away along each axis: memory follows the particles and not the box around them.
+The same ball and one more particle, {number(int(STRAY))} radii away along each axis: memory depends on the particles, not on the box around them.
 
 {stray_table(figures)}
 
@@ -360,8 +360,8 @@ The same ball with one particle {number(int(STRAY))} radii away along each axis:
 {splashsurf_page(figures)}
 ## Anisotropic kernels
 
-A ball with {len(clouds.DENTS)} dents, {number(100 * clouds.DENT_DEPTH, 2)} % of its radius deep, of {number(dented['particles'])} particles; distances along the radius. The mean is where the
-iso value puts the surface; what is rough about it is the error. {gain(figures)}
+A ball of {number(dented['particles'])} particles with {len(clouds.DENTS)} dents, which are {number(100 * clouds.DENT_DEPTH, 2)} % of its radius deep. Distances are along the radius. The iso value
+determines the mean distance; the rms about the mean is the roughness. {gain(figures)}
 
 {dents_table(figures)}
 

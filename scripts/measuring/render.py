@@ -6,7 +6,7 @@ from measuring import programs, record
 from measuring.tables import median, number, ratio, table
 
 NAME = "render"
-TITLE = "What a picture costs"
+TITLE = "Ray casting: time per picture"
 BACKENDS = ("cpu", "gpu")
 SHORTCUTS = {
     "all": [],
@@ -68,16 +68,18 @@ def page(measured):
         cpu = warm.get((row["size"], "cpu", row["shortcuts"]))
         lines.append([*cells, number(row["cold_s"]), number(warm[key]), ratio(cpu / warm[key]) if cpu else "",
                       number(row["samples"]), number(row["samples_skipped"]), number(row["samples_terminated"])])
-    columns = ["samples", "backend", "left out", "cold, s:", "warm, s:", "cpu to this:", "taken:", "in empty bricks:",
-               "behind what hides them:"]
-    return f"""`isoextract render` draws a ball by ray casting, {figures['picture']} pixels; [pictures](../render.md) says how. Times are of
-drawing alone, without reading and writing, but with looking for empty bricks.
+    columns = ["samples", "backend", "shortcuts", "cold, s:", "warm, s:", "cpu / this row:", "samples taken:",
+               "skipped in empty bricks:", "skipped by termination:"]
+    return f"""`isoextract render` draws a ball by ray casting, {figures['picture']} pixels ([render](../render.md)). Times are for drawing alone: they
+include the search for empty bricks, but neither reading nor writing.
 
-- **Cold** is the first process; on a GPU the driver compiles in it.
-- **Warm** is the median of {figures['repeats']} more processes, which open the device anew each.
-- **cpu to this** is the CPU's warm time over this row's. The paper on hybrid ray casting ([papers](../papers.md)) has more than 10
-  for a GTX 780 beside a Core i7-4790K, growing with the volume. Where the device is software it says what the pipeline
-  costs on a processor, not what a GPU is for.
+- **Cold** is the first process. On a GPU, the driver compiles the shaders in it.
+- **Warm** is the median of {figures['repeats']} more processes, each of which opens the device again.
+- **Shortcuts**: rays skip empty bricks (*empty-space skipping*) and end where opaque samples hide the rest (*early termination*).
+  The last three columns count samples along all rays: those taken, and those that each shortcut skipped.
+- **cpu / this row** is the CPU's warm time divided by that of the row. The paper on hybrid ray casting ([papers](../papers.md))
+  reports more than 10 for a GTX 780 and a Core i7-4790K, and higher values for larger volumes. If the device is software, such as
+  llvmpipe, this column shows the speed of the pipeline on a processor, not that of a GPU.
 
 {table(columns, lines)}
 """

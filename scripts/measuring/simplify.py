@@ -123,12 +123,12 @@ def costs_section(rows):
     lines = [[f"`{row['commit']}`", f"`{row['input']}`", number(row["threads"]), number(row["triangles"]),
               f"{row['cpu_seconds'][0]:.1f} to {row['cpu_seconds'][1]:.1f}", number(row["memory_mib"]),
               number(row["bytes_a_triangle"])] for row in rows]
-    heads = ["commit", "mesh", "threads:", "triangles left:", "CPU, s:", "peak memory, MiB:", "bytes a triangle:"]
+    heads = ["commit", "mesh", "threads:", "triangles left:", "CPU, s:", "peak memory, MiB:", "bytes per triangle:"]
     return f"""
-## What it costs, commit by commit
+## Processor time and memory, commit by commit
 
-CPU time and memory of the simplification alone, `--simplify {BOUND}`, optimised build, programs run in turn on two cores that others
-used too. So only rows of one mesh can be compared, and times of a machine at rest are lower.
+Figures are for the simplification alone, with `--simplify {BOUND}` and an optimized build. The programs ran in turn on two cores that
+other processes used too. So compare only rows of the same mesh; times on an idle machine are lower.
 
 {table(heads, lines)}
 """
@@ -146,8 +146,8 @@ def page(measured):
              f"{row['measured_voxels']['lower']:.4f} to {row['measured_voxels']['upper']:.4f}",
              number(row["simplify_seconds"]), number(1e6 * row["simplify_seconds"] / row["before"])]
             for row in figures["rows"]]
-    columns = ["command", "triangles before:", "after:", "left:", "measured distance, voxels:", "cold, s:",
-               "s for a million:"]
+    columns = ["command", "triangles before:", "after:", "after / before:", "measured distance, voxels:", "cold, s:",
+               "s per million triangles:"]
     ladder = table(["distance, voxels", *(f"{distance}:" for distance in figures["ladder"])],
                    [[f"`{row['command'].split(' --simplify')[0]}`", *map(number, row["ladder"])] for row in figures["rows"]])
     sections = []
@@ -158,24 +158,26 @@ def page(measured):
         heads = ["", "triangles:", "distance, voxels:", "cold, s:", "components:", "genus:", "closed:"]
         sections.append(f"`{one['command']}`, {number(one['before'])} triangles:\n\n{table(heads, lines)}")
     peers = "\n\n".join(sections)
-    return f"""`--simplify {bound}` leaves out triangles as long as the distance to the full mesh, measured at any point of both and not
-only at vertices, stays below that many voxels. What was measured is an interval that holds the distance.
+    return f"""`--simplify {bound}` removes triangles while the distance to the full mesh stays below {bound} voxels: at every point of both meshes, not
+only at vertices. *Measured distance* is an interval that contains the largest distance.
 
-A conversion simplifies once, in a process of its own: its time is **cold**, and a warm one does not exist. The box is the
-distance to a cube 220 voxels wide, whose sides lie on planes of samples.
+A conversion simplifies once, in a process of its own, so all times are **cold**. `box.npy` has the distances from the surface of a
+cube 220 voxels wide, whose sides lie on planes of samples.
 
 {table(columns, rows)}
 
-## A larger distance leaves fewer
+## Triangles by distance
 
 {ladder}
 
-## Beside others
+## Beside `gltfpack` and VTK
 
-Each to as many triangles as `--simplify {bound}` leaves. Distances, of any point of either mesh, are what `isoextract compare` says;
-so are components, genus and whether the mesh is closed; what changed is in bold type. Times are of the simplification alone, the least
-of {figures['rounds']}, each in a process of its own; for `gltfpack`, the npm package, which runs in Node, of the whole command less a
-run of it that simplifies nothing. The peers use one thread. None of them tells a distance, so none of their time went to one.
+Each program simplifies to as many triangles as `--simplify {bound}` leaves. `isoextract compare` measures the largest distance over all
+points of both meshes, the components, the genus, and whether the mesh is closed; changes are in bold type.
+
+Times are for the simplification alone: the least of {figures['rounds']} runs, each in a process of its own. `gltfpack` is the npm package, which
+runs in Node: its time is that of the whole command minus the least time of a run that simplifies nothing. `gltfpack` and VTK use one
+thread, and do not measure a distance.
 
 {peers}
 {costs_section(figures.get("costs", []))}"""

@@ -72,18 +72,18 @@ def group_rows(group):
 def page(measured):
     figures = measured["figures"]
     processes, rounds = figures["processes"], figures["rounds"]
-    columns = ["input", "triangles:", "isoextract, cold, ms:", "warm, ms:", "memory alone, ms:", "beside",
-               "its cold, ms:", "its warm, ms:", "isoextract to it, cold:", "warm:"]
+    columns = ["input", "triangles:", "isoextract, cold, ms:", "warm, ms:", "memory alone, ms:", "other program",
+               "other, cold, ms:", "other, warm, ms:", "isoextract / other, cold:", "warm:"]
     rows = [row for group in figures["groups"] for row in group_rows(group)]
     return f"""Samples in memory to welded vertices and triangles in memory, in one process, by `build/bench/extraction_benchmark`.
 
-- **Cold** is a program's first extraction in a new process that made or read the samples and did nothing else: the system
-  clears fresh pages for it. The median of {processes} such processes.
-- **Warm** are the rounds after it, in which all contestants ran in turn: the median of {processes * rounds}. isoextract keeps
-  the memory of one round for the next, as a run with several iso values does; the others ask for theirs anew.
-- **Memory alone** reads the samples once and writes as many bytes as the mesh has once, and does nothing else.
-- **isoextract to it** is the median of the ratios of each process (cold) or round (warm), below 1 where isoextract was
-  faster. The others' meshes may differ in a few triangles.
+- **Cold** is the first extraction by a program in a new process; isoextract extracts first, then the other program. The system
+  clears new pages of memory for it. The table has the median of {processes} processes.
+- **Warm** is the median of {processes * rounds} later rounds, {rounds} in each process; each round runs every program once. isoextract keeps
+  its memory for the next round, as a run with several iso values does; the other programs allocate theirs again.
+- **Memory alone** is the time to read all samples once and to write as many bytes as the mesh has once, and nothing else.
+- **isoextract / other** is the median of the ratios of the processes (cold) or rounds (warm); below 1, isoextract is
+  faster. The mesh of the other program may differ in a few triangles.
 
 {table(columns, rows)}
 """

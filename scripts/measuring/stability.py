@@ -49,13 +49,13 @@ def page(measured):
              case["plain"]] for case in figures["cases"]]
     methods = " and ".join(f"`{name}`" for name in figures["methods"])
     backends = " and ".join(f"`{name}`" for name in figures["backends"])
-    return f"""`isoextract stability` extracts extreme fields by {methods} on {backends}, without and with a cap, and checks every vertex
-against its grid edge and its crossing in long double: finite, inside its edge, no two in one place, no zero-area
-triangle, closed where it should be. *Off by* is the largest distance from that crossing, in units in the last place of
-the mesh's local coordinates; {number(figures['ulps_allowed'])} are allowed.
+    return f"""`isoextract stability` extracts extreme fields by {methods} on {backends}, without and with a cap. It checks that every vertex is finite
+and inside its grid edge, that no two vertices coincide, and that no triangle has zero area. The mesh must be closed where the options
+require it. *Off by* is the largest distance of a vertex from the crossing computed in long double, in units in the last place of the
+mesh's local coordinates; {number(figures['ulps_allowed'])} are allowed.
 
-The last column is what crossings and positions in plain float32 make of the same case; the unit tests of `bench` run
-that too, and see it fail.
+*Plain float32* says how the same case fails (or *survives*) if crossings and positions are computed in float32 only. The unit tests of
+`bench` check for each case which of the two it is.
 
 {table(["case", "what is extreme", "passes", "off by, ulps:", "plain float32"], rows)}
 """

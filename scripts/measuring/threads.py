@@ -4,7 +4,7 @@ from measuring import extraction, record
 from measuring.tables import median, number, power, ratio, table
 
 NAME = "threads"
-TITLE = "How the extraction grows with threads and with size"
+TITLE = "Extraction time by threads and volume size"
 FIELD = "gyroid"
 
 
@@ -65,15 +65,15 @@ def page(measured):
     figures = measured["figures"]
     threads = table(["input", "threads:", "cold, ms:", "warm, ms:", "speed-up over 1 thread, cold:", "speed-up, warm:"],
                     thread_rows(figures))
-    sizes = table(["input", "bytes, MiB:", "cold, ms:", "warm, ms:", "bytes, times:", "cold, times:", "warm, times:"],
+    sizes = table(["input", "bytes, MiB:", "cold, ms:", "warm, ms:", "bytes / row above:", "cold / row above:", "warm / row above:"],
                   size_rows(figures))
     cold_of_threads = processes(figures["threads"][0][0])
     cold_of_sizes = processes(figures["sizes"][0])
     cores = max(measured["threads"])
-    return f"""How marching cubes of isoextract speeds up with more threads, and slows down with larger volumes.
+    return f"""How the run time of isoextract's marching cubes depends on the number of threads and on the size of the volume.
 `build/bench/extraction_benchmark --self` measures the extraction alone, from samples in memory to a mesh in memory.
 
-- **Cold** is the first extraction of a process that has made the samples and nothing else.
+- **Cold** is the first extraction of a process that has only made the samples before.
 - **Warm** is the median of the extractions after the first one in a process.
 
 ## Threads
@@ -86,8 +86,8 @@ def page(measured):
 
 ## Size
 
-The program ran on {cores} threads; cold times are of {cold_of_sizes} for each size. *Bytes* are the sizes of the samples and of
-the mesh together. *Times* is the figure divided by that of the row above.
+The program ran on {cores} threads; cold times are of {cold_of_sizes} for each size. *Bytes* is the size of the samples
+plus that of the mesh. The last three columns divide a figure by that of the row above.
 
 {sizes}
 """

@@ -31,22 +31,22 @@ def verdict_table(rows):
 
 def page(measured):
     rows = measured["figures"]["rows"]
-    return f"""Is the mesh of an STL file closed? Three programs that weld vertices by position, and `isoextract check --weld`, say so about
-{len(rows)} files of unlike kinds. `open.stl`, `keep.stl` and `broken.stl` are counterexamples. A cell has the verdict, and for a
-closed mesh its number of parts and its volume.
+    return f"""The table shows for {len(rows)} STL files of different kinds whether three programs that weld vertices by position, and `isoextract check
+--weld`, find the mesh closed. `open.stl`, `keep.stl` and `broken.stl` are deliberately not closed. Each cell has the verdict of the
+program, and for a closed mesh its number of components and its volume.
 
 {verdict_table(rows)}
 
-`scripts/compare_verdicts.py` makes this table and fails if the programs disagree, or if another file than these three is not closed.
+`scripts/compare_verdicts.py` makes this table. It fails if the programs disagree, or if a file other than these three is not closed.
 It also makes the inputs `label.npy`, `cells.npy` and `broken.stl` of the commands below.
-They agree if all find the mesh closed, with equal numbers of parts and volumes within 0.01 %, or if none does, with equal numbers of
-open edges where these are the only defects.
+The programs agree if all find the mesh closed, with equal numbers of components and volumes within 0.01 %. They also agree if none finds
+it closed; if open edges are the only defects, their numbers must be equal.
 
 - **Volumes** of admesh and PrusaSlicer are sums of float32 numbers; those of MeshLab and `check` are sums of doubles.
 - **An edge of four triangles** (`keep.stl`) is two edges for admesh and PrusaSlicer, which pair its triangles in the order of the
   file. Pairs of triangles of different sheets then look reversed, or stay open. MeshLab and `check` count the edge once.
 - **A missing and a doubled triangle** (`broken.stl`) leave three open edges and three edges of three triangles. admesh and
   PrusaSlicer count all six as open. `repaired.stl` is the same mesh after `--repair`.
-- admesh fills holes before it counts what is reversed, so the table leaves these counts out for open meshes.
-- None of the three looks for self-intersections; [`check`](../check.md) does.
+- admesh fills holes before it counts reversed triangles, so the table omits this count for open meshes.
+- None of the three other programs looks for self-intersections; [`check`](../check.md) does.
 """

@@ -62,18 +62,19 @@ def rows_table(rows):
 
 def page(measured):
     figures = measured["figures"]
-    fields = "\n".join(f"## {name}, {figures['size']} samples a side, bytes\n\n{rows_table(rows)}\n"
+    fields = "\n".join(f"## {name[0].upper() + name[1:]}, {figures['size']}³ samples of 8 bits\n\n{rows_table(rows)}\n"
                        for name, rows in figures["fields"].items())
     ours = median(figures["scene"][0]["ms"])
-    return f"""`--method voxels`: from samples in memory to a mesh in memory, {figures['rounds']} times each. Every time of isoextract is of a process
-of its own, so all are **cold**: pages of memory are taken for the first time. NumPy's are of one process, of which the first is
-cold. NumPy makes each face by itself with corners of its own (`np.diff` along each axis); isoextract's vertices are welded, and its
-meshes are closed, but for two triangles a rectangle.
+    return f"""Times are for `--method voxels`, from samples in memory to a mesh in memory, {figures['rounds']} runs for each row. Each run of isoextract is a new
+process, so all its times are **cold**: the process touches its memory for the first time. All NumPy runs of a row are in one process,
+so only the first is cold. NumPy makes each face with four vertices of its own (`np.diff` along each axis). isoextract welds vertices,
+and its meshes are closed, except with two triangles a rectangle (`--t-junctions`).
 
 ## Land and water, 33,170 voxels
 
-30,170 voxels of land and 3,000 of water over a height field. The paper tells {number(figures['paper_ms'])} ms a frame for a scene of so many, on
-another machine, its picture of 1920 x 1080 among it; here is the mesh alone, for which that is {ratio(figures['paper_ms'] / ours)} times as long.
+30,170 voxels of land and 3,000 of water over a height field. The [report](../papers.md) on water with voxels states {number(figures['paper_ms'])} ms per frame
+for a scene of as many voxels, including a picture of 1920 x 1080 pixels, on another machine. That is {ratio(figures['paper_ms'] / ours)} times the median
+of the first row, which is for the mesh alone.
 
 {rows_table(figures['scene'])}
 
