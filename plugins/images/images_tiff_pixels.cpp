@@ -61,21 +61,43 @@ T element(const unsigned char* row, std::uint64_t i) {
   return value;
 }
 
+// Returns a 16-bit float of a row.
+float half_element(const unsigned char* row, std::uint64_t i) {
+  const unsigned bits = element<std::uint16_t>(row, i);
+  const unsigned exponent = bits >> 10U & 31U;
+  const unsigned fraction = bits & 1023U;
+  const float size = exponent == 0    ? std::ldexp(static_cast<float>(fraction), -24)
+                     : exponent < 31U ? std::ldexp(static_cast<float>(1024U + fraction), static_cast<int>(exponent) - 25)
+                     : fraction == 0  ? std::numeric_limits<float>::infinity()
+                                      : std::numeric_limits<float>::quiet_NaN();
+  return (bits >> 15U) != 0 ? -size : size;
+}
+
+// Returns the 16-bit float nearest to a value.
+double rounded_to_half(double value) {
+  constexpr double kBeyond = 65520;  // rounds to infinity
+  if (std::abs(value) >= kBeyond) return std::copysign(std::numeric_limits<double>::infinity(), value);
+  int exponent = 0;
+  static_cast<void>(std::frexp(value, &exponent));
+  const int last_bit = std::max(exponent - 11, -24);
+  return std::ldexp(std::nearbyint(std::ldexp(value, -last_bit)), last_bit);
+}
+
 // Copies a block's samples; load(row, i) returns one as stored.
 template <class Load>
 void copy_loaded(const Block& block, const Target& target, std::uint64_t first, std::uint64_t count, std::uint64_t at,
                  Load&& load) {
   using Stored = decltype(load(block.data, 0));
   const bool has_no_data = target.box.no_data.has_value();
-  const std::int32_t given = given_type(type_of(target.shape), has_no_data);
-  if (!has_no_data || given == ISOEXTRACT_F16) {
+  if (!has_no_data) {
     constexpr bool kIs64 = std::is_integral_v<Stored> && sizeof(Stored) == 8;
     using T = std::conditional_t<kIs64, double, Stored>;
     copy_pixels<T>(block, target, first, count, at,
                    [&](const unsigned char* row, std::uint64_t i) { return static_cast<T>(load(row, i)); });
     return;
   }
-  const double no_data = *target.box.no_data;
+  const bool are_halves = type_of(target.shape).stored == ISOEXTRACT_F16;
+  const double no_data = are_halves ? rounded_to_half(*target.box.no_data) : *target.box.no_data;
   const auto copy = [&]<class T>(T) {
     copy_pixels<T>(block, target, first, count, at, [&](const unsigned char* row, std::uint64_t i) {
       const Stored value = load(row, i);
@@ -85,7 +107,7 @@ void copy_loaded(const Block& block, const Target& target, std::uint64_t first, 
       return is_missing ? std::numeric_limits<T>::quiet_NaN() : static_cast<T>(value);
     });
   };
-  if (given == ISOEXTRACT_F64) {
+  if (given_type(type_of(target.shape), has_no_data) == ISOEXTRACT_F64) {
     copy(double{});
   } else {
     copy(float{});
@@ -103,13 +125,14 @@ void copy_block(const Block& block, const Target& target, std::optional<std::uin
   const std::uint16_t format = target.shape.format;
   if (format == SAMPLEFORMAT_IEEEFP && bits == 64) return copy(element<double>);
   if (format == SAMPLEFORMAT_IEEEFP && bits == 32) return copy(element<float>);
+  if (format == SAMPLEFORMAT_IEEEFP && bits == 16 && target.box.no_data) return copy(half_element);
   if (format == SAMPLEFORMAT_INT && bits == 64) return copy(element<std::int64_t>);
   if (format == SAMPLEFORMAT_INT && bits == 32) return copy(element<std::int32_t>);
   if (format == SAMPLEFORMAT_INT && bits == 16) return copy(element<std::int16_t>);
   if (format == SAMPLEFORMAT_INT && bits == 8) return copy(element<std::int8_t>);
   if (bits == 64) return copy(element<std::uint64_t>);
   if (bits == 32) return copy(element<std::uint32_t>);
-  if (bits == 16) return copy(element<std::uint16_t>);  // halves as well
+  if (bits == 16) return copy(element<std::uint16_t>);  // the bits of halves as well
   if (bits == 8) return copy(element<std::uint8_t>);
   if (bits < 8) {
     return copy([bits](const unsigned char* row, std::uint64_t i) {
@@ -252,8 +275,7 @@ PageType type_of(const PageShape& shape) {
 }
 
 std::int32_t given_type(const PageType& type, bool has_no_data) {
-  const bool is_exact = type.stored == ISOEXTRACT_F16 || type.stored == ISOEXTRACT_NOT_SCALAR;
-  if (!has_no_data || is_exact) return type.stored;
+  if (!has_no_data || type.stored == ISOEXTRACT_NOT_SCALAR) return type.stored;
   const bool is_wide = type.stored == ISOEXTRACT_F64 || type.stored == ISOEXTRACT_U32 || type.stored == ISOEXTRACT_I32;
   return is_wide ? ISOEXTRACT_F64 : ISOEXTRACT_F32;
 }

@@ -128,10 +128,16 @@ bool is_even(const std::vector<double>& coordinates, bool single_precision) {
   return true;
 }
 
+namespace {
+
+vtkDataArray* coordinate_array(vtkRectilinearGrid* grid, std::size_t axis) {
+  return axis == 0 ? grid->GetXCoordinates() : axis == 1 ? grid->GetYCoordinates() : grid->GetZCoordinates();
+}
+
+}  // namespace
+
 std::vector<double> coordinates_of(vtkRectilinearGrid* grid, std::size_t axis) {
-  vtkDataArray* array = axis == 0   ? grid->GetXCoordinates()
-                        : axis == 1 ? grid->GetYCoordinates()
-                                    : grid->GetZCoordinates();
+  vtkDataArray* array = coordinate_array(grid, axis);
   std::array<int, 3> dims{};
   grid->GetDimensions(dims.data());
   std::vector<double> coordinates;
@@ -150,8 +156,9 @@ std::vector<double> coordinates_of(vtkRectilinearGrid* grid, std::size_t axis) {
   return coordinates;
 }
 
-bool is_single_precision(vtkRectilinearGrid* grid) {
-  return grid->GetXCoordinates() != nullptr && grid->GetXCoordinates()->GetDataType() == VTK_FLOAT;
+bool is_single_precision(vtkRectilinearGrid* grid, std::size_t axis) {
+  vtkDataArray* const array = coordinate_array(grid, axis);
+  return array != nullptr && array->GetDataType() == VTK_FLOAT;
 }
 
 namespace {
@@ -170,7 +177,7 @@ std::optional<LatticeFrame> frame_of(vtkDataSet* data) {
     grid->GetDimensions(dims.data());
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto coordinates = coordinates_of(grid, axis);
-      if (!is_even(coordinates, is_single_precision(grid))) return std::nullopt;
+      if (!is_even(coordinates, is_single_precision(grid, axis))) return std::nullopt;
       extent[2 * axis + 1] = dims[axis] - 1;
       frame.origin[axis] = coordinates.front();
       if (coordinates.size() > 1) {

@@ -50,6 +50,6 @@ bool is_even(const std::vector<double>& coordinates, bool single_precision);
 // Throws unless the axis has a finite coordinate for each point, which all increase or all decrease.
 std::vector<double> coordinates_of(vtkRectilinearGrid* grid, std::size_t axis);
 // Returns whether the x coordinates are floats; callers take it for all axes.
-bool is_single_precision(vtkRectilinearGrid* grid);
+bool is_single_precision(vtkRectilinearGrid* grid, std::size_t axis);
 
 }  // namespace isoextract_vtk

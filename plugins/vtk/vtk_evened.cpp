@@ -147,7 +147,7 @@ class EvenedGrid final : public VolumeFile {
     double most = 4;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       uneven[axis] = coordinates(axis, of_cells);
-      even[axis] = is_even(coordinates(axis, false), is_single_precision(grid_));
+      even[axis] = is_even(coordinates(axis, false), is_single_precision(grid_, axis));
       most *= static_cast<double>(uneven[axis].size());
     }
     std::array<std::uint64_t, 3> counts{};
@@ -174,7 +174,7 @@ Opened evened_grid(DataSets& data, vtkRectilinearGrid* grid, const Request& requ
     bool first = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto coordinates = coordinates_of(grid, axis);
-      if (is_even(coordinates, is_single_precision(grid))) continue;
+      if (is_even(coordinates, is_single_precision(grid, axis))) continue;
       text += (first ? "" : ", ") + range_of_steps(coordinates) + " along " + std::string(1, "xyz"[axis]);
       first = false;
     }

@@ -28,8 +28,9 @@ bool matches(std::string_view pattern, std::string_view text) {
       after_star = ++p;
       star_text = t;
     } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
-      ++p;
+      const bool is_any = pattern[p++] == '?';
       ++t;
+      while (is_any && t < text.size() && is_utf8_continuation(text[t])) ++t;
     } else if (after_star != std::string_view::npos) {
       p = after_star;
       t = ++star_text;

@@ -43,7 +43,9 @@ std::vector<double> distinct_values(const ScalarField& field, Progress* progress
         field, Values(), [](Values& known, std::span<const T> samples) { add_values(known, samples); }, united,
         progress);
   });
-  for_each_tile(field, [&](double value, std::uint64_t) { values.push_back(value); });
+  for_each_tile(field, [&](double value, std::uint64_t) {
+    if (std::isfinite(value)) values.push_back(value);
+  });
   sort_unique(values);
   return values;
 }

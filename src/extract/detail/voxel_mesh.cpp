@@ -271,6 +271,7 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
     for_each_portion(portions, points, has_side_vertices, placement.mirrored(), context, f);
   };
   MeshSizes sizes{points.vertices(), 0};
+  TRY(check_vertex_count(field, sizes));
   if (has_side_vertices) {
     each([&](Portion& portion, OutlinePolygon& polygon) {
       for (const FaceRectangle& rectangle : portion.rectangles) {
