@@ -116,7 +116,7 @@ struct Layout {
 struct PageBox {
   std::uint64_t x = 0, y = 0, width = 0, height = 0;
   std::optional<std::uint64_t> component;  // if unset, all components
-  std::optional<double> no_data;           // becomes NaN, and samples f32 or f64; f16 samples stay unchanged
+  std::optional<double> no_data;           // becomes NaN, and samples f32 or f64
 };
 // Fills `to` with the samples of the box, of type given_type(), components beside each other.
 void read_page(Tiff& tiff, const Page& page, const PageBox& box, void* to, const isoextract_plugin_host& host);

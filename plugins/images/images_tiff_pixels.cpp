@@ -1,5 +1,6 @@
 // Samples of a page: strips or tiles that the box touches, one after another.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <utility>

@@ -49,7 +49,7 @@ Opened resampled_cells(DataSets& data, const Request& request, const isoextract_
 bool is_even(const std::vector<double>& coordinates, bool single_precision);
 // Throws unless the axis has a finite coordinate for each point, which all increase or all decrease.
 std::vector<double> coordinates_of(vtkRectilinearGrid* grid, std::size_t axis);
-// Returns whether the x coordinates are floats; callers take it for all axes.
+// Returns whether the coordinates along an axis are floats.
 bool is_single_precision(vtkRectilinearGrid* grid, std::size_t axis);
 
 }  // namespace isoextract_vtk

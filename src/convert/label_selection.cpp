@@ -30,7 +30,7 @@ bool matches(std::string_view pattern, std::string_view text) {
     } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
       const bool is_any = pattern[p++] == '?';
       ++t;
-      while (is_any && t < text.size() && is_utf8_continuation(text[t])) ++t;
+      while (is_any && t < text.size() && (static_cast<unsigned char>(text[t]) & 0xC0U) == 0x80U) ++t;
     } else if (after_star != std::string_view::npos) {
       p = after_star;
       t = ++star_text;

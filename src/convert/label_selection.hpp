@@ -15,7 +15,7 @@ class LabelSelection {
   //
   //   7 or -7        a number
   //   1-40           a range of numbers, both ends included
-  //   Hippocampus*   names; * stands for any text, ? for one byte of UTF-8; upper and lower case differ
+  //   Hippocampus*   names; * stands for any text, ? for any character; upper and lower case differ
   //   all            every label
   //   !TERM          not these labels, whatever the other terms say
   //

@@ -5,7 +5,7 @@
 
 namespace isoextract::field {
 
-// Returns a copy without the samples, notes, labels, label ids, times, `parts` and `is_sampled`.
+// Returns a copy without the samples, the notes and the names and ids of labels, which filtered samples no longer have.
 inline ScalarField without_samples(const ScalarField& field) {
   ScalarField other;
   other.name = field.name;
@@ -20,6 +20,10 @@ inline ScalarField without_samples(const ScalarField& field) {
   other.scale = field.scale;
   other.index_to_world = field.index_to_world;
   other.index_to_file = field.index_to_file;
+  other.time = field.time;
+  other.time_unit = field.time_unit;
+  other.parts = field.parts;
+  other.is_sampled = field.is_sampled;
   return other;
 }
 
