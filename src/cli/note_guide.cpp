@@ -172,7 +172,7 @@ constexpr std::array kGuide{
               "--roi cut, and of those that close the cuts. Or clipping cut nothing off.",
               ""},
     NoteGuide{corners_joined,
-              "The reader merges triangle corners at one position although their attributes differ, and keeps the "
+              "The reader or --repair merges vertices at one position although their attributes differ, and keeps the "
               "attributes of one of them.",
               ""},
     NoteGuide{error_not_measured, "The program cannot measure the error of this mesh.", "Leave --error out."},

@@ -11,6 +11,7 @@
 
 #include "base/parallel.hpp"
 #include "edit/detail/cut_cap.hpp"
+#include "mesh/attributes.hpp"
 #include "mesh/metrics.hpp"
 
 namespace isoextract::edit {
@@ -77,8 +78,8 @@ class PlaneCut {
   // Vertices within this distance count as on the plane, new ones included.
   [[nodiscard]] double on_plane() const { return on_plane_; }
   [[nodiscard]] std::uint64_t result_bytes() const {
-    const std::uint64_t vertex = sizeof(glm::vec3) * (mesh_.normals.empty() ? 1 : 2);
-    return (kept_ + edges_.size()) * vertex + triangles_ * sizeof(glm::uvec3);
+    const std::uint64_t edge_key = mesh_.edges.empty() ? 0 : sizeof(mesh::EdgeKey);
+    return (kept_ + edges_.size()) * (mesh::vertex_bytes(mesh_) - edge_key) + triangles_ * sizeof(glm::uvec3);
   }
 
   [[nodiscard]] mesh::Mesh make() const {
@@ -95,6 +96,7 @@ class PlaneCut {
       if (!mesh_.normals.empty()) result.normals[new_of_old_[v]] = mesh_.normals[v];
     }
     for (std::size_t e = 0; e < edges_.size(); ++e) put_crossing(edges_[e], kept_ + e, result);
+    for (const mesh::Attribute& attribute : mesh_.attributes) result.attributes.push_back(clipped(attribute));
     result.triangles = Buffer<glm::uvec3>(triangles_);
     glm::uvec3* out = result.triangles.data();
     for (const glm::uvec3& t : mesh_.triangles) out = put_triangles(clip(t), result, out);
@@ -149,19 +151,36 @@ class PlaneCut {
     return kept_ + static_cast<std::uint32_t>(found - edges_.begin());
   }
 
-  void put_crossing(std::uint64_t edge, std::size_t at, mesh::Mesh& result) const {
-    std::size_t a = edge >> 32;
-    std::size_t b = edge & kUnused;
+  [[nodiscard]] mesh::EdgePoint crossing_of(std::uint64_t edge) const {
+    auto a = static_cast<std::uint32_t>(edge >> 32);
+    auto b = static_cast<std::uint32_t>(edge & kUnused);
     // Orders ends by position, not by number: other meshes with this edge, and both sides of the plane, get the same
     // point.
     if (comes_before(mesh_.positions[b], mesh_.positions[a])) std::swap(a, b);
-    const double t = depth_[a] / (depth_[a] - depth_[b]);
+    return {a, b, depth_[a] / (depth_[a] - depth_[b])};
+  }
+
+  void put_crossing(std::uint64_t edge, std::size_t at, mesh::Mesh& result) const {
+    const auto [a, b, t] = crossing_of(edge);
     const glm::dvec3 from(mesh_.positions[a]);
     result.positions[at] = glm::vec3(from + t * (glm::dvec3(mesh_.positions[b]) - from));
     if (mesh_.normals.empty()) return;
     const glm::dvec3 normal = glm::mix(glm::dvec3(mesh_.normals[a]), glm::dvec3(mesh_.normals[b]), t);
     const double length = glm::length(normal);
     result.normals[at] = length > 0 ? glm::vec3(normal / length) : mesh_.normals[a];
+  }
+
+  [[nodiscard]] mesh::Attribute clipped(const mesh::Attribute& old) const {
+    mesh::Attribute result = old.without_values();
+    const std::size_t stride = old.stride();
+    result.values = Buffer<std::byte>((kept_ + edges_.size()) * stride);
+    for (std::size_t v = 0; v < new_of_old_.size(); ++v) {
+      if (new_of_old_[v] != kUnused) std::ranges::copy(old.at(v), result.values.data() + new_of_old_[v] * stride);
+    }
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      mesh::set_interpolated(result, kept_ + e, old, crossing_of(edges_[e]));
+    }
+    return result;
   }
 
   // Splits a quadrilateral along its shorter diagonal.

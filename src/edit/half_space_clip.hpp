@@ -35,16 +35,16 @@ struct ClipFigures {
 };
 
 // Keeps the part of `mesh` that lies inside all half-spaces of `kept`, whose coordinates are those of mesh.origin +
-// position. `mesh` must have no attributes; its edge keys are dropped if a plane cuts it. A plane changes nothing if no
-// vertex lies outside its half-space by more than the larger of mesh::on_plane_tolerance() and ClipOptions::snap.
+// position. The edge keys are dropped if a plane cuts it. A plane changes nothing if no vertex lies outside its
+// half-space by more than the larger of mesh::on_plane_tolerance() and ClipOptions::snap.
 //
 // At a plane that cuts, vertices within mesh::on_plane_tolerance() count as on the plane and stay. Vertices farther
 // away, but within ClipOptions::snap, move onto it. Vertices may lie outside `kept` by up to the larger of these
 // distances times the number of planes: a plane that cuts nothing moves no vertex, and later cuts may move a vertex
-// again. Old vertices keep their order, new ones follow with interpolated normals; triangles keep order and winding. A
-// new vertex on a shared edge is bitwise equal in two meshes with the same origin, on_plane_tolerance() and snap. It is
-// also equal in the two clips to the half-spaces on either side of a plane. The result does not depend on the number of
-// threads.
+// again. Old vertices keep their order and attributes. New ones follow, with interpolated normals and attributes
+// (mesh::set_interpolated()). Triangles keep order and winding. A new vertex on a shared edge is bitwise equal in two
+// meshes with the same origin, on_plane_tolerance() and snap. It is also equal in the two clips to the half-spaces on
+// either side of a plane. The result does not depend on the number of threads.
 //
 // With CutClosing::capped, triangles in the plane close each cut before the next plane cuts. They face out of the
 // half-space and come after all other triangles. Triangles in the plane that bound only the removed side are dropped.

@@ -44,11 +44,17 @@ void keep_triangles(mesh::Mesh& mesh, const Keep& keep) {
   mesh.triangles = std::move(rest);
 }
 
-// Returns the number of vertices that were merged into another vertex.
-std::uint64_t weld(mesh::Mesh& mesh) {
+bool have_equal_attributes(const mesh::Mesh& mesh, std::uint32_t a, std::uint32_t b) {
+  return std::ranges::all_of(mesh.attributes, [&](const mesh::Attribute& attribute) {
+    return std::ranges::equal(attribute.at(a), attribute.at(b));
+  });
+}
+
+// Merges vertices, and counts those that were merged into another vertex.
+void weld(mesh::Mesh& mesh, RepairFigures& figures) {
   const std::size_t vertices = mesh.positions.size();
   const mesh::CoincidentVertices places(mesh.positions.span());
-  if (places.repeated() == 0) return 0;
+  if (places.repeated() == 0) return;
   std::vector<bool> joins(vertices);
   EdgeUses(mesh.triangles.span()).for_each_edge([&](std::span<const EdgeUse> edge) {
     const bool has_length = places.of_vertex(edge[0].low) != places.of_vertex(edge[0].high);
@@ -58,17 +64,17 @@ std::uint64_t weld(mesh::Mesh& mesh) {
   });
   std::vector<std::uint32_t> first_at(vertices, kNone);  // per position: the first vertex, into which others merge
   std::vector<std::uint32_t> target(vertices);
-  std::uint64_t welded = 0;
   for (std::uint32_t v = 0; v < vertices; ++v) {
     target[v] = v;
     if (!joins[v]) continue;
     std::uint32_t& first = first_at[places.of_vertex(v)];
     if (first == kNone) first = v;
     target[v] = first;
-    welded += first != v ? 1 : 0;
+    if (first == v) continue;
+    ++figures.welded;
+    figures.values_lost += have_equal_attributes(mesh, first, v) ? 0 : 1;
   }
   for (glm::uvec3& t : mesh.triangles) t = {target[t.x], target[t.y], target[t.z]};
-  return welded;
 }
 
 bool has_no_area(const mesh::Mesh& mesh, const glm::uvec3& t) {
@@ -164,7 +170,7 @@ Result<RepairFigures> repair_reserved(mesh::Mesh& mesh, const RepairOptions& opt
   mesh.normals = {};
   mesh.edges = {};
   figures.unused_removed = mesh.positions.size() - count_used_vertices(mesh);
-  figures.welded = weld(mesh);
+  weld(mesh, figures);
   TRY(context.check());
   figures.without_area = TRY(remove_flat(mesh, context));
   figures.duplicates = remove_duplicates(mesh);

@@ -32,6 +32,7 @@ struct RepairOptions {
 
 struct RepairFigures {
   std::uint64_t welded = 0;          // vertices merged into another vertex
+  std::uint64_t values_lost = 0;     // welded vertices whose attributes differed from those of the remaining vertex
   std::uint64_t without_area = 0;    // triangles without area, dropped or given area
   std::uint64_t duplicates = 0;      // dropped duplicate triangles
   std::uint64_t turned = 0;          // triangles with flipped winding in step 3
@@ -46,9 +47,10 @@ struct RepairFigures {
   StageTime time;
 };
 
-// Repairs the mesh. The only new vertices are the copies of step 5. Vertices keep their positions and attributes.
-// Removes normals and edge keys. The result does not depend on the number of threads. Positions must be finite and
-// indices valid. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled; the mesh may then be half repaired.
+// Repairs the mesh. The only new vertices are the copies of step 5. Vertices keep their positions and attributes;
+// a vertex that others merge into keeps its own. Removes normals and edge keys. The result does not depend on the
+// number of threads. Positions must be finite and indices valid. Fails with ErrorCode::out_of_memory or
+// ErrorCode::cancelled; the mesh may then be half repaired.
 [[nodiscard]] Result<RepairFigures> repair(mesh::Mesh& mesh, const RepairOptions& options, const Context& context);
 
 }  // namespace isoextract::edit

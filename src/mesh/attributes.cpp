@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,22 @@ double component_of(const std::byte* place, bool normalized) {
   std::memcpy(&value, place, sizeof value);
   const auto number = static_cast<double>(value);
   return normalized ? std::max(number / static_cast<double>(std::numeric_limits<T>::max()), -1.0) : number;
+}
+
+// Interpolates `count` components. Equal values stay as they are, infinite ones too.
+template <class T>
+void interpolate(const std::byte* from, const std::byte* to, double t, std::size_t count, std::byte* result) {
+  for (std::size_t at = 0; at != count * sizeof(T); at += sizeof(T)) {
+    T a;
+    T b;
+    std::memcpy(&a, from + at, sizeof a);
+    std::memcpy(&b, to + at, sizeof b);
+    if (a != b) {
+      const double value = std::lerp(static_cast<double>(a), static_cast<double>(b), t);
+      a = static_cast<T>(std::is_integral_v<T> ? std::round(value) : value);
+    }
+    std::memcpy(result + at, &a, sizeof a);
+  }
 }
 
 // Copies old item old_of_new[i] to new item i; an item has `stride` values.
@@ -68,6 +86,28 @@ double component_value(const std::byte* place, ComponentType type, bool normaliz
     case ComponentType::f64: break;
   }
   return component_of<double>(place, false);
+}
+
+void set_interpolated(Attribute& attribute, std::size_t vertex, const Attribute& old, const EdgePoint& point) {
+  const std::byte* const from = old.at(point.from).data();
+  const std::byte* const to = old.at(point.to).data();
+  std::byte* const result = attribute.values.data() + vertex * attribute.stride();
+  const std::size_t count = attribute.components;
+  const bool is_float = attribute.type == ComponentType::f32 || attribute.type == ComponentType::f64;
+  if (!is_float && !attribute.normalized && attribute.role != AttributeRole::color) {
+    std::copy_n(point.t > 0.5 ? to : from, attribute.stride(), result);
+    return;
+  }
+  switch (attribute.type) {
+    case ComponentType::i8: return interpolate<std::int8_t>(from, to, point.t, count, result);
+    case ComponentType::u8: return interpolate<std::uint8_t>(from, to, point.t, count, result);
+    case ComponentType::i16: return interpolate<std::int16_t>(from, to, point.t, count, result);
+    case ComponentType::u16: return interpolate<std::uint16_t>(from, to, point.t, count, result);
+    case ComponentType::i32: return interpolate<std::int32_t>(from, to, point.t, count, result);
+    case ComponentType::u32: return interpolate<std::uint32_t>(from, to, point.t, count, result);
+    case ComponentType::f32: return interpolate<float>(from, to, point.t, count, result);
+    case ComponentType::f64: return interpolate<double>(from, to, point.t, count, result);
+  }
 }
 
 std::size_t vertex_bytes(const Mesh& mesh) {

@@ -49,6 +49,18 @@ struct Attribute {
 // 3.6.2.2). The flag has no effect on floats.
 [[nodiscard]] double component_value(const std::byte* place, ComponentType type, bool normalized);
 
+// A point on the edge between two vertices, at the fraction `t` of the way, from 0 to 1.
+struct EdgePoint {
+  std::uint32_t from = 0;
+  std::uint32_t to = 0;
+  double t = 0;
+};
+
+// Sets the value of `vertex` to that of `old` at a point on an edge. `old` has the form of `attribute`, and may be the
+// same object. Interpolates floats, colors and normalized integers linearly. Other integers may be labels or numbers of
+// objects, which have no values between them: they get the value of the nearer end, on a tie that of `from`.
+void set_interpolated(Attribute& attribute, std::size_t vertex, const Attribute& old, const EdgePoint& point);
+
 // Returns the bytes of one vertex in all arrays of the mesh.
 [[nodiscard]] std::size_t vertex_bytes(const Mesh& mesh);
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "convert/attribute_kinds.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/half_space_clip.hpp"
 
@@ -39,6 +40,10 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
     return tl::unexpected(std::move(clipped.error()));
   }
   const edit::ClipFigures& facts = *clipped;
+  if (facts.triangles_cut + facts.cap_triangles > 0) {
+    // Interpolated normals are shorter than 1.
+    transform_attributes(surface.mesh, stage.source.mesh_kinds, field::Affine());
+  }
   if (!capped) {
     surface.end.cut = facts.triangles_cut > 0;
     surface.end.counted = true;

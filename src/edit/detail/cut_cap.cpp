@@ -144,6 +144,16 @@ Result<void> append(const std::vector<VertexPair>& boundary, const LoopTriangles
       if (!mesh.normals.empty()) normals[at] = normals[from];
       ++at;
     }
+    for (mesh::Attribute& attribute : mesh.attributes) {
+      mesh::Attribute longer = attribute.without_values();
+      longer.values = Buffer<std::byte>(vertices * longer.stride());
+      std::ranges::copy(attribute.values, longer.values.data());
+      at = mesh.positions.size();
+      for (const auto& [a, b] : cap.midpoints) {
+        mesh::set_interpolated(longer, at++, longer, {vertex_of(a), vertex_of(b), 0.5});
+      }
+      attribute = std::move(longer);
+    }
     mesh.positions = std::move(positions);
     mesh.normals = std::move(normals);
   }

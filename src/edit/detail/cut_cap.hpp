@@ -18,8 +18,8 @@ struct CutCapFigures {
 
 // Fills the boundary loops in the plane of `kept` with triangles that face out of `kept`. A boundary edge counts if
 // both its ends lie within `on_plane` of the plane. If loops meet at a vertex, calls split_nonmanifold_vertices() for
-// the whole mesh first. Adds vertices only at midpoints of edges that would occur twice. New triangles come last. The
-// mesh must have no attributes and no edge keys.
+// the whole mesh first. Adds vertices only at midpoints of edges that would occur twice. New triangles come last.
+// The mesh must have no edge keys.
 //
 // Fails with ErrorCode::input if the edges form no closed loops (the mesh was open before the cut), if a loop encloses
 // no area, or if there are more vertices than 32-bit indices allow. Also fails with ErrorCode::out_of_memory and

@@ -126,6 +126,30 @@ TEST(CutCap, CutsCapsOfEarlierPlanes) {
   EXPECT_EQ(mesh::measure_topology(ring).euler, 2);  // a half of a ring
 }
 
+// An attribute that holds the position does so at the vertices of cuts and caps too, also at the midpoints that a cap
+// adds.
+TEST(CutCap, InterpolatesAttributes) {
+  for (const char* demo : {"demo:gyroid?size=33", "demo:torus?size=40", "demo:sphere?size=33"}) {
+    for (const glm::dvec3& along : {glm::dvec3(0.3, -0.7, 0.5), glm::dvec3(0, 0, 1), glm::dvec3(1, 1, 0)}) {
+      mesh::Mesh mesh = closed_surface(demo);
+      mesh::Attribute place{"place", mesh::AttributeRole::other, mesh::ComponentType::f32, 3, false, {}};
+      place.values = Buffer<std::byte>(mesh.positions.size_bytes());
+      std::memcpy(place.values.data(), mesh.positions.data(), mesh.positions.size_bytes());
+      mesh.attributes.push_back(std::move(place));
+      const ClipFigures facts = must_cap(mesh, {{glm::normalize(along), 0.05}, {{0, 1, 0}, -0.23}});
+      EXPECT_GT(facts.cap_triangles, 8U) << demo;
+      expect_closed(mesh, demo);
+      ASSERT_EQ(mesh.attributes.size(), 1U);
+      ASSERT_EQ(mesh.attributes[0].values.size(), mesh.positions.size_bytes());
+      for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        glm::vec3 value;
+        std::memcpy(&value, mesh.attributes[0].at(v).data(), sizeof value);
+        ASSERT_LT(glm::distance(value, mesh.positions[v]), 2e-6F) << demo << " " << v;
+      }
+    }
+  }
+}
+
 // In a plane, triangles of a removed body go, triangles of a kept body stay, and the rest of the plane is capped.
 TEST(CutCap, DropsOrKeepsFacesInPlane) {
   // A block with a smaller one on top: the step is at z = 0.

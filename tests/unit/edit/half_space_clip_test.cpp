@@ -9,6 +9,7 @@
 
 #include "field/demo_field.hpp"
 #include "support/meshes.hpp"
+#include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 
 namespace isoextract::edit {
@@ -105,6 +106,52 @@ TEST(HalfSpaceClip, ClipsToBox) {
   EXPECT_NEAR(size.max.y, 0.75, 1e-6);
 }
 
+// Returns an attribute of one value at each vertex.
+template <class T>
+mesh::Attribute values_of(mesh::ComponentType type, const std::vector<T>& values) {
+  mesh::Attribute attribute{"a", mesh::AttributeRole::other, type, 1, false, {}};
+  attribute.values = Buffer<std::byte>(values.size() * sizeof(T));
+  std::memcpy(attribute.values.data(), values.data(), attribute.values.size());
+  return attribute;
+}
+
+template <class T>
+std::vector<T> values_in(const mesh::Attribute& attribute) {
+  std::vector<T> values(attribute.values.size() / sizeof(T));
+  std::memcpy(values.data(), attribute.values.data(), attribute.values.size());
+  return values;
+}
+
+TEST(HalfSpaceClip, InterpolatesAttributesAtCuts) {
+  mesh::Mesh whole = test::make_mesh("m", {{-1, 0, 0}, {3, 0, 0}, {3, 4, 0}}, {{0, 1, 2}});
+  whole.attributes.push_back(values_of<float>(mesh::ComponentType::f32, {1, 5, -3}));
+  whole.attributes.push_back(values_of<std::int32_t>(mesh::ComponentType::i32, {7, 8, 9}));
+  whole.attributes.push_back(values_of<std::uint8_t>(mesh::ComponentType::u8, {0, 200, 255}));
+  whole.attributes.back().role = mesh::AttributeRole::color;
+  whole.attributes.back().normalized = true;
+  // Vertices 1 and 2 stay; the plane crosses the edges from 0 to both after a quarter of their length.
+  mesh::Mesh right = copy(whole);
+  must_clip(right, {{{1, 0, 0}, 0}});
+  ASSERT_EQ(right.attributes.size(), 3U);
+  EXPECT_EQ(right.attributes[2].role, mesh::AttributeRole::color);
+  EXPECT_EQ(values_in<float>(right.attributes[0]), (std::vector<float>{5, -3, 2, 0}));
+  EXPECT_EQ(values_in<std::int32_t>(right.attributes[1]), (std::vector<std::int32_t>{8, 9, 7, 7}));
+  EXPECT_EQ(values_in<std::uint8_t>(right.attributes[2]), (std::vector<std::uint8_t>{200, 255, 50, 64}));
+  // The other side has the same values on the edges.
+  mesh::Mesh left = copy(whole);
+  must_clip(left, {{{-1, 0, 0}, 0}});
+  EXPECT_EQ(values_in<float>(left.attributes[0]), (std::vector<float>{1, 2, 0}));
+  EXPECT_EQ(values_in<std::int32_t>(left.attributes[1]), (std::vector<std::int32_t>{7, 7, 7}));
+  EXPECT_EQ(values_in<std::uint8_t>(left.attributes[2]), (std::vector<std::uint8_t>{0, 50, 64}));
+  // A second plane crosses edges of the first cut.
+  must_clip(right, {{{-1, 0, 0}, -2}, {{0, 1, 0}, -9}});
+  EXPECT_EQ(values_in<float>(right.attributes[0]).size(), right.positions.size());
+  mesh::Mesh none = copy(whole);
+  must_clip(none, {{{1, 0, 0}, 9}});
+  ASSERT_EQ(none.attributes.size(), 3U);
+  EXPECT_TRUE(none.attributes[0].values.empty());
+}
+
 TEST(HalfSpaceClip, IsIndependentOfThreadsAndReservesMemory) {
   const mesh::HalfSpace kept{glm::normalize(glm::dvec3(1, 2, 3)), 0.1};
   std::vector<mesh::Mesh> results;
@@ -122,6 +169,10 @@ TEST(HalfSpaceClip, IsIndependentOfThreadsAndReservesMemory) {
   must_clip(mesh, {kept}, context);
   EXPECT_EQ(context.memory().reserved(),
             mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes());
+  test::add_attribute(mesh, "heat", mesh::ComponentType::f64, 2);
+  must_clip(mesh, {{{1, 0, 0}, 0.05}}, context);
+  EXPECT_EQ(context.memory().reserved(), mesh.positions.size_bytes() + mesh.normals.size_bytes() +
+                                             mesh.triangles.size_bytes() + mesh.attributes[0].values.size());
 }
 
 }  // namespace

@@ -53,6 +53,28 @@ TEST(Repair, LeavesASoundMeshAsItIs) {
   EXPECT_EQ(done.vertices_split + done.unused_removed, 0U);
 }
 
+TEST(Repair, CountsWeldedVerticesWhoseAttributesAreLost) {
+  const std::vector<glm::vec3> box = corners({0, 0, 0}, {1, 2, 3});
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (const glm::uvec3& t : outward()) {
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    triangles.emplace_back(first, first + 1, first + 2);
+    for (int corner = 0; corner < 3; ++corner) positions.push_back(box[t[corner]]);
+  }
+  for (const bool differ : {false, true}) {
+    mesh::Mesh soup = mesh_of(positions, triangles);
+    mesh::Attribute heat{"heat", mesh::AttributeRole::other, mesh::ComponentType::u8, 1, false, {}};
+    heat.values = Buffer<std::byte>(positions.size());
+    std::ranges::fill(heat.values, std::byte{1});
+    if (differ) heat.values[positions.size() - 1] = std::byte{2};
+    soup.attributes.push_back(std::move(heat));
+    const RepairFigures done = expect_box(std::move(soup));
+    EXPECT_EQ(done.welded, 28U);
+    EXPECT_EQ(done.values_lost, differ ? 1U : 0U);
+  }
+}
+
 TEST(Repair, CountsCopiesOfVerticesAndUnusedOnes) {
   // Two boxes with a common corner, and a vertex without a triangle between their vertices.
   std::vector<glm::vec3> positions = corners({0, 0, 0}, {1, 1, 1});

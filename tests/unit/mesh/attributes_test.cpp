@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -60,6 +62,40 @@ TEST(Attributes, SplitFansCopyAttributes) {
     }
   }
   EXPECT_NE(mesh.triangles[0].x, mesh.triangles[1].y);
+}
+
+// Returns the value at fraction `t` between two values.
+template <class T>
+T between(const Attribute& form, T from, T to, double t) {
+  Attribute attribute = form.without_values();
+  attribute.values = Buffer<std::byte>(3 * sizeof(T));
+  std::memcpy(attribute.values.data(), &from, sizeof(T));
+  std::memcpy(attribute.values.data() + sizeof(T), &to, sizeof(T));
+  set_interpolated(attribute, 2, attribute, {0, 1, t});
+  T value;
+  std::memcpy(&value, attribute.values.data() + 2 * sizeof(T), sizeof(T));
+  return value;
+}
+
+TEST(Attributes, InterpolatesByType) {
+  const Attribute heat{"heat", AttributeRole::other, ComponentType::f32, 1, false, {}};
+  EXPECT_EQ(between(heat, 1.0F, 3.0F, 0.25), 1.5F);
+  const float infinite = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(between(heat, infinite, infinite, 0.25), infinite);
+  EXPECT_EQ(between(heat, 0.1F, 0.1F, 0.3), 0.1F);
+  const Attribute wide{"wide", AttributeRole::other, ComponentType::f64, 1, false, {}};
+  EXPECT_EQ(between(wide, -1.5e308, 1.5e308, 0.5), 0);
+  const Attribute color{"color", AttributeRole::color, ComponentType::u8, 1, true, {}};
+  EXPECT_EQ(between<std::uint8_t>(color, 255, 0, 0.25), 191);
+  EXPECT_EQ(between<std::uint8_t>(color, 0, 255, 0), 0);
+  EXPECT_EQ(between<std::uint8_t>(color, 0, 255, 1), 255);
+  const Attribute share{"share", AttributeRole::other, ComponentType::i16, 1, true, {}};
+  EXPECT_EQ(between<std::int16_t>(share, -30000, 30000, 0.25), -15000);
+  // Integers that are not normalized may be labels.
+  const Attribute label{"label", AttributeRole::other, ComponentType::i32, 1, false, {}};
+  EXPECT_EQ(between(label, 2, 9, 0.25), 2);
+  EXPECT_EQ(between(label, 2, 9, 0.5), 2);
+  EXPECT_EQ(between(label, 2, 9, 0.75), 9);
 }
 
 TEST(Attributes, CopyIsComplete) {
