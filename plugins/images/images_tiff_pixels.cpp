@@ -67,10 +67,11 @@ float half_element(const unsigned char* row, std::uint64_t i) {
   const unsigned bits = element<std::uint16_t>(row, i);
   const unsigned exponent = bits >> 10U & 31U;
   const unsigned fraction = bits & 1023U;
-  const float size = exponent == 0    ? std::ldexp(static_cast<float>(fraction), -24)
-                     : exponent < 31U ? std::ldexp(static_cast<float>(1024U + fraction), static_cast<int>(exponent) - 25)
-                     : fraction == 0  ? std::numeric_limits<float>::infinity()
-                                      : std::numeric_limits<float>::quiet_NaN();
+  const float size = exponent == 0 ? std::ldexp(static_cast<float>(fraction), -24)
+                     : exponent < 31U
+                         ? std::ldexp(static_cast<float>(1024U + fraction), static_cast<int>(exponent) - 25)
+                     : fraction == 0 ? std::numeric_limits<float>::infinity()
+                                     : std::numeric_limits<float>::quiet_NaN();
   return (bits >> 15U) != 0 ? -size : size;
 }
 

@@ -31,16 +31,31 @@ struct Counts {
   std::uint64_t chunks = 0;  // chunks with points
   std::uint64_t points = 0;  // corners of voxels with different labels
   std::uint64_t faces = 0;   // between these voxels
-  std::unordered_map<std::int64_t, std::uint64_t> faces_of;
+  std::unordered_map<std::int64_t, std::uint64_t> sides_of;
 
   void add(const Counts& more) {
     parts += more.parts;
     chunks += more.chunks;
     points += more.points;
     faces += more.faces;
-    for (const auto& [label, count] : more.faces_of) faces_of[label] += count;
+    for (const auto& [label, count] : more.sides_of) sides_of[label] += count;
   }
 };
+
+// Places of voxels in a window of a chunk and the voxels below it.
+constexpr glm::ivec3 kWindow = kVoxelChunk + 1;
+constexpr std::size_t place_of(int x, int y, int z) {
+  return static_cast<std::size_t>(x + kWindow.x * (y + kWindow.y * z));
+}
+// Steps from a voxel down to those that share its lowest corner: one along x for bit 0, y for bit 1, z for bit 2.
+constexpr std::array<std::size_t, 8> kBelow{0,
+                                            place_of(1, 0, 0),
+                                            place_of(0, 1, 0),
+                                            place_of(1, 1, 0),
+                                            place_of(0, 0, 1),
+                                            place_of(1, 0, 1),
+                                            place_of(0, 1, 1),
+                                            place_of(1, 1, 1)};
 
 // The labels of a chunk of voxels, and of the voxels one step below it along each axis.
 class LabelWindow {
@@ -93,15 +108,6 @@ class LabelWindow {
   }
 
  private:
-  static constexpr glm::ivec3 kSize = kVoxelChunk + 1;
-
-  [[nodiscard]] static constexpr std::size_t place_of(int x, int y, int z) {
-    return static_cast<std::size_t>(x + kSize.x * (y + kSize.y * z));
-  }
-  static constexpr std::array<std::size_t, 8> kBelow{
-      place_of(0, 0, 0), place_of(1, 0, 0), place_of(0, 1, 0), place_of(1, 1, 0),
-      place_of(0, 0, 1), place_of(1, 0, 1), place_of(0, 1, 1), place_of(1, 1, 1)};
-
   // Sums the faces of a label before it looks the label up: neighbors usually have the same one.
   class Faces {
    public:
@@ -125,7 +131,7 @@ class LabelWindow {
 
    private:
     void flush(std::int64_t label, std::uint64_t count) {
-      if (label != kNone && count > 0) counts_.faces_of[label] += count;
+      if (label != kNone && count > 0) counts_.sides_of[label] += count;
     }
 
     Counts& counts_;
@@ -154,7 +160,7 @@ class LabelWindow {
     }
   }
 
-  std::array<std::int64_t, std::size_t{65} * 9 * 9> labels_;
+  std::array<std::int64_t, place_of(0, 0, kWindow.z)> labels_;
 };
 
 // The chunks to count, and how many there are for each of them.
@@ -191,7 +197,8 @@ ChunkSample sample_of_sparse(const std::vector<glm::ivec3>& listed) {
   const std::size_t step = (all.size() + kMostChunks - 1) / kMostChunks;
   ChunkSample sample;
   for (std::size_t n = step / 2; n < all.size(); n += step) sample.origins.push_back(all[n]);
-  sample.scale = sample.origins.empty() ? 1 : static_cast<double>(all.size()) / static_cast<double>(sample.origins.size());
+  sample.scale =
+      sample.origins.empty() ? 1 : static_cast<double>(all.size()) / static_cast<double>(sample.origins.size());
   return sample;
 }
 
@@ -224,8 +231,8 @@ struct DenseRows {
   DenseView<T> view;
 
   SampleRows<T> operator()(const glm::ivec3& origin) const {
-    const bool is_outside = glm::any(glm::lessThan(origin, glm::ivec3(0))) ||
-                            glm::any(glm::greaterThanEqual(origin, view.dims));
+    const bool is_outside =
+        glm::any(glm::lessThan(origin, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(origin, view.dims));
     return is_outside ? SampleRows<T>() : dense_rows(view, origin);
   }
 };
@@ -263,6 +270,20 @@ std::uint64_t scaled(std::uint64_t count, double scale) {
   return static_cast<std::uint64_t>(static_cast<double>(count) * scale);
 }
 
+// Returns the bytes of surfaces that are in memory at a time.
+std::uint64_t making_bytes(const LabelMapSize& size, std::uint64_t parts, bool has_single_faces) {
+  // About a vertex and two triangles for each face; merged faces have half as many, measured.
+  const std::uint64_t side_bytes = (sizeof(glm::vec3) + 2 * sizeof(glm::uvec3)) / (has_single_faces ? 1 : 2);
+  const std::uint64_t small_sides = size.sides / parts * 2 * kSmallLabelChunks;
+  // The allocator keeps freed blocks of less than 1 MiB, so that groups of many small meshes take three times their
+  // size.
+  constexpr std::uint64_t kKept = 3;
+  const std::uint64_t sides = std::max(size.largest_sides, std::min(size.sides, kKept * small_sides));
+  // On each thread, the faces of the label that it works on are listed.
+  const auto threads = static_cast<std::uint64_t>(usable_threads());
+  return sides * side_bytes + std::min(threads * size.largest_sides, size.sides) * sizeof(FaceRectangle);
+}
+
 }  // namespace
 
 Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const ExtractOptions& options,
@@ -282,16 +303,17 @@ Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const E
   TRY(context.check());
   LabelMapSize size;
   const LabelFilter chosen(choice, false, label_around(sparse), LabelIds(field.label_ids));
-  for (const auto& [label, faces] : counts.faces_of) {
+  for (const auto& [label, sides] : counts.sides_of) {
     if (!chosen(label)) continue;
-    size.faces += scaled(faces, scale);
-    size.largest_faces = std::max(size.largest_faces, scaled(faces, scale));
+    ++size.labels;
+    size.sides += scaled(sides, scale);
+    size.largest_sides = std::max(size.largest_sides, scaled(sides, scale));
   }
+  size.faces = std::min(scaled(counts.faces, scale), size.sides);
   const std::uint64_t parts = std::max<std::uint64_t>(scaled(counts.parts, scale), 1);
-  const std::uint64_t small_faces = size.faces / parts * 2 * kSmallLabelChunks;
-  size.faces_at_once = std::max(size.largest_faces, std::min(size.faces, small_faces));
-  size.kept_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t));
-  size.finding_bytes = size.kept_bytes;
+  size.making_bytes = making_bytes(size, parts, nets || options.voxel_faces == VoxelFaces::plain);
+  size.voxel_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t));
+  size.kept_bytes = size.finding_bytes = size.voxel_bytes;
   if (!nets) return size;
   const std::uint64_t chunks = scaled(counts.chunks, scale);
   const std::uint64_t points = scaled(counts.points, scale);
@@ -301,11 +323,6 @@ Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const E
   size.finding_bytes = size.kept_bytes + LabelChunks::bytes(parts) +
                        (rounds > 0 ? std::max(relaxing_bytes(points), volume_keeping_bytes(points, faces, chunks)) : 0);
   return size;
-}
-
-std::uint64_t label_surface_bytes(std::uint64_t faces) {
-  // About a vertex and two triangles for each face.
-  return faces * (sizeof(FaceRectangle) + 2 * sizeof(glm::vec3) + 2 * sizeof(glm::uvec3));
 }
 
 }  // namespace isoextract::extract

@@ -8,16 +8,19 @@
 namespace isoextract::extract {
 
 struct LabelMapSize {
-  std::uint64_t finding_bytes = 0;  // peak of LabelVoxels::find() besides the samples
+  std::uint64_t voxel_bytes = 0;    // of the voxels of labels, which LabelVoxels::find() finds first
+  std::uint64_t finding_bytes = 0;  // peak of the rest of find(), when it needs the samples no more; with voxel_bytes
   std::uint64_t kept_bytes = 0;     // of the LabelVoxels that it returns
-  std::uint64_t faces = 0;          // of voxels, between the chosen labels and others; counts once for each chosen side
-  std::uint64_t largest_faces = 0;  // of the chosen label with the most faces
-  std::uint64_t faces_at_once = 0;  // of the surfaces that are in memory at a time, if small labels are made together
+  std::uint64_t making_bytes = 0;   // of the surfaces that are in memory at a time, besides kept_bytes
+  std::uint64_t labels = 0;         // chosen ones
+  std::uint64_t faces = 0;          // of voxels, between a chosen label and another one or none
+  std::uint64_t sides = 0;          // of these faces, on which a chosen label is: the faces of all surfaces together
+  std::uint64_t largest_sides = 0;  // of the label with the most
 };
 
 // Estimates sizes for the arguments of LabelVoxels::find(). Counts the labels of each chunk of 64x8x8 samples if there
-// are at most 8,192 chunks, else of about 8,192 of them, in whole rows of chunks along x; the rest is taken to be alike.
-// Counts samples that are no labels as background. Fails as LabelVoxels::find() does for the region, with
+// are at most 8,192 chunks, else of about 8,192 of them, in whole rows of chunks along x; the rest is taken to be
+// alike. Counts samples that are no labels as background. Fails as LabelVoxels::find() does for the region, with
 // ErrorCode::out_of_memory or cancelled.
 [[nodiscard]] Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const ExtractOptions& options,
                                                       const LabelChoice& choice, const Context& context);
@@ -26,8 +29,5 @@ struct LabelMapSize {
 // surfaces of as many before them are still in memory.
 inline constexpr std::uint64_t kSmallLabelChunks = 2048;  // their faces take at most some ten MiB
 inline constexpr std::size_t kSmallLabels = 256;
-
-// Returns the bytes that surfaces with so many faces take while they are made.
-[[nodiscard]] std::uint64_t label_surface_bytes(std::uint64_t faces);
 
 }  // namespace isoextract::extract

@@ -146,7 +146,7 @@ struct LabelVoxels::Found {
   std::optional<field::SparseLookup> lookup;              // of sparse fields
   const std::vector<field::SparseTile>* tiles = nullptr;  // of the field in find(); used there only
   std::vector<Reservation> memory;
-  std::vector<ReservedList<LabelPart>> tasks;
+  std::vector<ReservedBlocks<LabelPart>> tasks;
   std::vector<std::optional<NonLabelSample>> wrong;  // the first one of each task
   std::vector<std::uint64_t> nan_samples;            // of each task
   std::vector<const LabelPart*> parts;               // sorted by label, those of a label in chunk_order()
@@ -184,7 +184,7 @@ struct LabelVoxels::Found {
       const DenseView<T> view = part_of(dense_view<T>(samples), region);
       LayerReleases<T> releases(view, grid);
       run(grid.count(), context,
-          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
+          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedBlocks<LabelPart>& list) {
             for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
               chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
             releases.finish(begin, end);
@@ -209,7 +209,7 @@ struct LabelVoxels::Found {
     stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       run(origins.size(), context,
-          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
+          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedBlocks<LabelPart>& list) {
             SparseRows<T> rows(samples, *lookup, region);
             for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
               chunk.add(rows.read(origins[n]), origins[n], list);
@@ -238,15 +238,15 @@ struct LabelVoxels::Found {
       return refuse_sample(field, sample->value, fmt::format("at sample ({}, {}, {})", at.x, at.y, at.z));
     }
     std::uint64_t count = 0;
-    for (const ReservedList<LabelPart>& task : tasks) {
+    for (const ReservedBlocks<LabelPart>& task : tasks) {
       if (task.error()) return tl::unexpected(*task.error());
-      count += task.values().size();
+      count += task.size();
     }
     auto held = TRY(context.reserve(count * 2 * sizeof(std::uintptr_t), what));
     memory.push_back(std::move(held));
     parts.reserve(count);
-    for (const ReservedList<LabelPart>& task : tasks) {
-      for (const LabelPart& part : task.values()) parts.push_back(&part);
+    for (const ReservedBlocks<LabelPart>& task : tasks) {
+      task.for_each([&](const LabelPart& part) { parts.push_back(&part); });
     }
     std::ranges::stable_sort(parts, {}, &LabelPart::label);
     make_entries();
@@ -326,14 +326,14 @@ struct LabelVoxels::Found {
 
   [[nodiscard]] Result<void> make_net(const ExtractOptions& options, const Context& context) {
     std::uint64_t count = 0;
-    for (const ReservedList<LabelPart>& task : tasks) count += task.values().size();
+    for (const ReservedBlocks<LabelPart>& task : tasks) count += task.size();
     auto held = TRY(context.reserve(LabelChunks::bytes(count), what));
     std::vector<LabelChunk> chunks;
     chunks.reserve(count);
-    for (const ReservedList<LabelPart>& task : tasks) {
-      for (const LabelPart& part : task.values()) {
+    for (const ReservedBlocks<LabelPart>& task : tasks) {
+      task.for_each([&](const LabelPart& part) {
         chunks.push_back({part.label, part.origin, part.full() ? &full_chunk() : &part.bits});
-      }
+      });
     }
     LabelChunks::Unlisted unlisted;
     if (lookup) unlisted = [this](const glm::ivec3& origin) { return label_of_tile(origin); };

@@ -128,7 +128,7 @@ class ChunkLabels {
   [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
 
   template <class T>
-  void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedList<LabelPart>& found) {
+  void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedBlocks<LabelPart>& found) {
     parts_.clear();
     for (std::size_t r = 0; r < samples.rows.size(); ++r) {
       const T* row = samples.rows[r];

@@ -1,4 +1,4 @@
-// A growing list that reserves its memory in the budget before it allocates it.
+// Growing lists that reserve their memory in the budget before they allocate it.
 #pragma once
 
 #include <algorithm>
@@ -46,6 +46,55 @@ class ReservedList {
   const Context* context_;
   const std::string* what_;
   std::vector<T> values_;
+  Reservation memory_;
+  std::optional<Error> error_;
+};
+
+// A list in blocks, for large values: it grows without copies, and leaves at most one block partly empty. Values keep
+// their addresses, even if the list moves.
+template <class T>
+class ReservedBlocks {
+ public:
+  // As those of ReservedList.
+  ReservedBlocks(const Context& context, const std::string& what) : context_(&context), what_(&what) {}
+
+  bool add(const T& value) {
+    if ((blocks_.empty() || blocks_.back().size() == kBlockValues) && !grow()) return false;
+    blocks_.back().push_back(value);
+    return true;
+  }
+
+  [[nodiscard]] std::size_t size() const {
+    return blocks_.empty() ? 0 : kBlockValues * (blocks_.size() - 1) + blocks_.back().size();
+  }
+  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
+
+  // Calls f(value) for the values in their order.
+  template <class F>
+  void for_each(const F& f) const {
+    for (const std::vector<T>& block : blocks_) {
+      for (const T& value : block) f(value);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBlockValues = 16;
+
+  bool grow() {
+    if (error_) return false;
+    auto memory = context_->reserve(kBlockValues * sizeof(T), *what_);
+    if (!memory) {
+      error_ = std::move(memory.error());
+      return false;
+    }
+    memory_.take(std::move(*memory));
+    blocks_.emplace_back().reserve(kBlockValues);
+    return true;
+  }
+
+  const Context* context_;
+  const std::string* what_;
+  std::vector<std::vector<T>> blocks_;
   Reservation memory_;
   std::optional<Error> error_;
 };
