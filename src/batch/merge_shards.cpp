@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "base/version.hpp"
 #include "batch/detail/animation.hpp"
 #include "batch/frame_range.hpp"
@@ -304,8 +305,8 @@ Result<void> check_replaced_shard(const fs::path& folder, const BatchJob& batch,
   if (lost == 0) return {};
   return fail(
       ErrorCode::output,
-      fmt::format("{}: this run would replace the manifest, which has {} frame{} of another, unmerged batch",
-                  path.string(), lost, lost == 1 ? "" : "s"),
+      fmt::format("{}: this run would replace the manifest, which has {} of another, unmerged batch", path.string(),
+                  counted(lost, "frame")),
       fmt::format("merge that batch first: isoextract merge {}; or give that batch up and remove its manifests, or "
                   "choose another folder",
                   folder.empty() ? "." : folder.string()));

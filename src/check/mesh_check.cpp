@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/allocation_error.hpp"
+#include "base/counted.hpp"
 #include "mesh/coincident_vertices.hpp"
 #include "mesh/components.hpp"
 
@@ -72,11 +73,6 @@ Result<MeshCheck> run_checks(const mesh::Mesh& mesh, const Context& context) {
   return check;
 }
 
-// Formats "1 open edge", "2 open edges".
-std::string count_text(std::uint64_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 // Joins the texts whose counts are not 0.
 std::string both(const std::string& a, std::uint64_t a_count, const std::string& b, std::uint64_t b_count) {
   if (a_count == 0) return b;
@@ -103,28 +99,27 @@ std::string reason(Requirement requirement, const MeshCheck& check, std::uint64_
   const mesh::Topology& topology = check.topology;
   switch (requirement) {
     case Requirement::closed:
-      return count_text(count, "open edge", "open edges") +
-             (check.loops.empty() ? std::string() : " in " + count_text(check.loops.size(), "loop", "loops"));
+      return counted(count, "open edge") +
+             (check.loops.empty() ? std::string() : " in " + counted(check.loops.size(), "loop"));
     case Requirement::manifold:
-      return both(count_text(topology.nonmanifold_edges, "edge", "edges") + " of more than two triangles",
+      return both(counted(topology.nonmanifold_edges, "edge") + " of more than two triangles",
                   topology.nonmanifold_edges,
-                  count_text(topology.nonmanifold_vertices, "vertex", "vertices") + " where surfaces touch",
+                  counted(topology.nonmanifold_vertices, "vertex", "vertices") + " where surfaces touch",
                   topology.nonmanifold_vertices);
-    case Requirement::oriented: return count_text(count, "edge", "edges") + " whose triangles have opposite winding";
-    case Requirement::outward: return count_text(count, "component", "components") + " inside out";
+    case Requirement::oriented: return counted(count, "edge") + " whose triangles have opposite winding";
+    case Requirement::outward: return counted(count, "component") + " inside out";
     case Requirement::no_self_intersections:
       return fmt::format("{}{} of triangles that intersect", check.intersections.at_least ? "more than " : "",
-                         count_text(count, "pair", "pairs"));
-    case Requirement::no_zero_area: return count_text(count, "triangle", "triangles") + " without area";
-    case Requirement::no_duplicates: return count_text(count, "triangle", "triangles") + " with the corners of another";
-    case Requirement::no_unused_vertices: return count_text(count, "vertex", "vertices") + " in no triangle";
-    case Requirement::one_component: return count_text(count, "component", "components");
+                         counted(count, "pair"));
+    case Requirement::no_zero_area: return counted(count, "triangle") + " without area";
+    case Requirement::no_duplicates: return counted(count, "triangle") + " with the corners of another";
+    case Requirement::no_unused_vertices: return counted(count, "vertex", "vertices") + " in no triangle";
+    case Requirement::one_component: return counted(count, "component");
     case Requirement::normals: break;
   }
   if (!check.normals) return "no normals";
-  return both(count_text(check.normals->against, "corner", "corners") + " with a normal against the triangle",
-              check.normals->against, count_text(check.normals->missing, "corner", "corners") + " without a normal",
-              check.normals->missing);
+  return both(counted(check.normals->against, "corner") + " with a normal against the triangle", check.normals->against,
+              counted(check.normals->missing, "corner") + " without a normal", check.normals->missing);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/manifest.hpp"
 #include "cli/output_folders.hpp"
@@ -47,8 +48,7 @@ std::string units_note(std::span<const batch::FrameRow> rows) {
   }
   if (frames.size() < 2) return {};
   std::vector<std::string> texts;
-  for (const auto& [unit, count] : frames)
-    texts.push_back(fmt::format("{} in {} frame{}", unit, count, count == 1 ? "" : "s"));
+  for (const auto& [unit, count] : frames) texts.push_back(fmt::format("{} in {}", unit, counted(count, "frame")));
   return fmt::format(
       "the frames have different length units ({}): compare areas and volumes only between rows with the same 'unit'; "
       "--unit file --to-unit mm writes all frames in one unit",

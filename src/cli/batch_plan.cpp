@@ -65,7 +65,7 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
 std::string changing_isos(const ConvertFlags& flags, std::size_t frames) {
   std::vector<std::string> words;
   for (const convert::IsoChoice& iso : flags.isos) {
-    if (iso.is_found() && iso != convert::IsoChoice::zero()) words.push_back(text_of(iso));
+    if (iso.is_found() && iso.kind != convert::IsoChoice::Kind::zero) words.push_back(text_of(iso));
   }
   if (words.empty() || frames < 2) return {};
   return fmt::format(

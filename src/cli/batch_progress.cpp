@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
 #include "cli/rank_run.hpp"
@@ -120,8 +121,7 @@ void BatchProgress::over(const batch::FrameRow& row) {
 
 void BatchProgress::tell_ranks(std::span<const batch::RankWork> ranks) const {
   for (const batch::RankWork& work : ranks) {
-    messages_.detail(fmt::format("rank {}: {} frame{}, {:.2f} s", work.rank, work.frames, work.frames == 1 ? "" : "s",
-                                 work.seconds));
+    messages_.detail(fmt::format("rank {}: {}, {:.2f} s", work.rank, counted(work.frames, "frame"), work.seconds));
   }
   if (!ranks.empty()) messages_.detail(imbalance_text(seconds_of(ranks)));
 }

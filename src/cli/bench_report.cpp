@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/csv.hpp"
 #include "base/machine.hpp"
 #include "base/printable.hpp"
@@ -32,8 +33,8 @@ std::string order_text(const std::optional<bench::ConvergenceOrder>& order) {
 }
 
 std::string setting_text(const bench::BenchResult& result, const bench::BenchRow& row) {
-  return fmt::format("{} {} {}, {} thread{}", word_of(row.method), row.backend, result.levels[row.level].size,
-                     row.threads, row.threads == 1 ? "" : "s");
+  return fmt::format("{} {} {}, {}", word_of(row.method), row.backend, result.levels[row.level].size,
+                     counted(row.threads, "thread"));
 }
 
 std::uint64_t unmeasured_points(const bench::BenchResult& result) {

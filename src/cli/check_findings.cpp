@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "cli/check_report.hpp"
 
 namespace isoextract::cli {
@@ -13,10 +14,6 @@ using check::Shell;
 
 constexpr std::string_view kSlicer = "slicer";
 constexpr std::string_view kEngine = "engine";
-
-std::string amount(std::uint64_t count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
 
 std::string size_text(const glm::dvec3& size, double scale, std::string_view unit) {
   return fmt::format("{:.4g} x {:.4g} x {:.4g} {}", size.x * scale, size.y * scale, size.z * scale, unit);
@@ -43,7 +40,7 @@ class Findings {
                  : fmt::format(
                        "It needs no repair: the mesh is closed, faces outward and does not intersect itself; surfaces "
                        "touch at {}, which slicers accept.",
-                       amount(touching, "vertex", "vertices")));
+                       counted(touching, "vertex", "vertices")));
     }
     tell_size();
     slicers_.insert(slicers_.end(), engines_.begin(), engines_.end());
@@ -62,12 +59,12 @@ class Findings {
     } else if (topology.open_edges > 0) {
       const auto* longest = &*std::ranges::max_element(check_.loops, {}, &check::BoundaryLoop::length);
       slicer(fmt::format("It fills {} in its own way, or refuses the mesh; the longest boundary loop measures {:.4g}.",
-                         amount(check_.loops.size(), "hole", "holes"), longest->length));
+                         counted(check_.loops.size(), "hole"), longest->length));
       engine("Through the holes it shows the back of the surface, or nothing: draw both sides of the triangles.");
     }
     if (topology.nonmanifold_edges > 0) {
       slicer(fmt::format("It must guess the inside at {} with more than two triangles.",
-                         amount(topology.nonmanifold_edges, "edge", "edges")));
+                         counted(topology.nonmanifold_edges, "edge")));
     }
     if (topology.nonmanifold_edges + topology.nonmanifold_vertices > 0) {
       engine("Subdivision, unwrapping and collision solids need a manifold and may refuse this mesh.");
@@ -78,22 +75,22 @@ class Findings {
     const std::uint64_t inside_out = check_.count(Shell::inside_out);
     if (check_.topology.misoriented_edges > 0) {
       slicer(fmt::format("It must flip triangles: neighbors have opposite winding at {}.",
-                         amount(check_.topology.misoriented_edges, "edge", "edges")));
+                         counted(check_.topology.misoriented_edges, "edge")));
     }
     if (inside_out > 0) {
       slicer(fmt::format("It treats {}: flip the triangles.",
-                         amount(inside_out, "component that is inside out as a cavity",
-                                "components that are inside out as cavities")));
+                         counted(inside_out, "component that is inside out as a cavity",
+                                 "components that are inside out as cavities")));
       engine("It shows the inside of components that are inside out, if it draws only one side of triangles.");
     }
     if (const std::uint64_t undecided = check_.count(Shell::undecided); undecided > 0) {
       slicer(
           fmt::format("It treats {} within an open component as cavities; close the mesh to find out whether they are.",
-                      amount(undecided, "component that faces inward", "components that face inward")));
+                      counted(undecided, "component that faces inward", "components that face inward")));
     }
     if (check_.topology.misoriented_edges > 0) {
       engine(fmt::format("It does not draw some triangles: neighbors have opposite winding at {}.",
-                         amount(check_.topology.misoriented_edges, "edge", "edges")));
+                         counted(check_.topology.misoriented_edges, "edge")));
     }
   }
 
@@ -103,14 +100,14 @@ class Findings {
       slicer(
           fmt::format("It finds {}{} of triangles that intersect: walls inside walls, and slices with crossing "
                       "outlines.",
-                      found.at_least ? "more than " : "", amount(found.pairs, "pair", "pairs")));
+                      found.at_least ? "more than " : "", counted(found.pairs, "pair")));
     }
     if (found.in_one_plane + found.duplicate_triangles > 0) {
       engine("Triangles that overlap in one plane flicker.");
     }
     if (check_.count(Shell::nested) > 0) {
       slicer(fmt::format("It fills {} inside {} twice, or leaves a cavity there.",
-                         amount(check_.count(Shell::nested), "body", "bodies"),
+                         counted(check_.count(Shell::nested), "body", "bodies"),
                          check_.count(Shell::nested) == 1 ? "another" : "others"));
     }
   }
@@ -124,15 +121,14 @@ class Findings {
         if (component.shell != Shell::cavity && component.shell != Shell::undecided)
           smallest = std::min(smallest, component.triangles);
       }
-      slicer(fmt::format("It prints {} separate bodies; the smallest has {}.", bodies,
-                         amount(smallest, "triangle", "triangles")));
+      slicer(fmt::format("It prints {} separate bodies; the smallest has {}.", bodies, counted(smallest, "triangle")));
     }
   }
 
   void tell_shading() {
     if (check_.intersections.zero_area_triangles > 0) {
       engine(fmt::format("It cannot shade {} without area: they have no normal.",
-                         amount(check_.intersections.zero_area_triangles, "triangle", "triangles")));
+                         counted(check_.intersections.zero_area_triangles, "triangle")));
     }
     if (check_.normals && check_.normals->against > 0) {
       engine(fmt::format("It shades {:.2g} % of the corners from the wrong side: their normals point into the mesh.",

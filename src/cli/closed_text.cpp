@@ -9,18 +9,20 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
+
 namespace isoextract::cli {
 namespace {
 
 // Returns the defects of a mesh file besides boundary edges: "not manifold: ...".
 std::string mesh_defects_text(const convert::WeldedDefects& defects) {
   std::vector<std::string> found;
-  const auto add = [&](std::uint64_t count, std::string_view what) {
-    if (count > 0) found.push_back(fmt::format("{} {}", count, what));
+  const auto add = [&](std::uint64_t count, std::string_view one, std::string_view many, std::string_view where) {
+    if (count > 0) found.push_back(fmt::format("{} {}", counted(count, one, many), where));
   };
-  add(defects.nonmanifold_edges, "edges with more than two triangles");
-  add(defects.nonmanifold_vertices, "vertices where sheets touch");
-  add(defects.misoriented_edges, "edges between opposite windings");
+  add(defects.nonmanifold_edges, "edge", "edges", "with more than two triangles");
+  add(defects.nonmanifold_vertices, "vertex", "vertices", "where sheets touch");
+  add(defects.misoriented_edges, "edge", "edges", "between opposite windings");
   return found.empty() ? std::string() : fmt::format("not manifold: {}", fmt::join(found, ", "));
 }
 
@@ -28,8 +30,9 @@ std::string mesh_defects_text(const convert::WeldedDefects& defects) {
 std::string welded_defects_text(const convert::WeldedDefects& welded, const convert::ConversionJob& job) {
   if (job.source.mesh) return mesh_defects_text(welded);
   if (welded.nonmanifold_edges == 0 && welded.nonmanifold_vertices == 0) return {};
-  return fmt::format("not manifold: readers weld touching sheets at {} edges and {} vertices{}",
-                     welded.nonmanifold_edges, welded.nonmanifold_vertices,
+  return fmt::format("not manifold: readers weld touching sheets at {} and {}{}",
+                     counted(welded.nonmanifold_edges, "edge"),
+                     counted(welded.nonmanifold_vertices, "vertex", "vertices"),
                      job.edits.touching == convert::Touching::keep ? " (--touching apart separates them)" : "");
 }
 
@@ -70,11 +73,11 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
   }
   if (!closed && at_clip) text += at_boundary.empty() ? " where --clip cut it" : " and where --clip cut it";
   if (!closed && job.source.mesh && at_boundary.empty() && !at_clip) {
-    text += fmt::format(" at {} edges", output.open_edges.value_or(0));
+    text += " at " + counted(output.open_edges.value_or(0), "edge");
   }
   const bool is_terrain = job.surface.heights && !at_clip;
   if (!closed && (at_clip || !at_boundary.empty())) text += is_terrain ? " (--base H closes it)" : " (--cap closes it)";
-  if (hole_cells > 0) text += fmt::format("; without {} cells around NaN samples", hole_cells);
+  if (hole_cells > 0) text += fmt::format("; without {} around NaN samples", counted(hole_cells, "cell"));
   if (!closed && !defects.empty()) text += "; " + defects;
   return closed && rectangles ? text + ", except for T-junctions along edges (--t-junctions)" : text;
 }

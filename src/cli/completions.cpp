@@ -56,11 +56,10 @@ std::string bash_values(const Command& command) {
   std::string out;
   for (const Option* option : command.options().options()) {
     if (option->is_positional() || !option->takes_value()) continue;
-    const std::vector<std::string> values = option->choices();
-    const std::string action = !values.empty()        ? fmt::format("values=\"{}\"", fmt::join(values, " "))
-                               : option->takes_file() ? "values=@files"
-                                                      : "values=@nothing";
-    out += fmt::format("        {}) {} ;;\n", fmt::join(dashed_names(*option), "|"), action);
+    std::vector<std::string> values = option->choices();
+    if (option->takes_file()) values.insert(values.begin(), "@files");
+    if (values.empty()) values.emplace_back("@nothing");
+    out += fmt::format("        {}) values=\"{}\" ;;\n", fmt::join(dashed_names(*option), "|"), fmt::join(values, " "));
   }
   return out;
 }
@@ -92,7 +91,11 @@ std::string zsh_escaped(const std::string& text) {
 
 std::string zsh_action(const Option& option) {
   const std::vector<std::string> values = option.choices();
-  if (!values.empty()) return fmt::format(":value:({})", fmt::join(values, " "));
+  if (!values.empty()) {
+    // The space before the function keeps zsh from adding arguments of its own.
+    return option.takes_file() ? fmt::format(":value: _isoextract_files_or {}", fmt::join(values, " "))
+                               : fmt::format(":value:({})", fmt::join(values, " "));
+  }
   if (option.is_positional()) return ":input:_isoextract_inputs";
   return option.takes_file() ? ":file:_files" : fmt::format(":{}: ", zsh_escaped(option.row().metavar));
 }
@@ -149,11 +152,8 @@ std::string fish_option(const Command& command, const Option& option) {
     line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
   }
   const std::vector<std::string> values = option.choices();
-  if (!values.empty()) {
-    line += fmt::format(" -x -a '{}'", fmt::join(values, " "));
-  } else if (option.takes_value()) {
-    line += option.takes_file() ? " -r -F" : " -x";
-  }
+  if (option.takes_value()) line += option.takes_file() ? " -r -F" : " -x";
+  if (!values.empty()) line += fmt::format(" -a '{}'", fmt::join(values, " "));
   return line + " -d " + fish_quoted(short_text(option.row().help)) + "\n";
 }
 
@@ -224,7 +224,8 @@ _isoextract() {{
 
   case $candidates in
     @nothing) return ;;
-    @files)
+    @files*)
+      COMPREPLY+=($(compgen -W "${{candidates#@files}}" -- "$current"))
       compopt -o filenames 2>/dev/null
       local file
       while IFS= read -r file; do
@@ -262,6 +263,11 @@ std::string zsh_completion(const Command& program) {
 _isoextract_inputs() {{
   local -a demos=({0})
   _alternative 'files:volume:_files' 'demos:demo field:compadd -a demos'
+}}
+
+_isoextract_files_or() {{
+  local -a choices=("$@")
+  _alternative 'choices:value:compadd -a choices' 'files:file:_files'
 }}
 
 {1}_isoextract() {{

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "cli/gnuplot.hpp"
 
 namespace isoextract::cli {
@@ -48,7 +49,7 @@ std::vector<Line> lines_of(const std::vector<bench::BenchResult>& results) {
       auto line = std::ranges::find_if(
           lines, [&](const Line& known) { return known.hue == hue && known.threads == row.threads; });
       if (line == lines.end()) {
-        const std::string title = fmt::format("{}, {} thread{}", hue, row.threads, row.threads == 1 ? "" : "s");
+        const std::string title = fmt::format("{}, {}", hue, counted(row.threads, "thread"));
         line = lines.insert(line, {hue, row.threads, title, ""});
       }
       line->data += data_row(result, row);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "cli/voxel_plan.hpp"
 #include "convert/json_values.hpp"
@@ -33,8 +34,7 @@ double volume_of(const field::LabelFigures& label, const field::ScalarField& fie
 std::string content_text(const LabelReport& report) {
   const std::vector<field::LabelFigures>& labels = report.map.labels;
   if (report.layers > 0) {
-    return fmt::format("masks: {} with voxels, in {} layer{}", labels.size(), report.layers,
-                       report.layers == 1 ? "" : "s");
+    return fmt::format("masks: {} with voxels, in {}", labels.size(), counted(report.layers, "layer"));
   }
   if (report.map.kind == field::LabelMapKind::binary_mask) {
     return report.map.background ? fmt::format("binary mask: 0 and {}", labels.front().label)

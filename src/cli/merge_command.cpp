@@ -1,6 +1,7 @@
 // `isoextract merge`: joins the shards of a batch.
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/merge_shards.hpp"
@@ -28,9 +29,8 @@ class MergeCommand final : public CommandOf<MergeFlags> {
     }
     const auto merged = TRY(batch::merge_shards(*flags().folder));
     Messages({flags().run.quiet ? Verbosity::quiet : Verbosity::normal})
-        .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged.manifest.string()), merged.frames,
-                             merged.frames == 1 ? "" : "s", merged.shards, merged.shards == 1 ? "" : "s",
-                             merged.absent.empty() ? ", complete" : ""));
+        .summary(fmt::format("{}: {} of {}{}", printable(merged.manifest.string()), counted(merged.frames, "frame"),
+                             counted(merged.shards, "shard"), merged.absent.empty() ? ", complete" : ""));
     if (merged.absent.empty()) return kDone;
     const auto absent = TRY(batch::FrameRange::parse(merged.absent));
     const bool is_one = absent.count() == 1;

@@ -229,7 +229,7 @@ constexpr std::array kGuide{
               "--to-unit mm."},
     NoteGuide{memory_unknown, "The program cannot estimate the memory of a frame.", ""},
     NoteGuide{no_effect, "An option has no effect on this input or output.", "Leave the option out."},
-    NoteGuide{no_plot, "There is nothing to plot.", ""},
+    NoteGuide{no_plot, "bench draws no plot, because it measured no error.", ""},
     NoteGuide{not_coarsened,
               "The grid has too few samples for one of the default factors of --coarser, so bench skips this factor.",
               ""},

@@ -1,6 +1,7 @@
 #include "cli/option.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -20,6 +21,11 @@ std::vector<std::string> split(std::string_view text, char between) {
     if (end == text.size()) return parts;
     begin = end + 1;
   }
+}
+
+// Returns whether a part of a metavar stands for values, such as "N" or "cuda:N".
+bool is_placeholder(const std::string& part) {
+  return std::ranges::any_of(part, [](char c) { return c >= 'A' && c <= 'Z'; });
 }
 
 }  // namespace
@@ -99,11 +105,16 @@ std::string Option::spelling() const {
 }
 
 std::vector<std::string> Option::choices() const {
-  return row_->metavar.find('|') == std::string::npos ? std::vector<std::string>() : split(row_->metavar, '|');
+  if (row_->metavar.find('|') == std::string::npos) return {};
+  std::vector<std::string> words = split(row_->metavar, '|');
+  std::erase_if(words, is_placeholder);
+  return words;
 }
 
 bool Option::takes_file() const {
-  return row_->metavar == "FILE" || row_->metavar == "INPUT" || row_->metavar == "INPUT...";
+  constexpr std::array<std::string_view, 4> kFiles{"FILE", "PATH", "INPUT", "INPUT..."};
+  return std::ranges::any_of(split(row_->metavar, '|'),
+                             [&](const std::string& part) { return std::ranges::find(kFiles, part) != kFiles.end(); });
 }
 
 tl::unexpected<Error> Option::refuse(Error why) const {

@@ -6,8 +6,8 @@
 //   };
 //
 // The parser, help, man page, completions, --config and the refusal of options without effect read these declarations.
-// A metavar with '|' lists values ("mc|mt") or placeholders ("H|none"), which shells offer as they are. Shells complete
-// the metavars FILE and INPUT with paths.
+// A metavar with '|' lists words ("mc|mt"), which shells offer, and placeholders with capitals ("H|none"), which they
+// do not. Shells complete the placeholders FILE, PATH and INPUT with paths.
 #pragma once
 
 #include <array>
@@ -175,7 +175,8 @@ class Option {
   [[nodiscard]] const std::string& name() const { return row_->names.back(); }  // "--output"
   [[nodiscard]] std::string key() const { return name().substr(2); }            // "output", the key in a --config file
   [[nodiscard]] std::string spelling() const;                                   // "-o, --output FILE"
-  [[nodiscard]] std::vector<std::string> choices() const;                       // the metavar, split at '|'; else empty
+  // Returns the words among the parts of a metavar with '|', without placeholders.
+  [[nodiscard]] virtual std::vector<std::string> choices() const;
   [[nodiscard]] bool is_positional() const { return !row_->names.back().starts_with('-'); }
   [[nodiscard]] bool takes_file() const;
   [[nodiscard]] bool takes_value() const { return !row_->metavar.empty(); }

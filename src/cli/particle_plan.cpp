@@ -87,7 +87,7 @@ Result<std::string> set_default_iso(ConvertFlags& flags, const std::string& inpu
   const points::MethodInfo& method = points::method_info(particles.method);
   if (!expected) {
     const auto take_zero = [&] {
-      flags.isos = {convert::IsoChoice::zero()};
+      flags.isos = {convert::IsoChoice::zero_by_default()};
       return std::string();
     };
     if (files::is_standard_input(input) && !read.format) return take_zero();

@@ -20,8 +20,8 @@ namespace isoextract::cli {
 // Returns whether vertices get attributes, by --attribute or only for the colors of --color-by.
 [[nodiscard]] bool has_attributes(const ConvertFlags& flags);
 
-// Sets the iso value if none was given: for particles the default of their method, for other inputs IsoChoice::zero().
-// Returns a note about the default of a method, else an empty text.
+// Sets the iso value if none was given: for particles the default of their method, for other inputs
+// IsoChoice::zero_by_default(). Returns a note about the default of a method, else an empty text.
 //
 // Opens `input` if no option says that it holds particles. Fails with ErrorCode::usage for options that contradict
 // each other or the file; leaves other errors of the file to the reader. Does not read standard input, because that

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include "base/counted.hpp"
 #include "base/memory_budget.hpp"
 #include "base/packed_values.hpp"
 #include "cli/messages.hpp"
@@ -164,13 +165,12 @@ std::optional<std::uint64_t> memory_of_rank() {
 }
 
 std::string ranks_text() {
-  const int machines = joined()->machines;
-  return fmt::format("{} ranks on {} machine{}", joined()->ranks.size(), machines, machines == 1 ? "" : "s");
+  return fmt::format("{} ranks on {}", joined()->ranks.size(), counted(joined()->machines, "machine"));
 }
 
 std::string threads_text(const std::optional<int>& threads) {
   const int each = threads.value_or(tbb::this_task_arena::max_concurrency());
-  return fmt::format("; {} thread{} each", each, each == 1 ? "" : "s");
+  return fmt::format("; {} each", counted(each, "thread"));
 }
 
 double imbalance_of(const std::vector<double>& seconds) {

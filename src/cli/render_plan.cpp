@@ -228,15 +228,14 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
   plan.draws_volume = !inputs.volumes.empty() && !flags.labels.chosen;
   if (flags.transfer) {
     if (inputs.volumes.empty()) return refuse_usage("--tf needs a volume, but all inputs are meshes");
-    const auto named = value_of<render::BuiltInTransfer>(*flags.transfer);
+    const auto named = transfer_of(*flags.transfer);
     plan.draws_volume = *flags.transfer != "none";
     if (!plan.draws_volume) {
       // Surfaces only.
     } else if (named) {
       plan.transfer = *named;
     } else {
-      std::vector<std::string> names{"none"};
-      for (const auto& word : words_of(render::BuiltInTransfer{})) names.emplace_back(word.word);
+      const std::vector<std::string> names = transfer_names();
       if (!files::is_there(*flags.transfer)) {
         const std::string near = nearest_name(*flags.transfer, names);
         return refuse_usage(

@@ -81,7 +81,7 @@ Result<void> check_taps(const std::vector<simulate::WaterTap>& taps, glm::ivec2 
 
 Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind) {
   if (!flags.output || flags.output->empty()) {
-    return refuse_usage("-o FILE is missing: the file that the simulation writes",
+    return refuse_usage("expected -o FILE, the output file of the simulation, found none",
                         fmt::format("for example -o {}", kind.example));
   }
   const auto is_sequence = TRY(names_sequence(*flags.output, kind));

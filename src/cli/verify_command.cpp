@@ -221,7 +221,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     convert::Outcome outcome;
     auto made = extract_again(placed, context, notes, outcome);
     if (!made && record && made.error().code == ErrorCode::usage) {
-      return fail(ErrorCode::input, fmt::format("{}: verify cannot place the volume as this file states: {}",
+      return fail(ErrorCode::input, fmt::format("{}: verify cannot apply the placement that this mesh file records: {}",
                                                 *plan.mesh, made.error().message));
     }
     if (!made) return tl::unexpected(made.error());

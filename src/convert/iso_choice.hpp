@@ -55,21 +55,27 @@ struct IsoChoice {
   enum class Kind {
     known,            // a given iso value or label
     suggested,        // field::suggest_iso(); for particles the default value of their method
-    zero,             // 0 of a level set; refused for other fields. The default for volumes if no iso value is given
+    zero,             // 0 of a level set; refused for other fields. The default for volumes (`by_default`)
     percentile,       // of all samples read, whatever region or resampling is requested
     all_labels,       // each label of a label map
     selected_labels,  // the labels that a LabelSelection contains
     file_meshes,      // the meshes of a mesh file, each one if the output can hold several, else as one
   };
   Kind kind = Kind::known;
-  SurfaceId id;            // of Kind::known; an iso value is finite
-  field::Percent percent;  // of Kind::percentile
-  std::string selection;   // of Kind::selected_labels: a text that LabelSelection::parse() takes
+  SurfaceId id;             // of Kind::known; an iso value is finite
+  field::Percent percent;   // of Kind::percentile
+  std::string selection;    // of Kind::selected_labels: a text that LabelSelection::parse() takes
+  bool by_default = false;  // of Kind::zero: the user gave no iso value
 
   IsoChoice() = default;
   IsoChoice(double iso) : id(iso) {}  // NOLINT(google-explicit-constructor): numbers are the rule
   [[nodiscard]] static IsoChoice suggested() { return IsoChoice(Kind::suggested); }
   [[nodiscard]] static IsoChoice zero() { return IsoChoice(Kind::zero); }
+  [[nodiscard]] static IsoChoice zero_by_default() {
+    IsoChoice choice(Kind::zero);
+    choice.by_default = true;
+    return choice;
+  }
   [[nodiscard]] static IsoChoice percentile(field::Percent percent) { return IsoChoice(Kind::percentile, {}, percent); }
   [[nodiscard]] static IsoChoice label(std::int64_t number) { return IsoChoice(Kind::known, Label{number}); }
   [[nodiscard]] static IsoChoice file_meshes() { return IsoChoice(Kind::file_meshes); }

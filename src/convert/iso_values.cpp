@@ -45,8 +45,15 @@ Hint suggested_by_info() {
 }
 
 Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& field) {
-  if (field.kind == field::FieldKind::level_set) return ResolvedIso{choice, 0, "the zero of the level set"};
-  if (const auto kind = field::guess_label_map(field)) {
+  if (field.kind == field::FieldKind::level_set) return ResolvedIso{choice, 0, "the surface of the level set"};
+  const auto kind = field::guess_label_map(field);
+  if (!choice.by_default) {
+    return fail(ErrorCode::usage,
+                fmt::format("{}: the iso value '{}' is for level sets: expected a level set, found a {}",
+                            field_label(field), text_of(choice), kind ? word_of(*kind) : "density"),
+                kind ? Hint("'isoextract info' prints the command that converts it") : suggested_by_info());
+  }
+  if (kind) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected labels or an iso value, found neither; the samples look like a {}",
                             field_label(field), word_of(*kind)),
@@ -62,7 +69,7 @@ Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& f
 }  // namespace
 
 std::string text_of(const ResolvedIso& iso) {
-  if (iso.id.is_file_mesh()) return iso.id.text();
+  if (iso.id.is_file_mesh() || iso.asked.by_default) return iso.id.text();
   return !iso.asked.is_found() ? text_of(iso.asked) : fmt::format("{} ({})", text_of(iso.asked), iso.id.text());
 }
 
@@ -71,7 +78,7 @@ std::string surface_text(const IsoChoice& asked) {
 }
 
 std::string place_text(const ResolvedIso& asked) {
-  return asked.id.is_file_mesh() ? asked.id.place() : " at " + surface_text(asked.asked);
+  return asked.id.is_file_mesh() || asked.asked.by_default ? asked.id.place() : " at " + surface_text(asked.asked);
 }
 
 bool all_known(std::span<const IsoChoice> choices) { return std::ranges::none_of(choices, &IsoChoice::is_found); }
@@ -123,7 +130,13 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
                   fmt::format("{}: expected a label map, a volume of integers, found particles", label));
     }
     if (choice.kind == IsoChoice::Kind::zero && info.kind != field::FieldKind::level_set) {
-      return fail(ErrorCode::usage, fmt::format("{}: expected an iso value, found none", label), suggested_by_info());
+      if (choice.by_default) {
+        return fail(ErrorCode::usage, fmt::format("{}: expected an iso value, found none", label), suggested_by_info());
+      }
+      return fail(ErrorCode::usage,
+                  fmt::format("{}: the iso value '{}' is for level sets: expected a level set, found a density ({})",
+                              label, text_of(choice), info.title),
+                  suggested_by_info());
     }
     if (choice.is_number()) {
       isos.push_back({choice, choice.id, {}});

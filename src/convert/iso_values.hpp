@@ -20,7 +20,7 @@ struct ResolvedIso {
   std::string found_by;  // "Otsu's threshold (1979) of the histogram"; empty for given iso values and labels
 };
 
-// Returns "0.3", or for a value found in the field "p99 (0.3)".
+// Returns "0.3", or for a value found in the field "p99 (0.3)"; the default value has no word.
 [[nodiscard]] std::string text_of(const ResolvedIso& iso);
 // Returns "iso 0.3", "label 5", "mesh".
 [[nodiscard]] std::string surface_text(const IsoChoice& asked);

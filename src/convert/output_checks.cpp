@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "convert/attribute_volumes.hpp"
 #include "convert/mesh_pieces.hpp"
 #include "convert/particle_source.hpp"
@@ -150,9 +151,7 @@ Error with_kept_files(Error error, const std::vector<mesh_io::WrittenFile>& file
   if (files.empty() || error.code == ErrorCode::cancelled) return error;
   std::vector<std::string> names;
   for (const mesh_io::WrittenFile& file : files) names.push_back(file.path);
-  error.message +=
-      fmt::format("; {} written before stay: {}", names.size() == 1 ? "1 file" : fmt::format("{} files", names.size()),
-                  first_and_last(names));
+  error.message += fmt::format("; {} written before stay: {}", counted(names.size(), "file"), first_and_last(names));
   return error;
 }
 

@@ -125,8 +125,9 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   events.end(report);
   for (const ResolvedIso& iso : source.isos) {
     if (!iso.asked.is_found()) continue;
-    events.note({NoteId::iso_chosen, fmt::format("{}: iso {} is {}: {}", field_label(source.field), text_of(iso.asked),
-                                                 iso.id.text(), iso.found_by)});
+    const std::string word = iso.asked.by_default ? "" : text_of(iso.asked) + " is ";
+    events.note({NoteId::iso_chosen,
+                 fmt::format("{}: iso {}{}: {}", field_label(source.field), word, iso.id.text(), iso.found_by)});
   }
 }
 

@@ -138,12 +138,17 @@ Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
   const float time = time_of(frame);
   const bool is_later = !first || time > time_of(last);
   if (is_later && time < time_of(frame, 1) && std::isfinite(time_of(frame, 1))) return {};
+  if (!starts.empty()) {
+    return fail(ErrorCode::output,
+                fmt::format("{}: frame {} is at {} seconds; float32 cannot separate it from a neighbor frame",
+                            path.string(), frame, time),
+                "the input states the time of each frame: give the frames times that are farther apart");
+  }
   return fail(ErrorCode::output,
               fmt::format("{}: frame {} is at {} seconds; at {} frames per second, float32 cannot separate it from a "
                           "neighbor frame",
                           path.string(), frame, time, frames_per_second),
-              starts.empty() ? "number the frames consecutively, and use a rate such as 24 frames per second"
-                             : "the times of the input place the frames: space them more evenly in the input");
+              "number the frames consecutively, and use a rate such as 24 frames per second");
 }
 
 Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const mesh::Mesh> surfaces,

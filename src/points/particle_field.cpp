@@ -30,8 +30,9 @@ namespace {
 
 constexpr double kBrickSide = field::SparseBlock::kSize;
 constexpr double kInside = 1;  // value of tiles: about the value of the field within the liquid
-// Limit of the average number of particles within a kernel's reach, so that run time is linear in their number.
-// Touching particles with the usual kernel width have 216, with anisotropic kernels 1000.
+// Limit of the average number of particles in the grid cells around a particle, so that run time is linear in the
+// number of particles. The cells hold about 6 times as many particles as are within reach: 216 of touching particles
+// with the usual kernel width, 1000 with anisotropic kernels.
 constexpr std::uint64_t kMaxNeighbors = 32768;
 
 Result<void> check_positive(double value, const char* what) {
@@ -73,8 +74,9 @@ std::uint64_t largest_cell(const CellGrid& grid) {
   return most;
 }
 
-// Fails if the radius is so large relative to the particle distances that nearly all kernels overlap. `support` is that
-// of the largest kernel, in samples.
+// Fails if the radius is so large relative to the particle distances that nearly all kernels overlap. Counts all
+// particles in the cells that a search visits, as these determine the run time. `support` is that of the largest
+// kernel, in samples.
 Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, const FieldOptions& options,
                             double support, const ParticleFieldStatistics& figures, const Context& context) {
   const bool is_anisotropic = options.method == Method::anisotropic;
@@ -88,9 +90,10 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   return fail(
       ErrorCode::input,
       fmt::format(
-          "{}: expected at most {} neighbors per particle on average, found more ({} particles with a radius of "
-          "{:.6g}, neighbors up to {:.6g} away)",
-          particles.label, kMaxNeighbors, figures.particles, figures.radius, widening * support * figures.spacing),
+          "{}: expected at most {} particles on average in the grid cells around a particle, found more ({} particles "
+          "with a radius of {:.6g}, neighbors up to {:.6g} away, in cubes of edge {:.6g})",
+          particles.label, kMaxNeighbors, figures.particles, figures.radius, widening * support * figures.spacing,
+          static_cast<double>(side) * grid.side() * figures.spacing),
       Hint(Remedy::give, Setting::radius,
            usual ? fmt::format("{:.6g} fits the density of the particles", *usual) : ""));
 }

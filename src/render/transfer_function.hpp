@@ -77,7 +77,7 @@ class TransferFunction {
 // range to 3000 K at its end.
 enum class BuiltInTransfer { gray, smoke, fire, bone, rainbow, blackbody };
 constexpr auto words_of(BuiltInTransfer /*type*/) {
-  return std::array{Word{BuiltInTransfer::gray, "grey"},       Word{BuiltInTransfer::smoke, "smoke"},
+  return std::array{Word{BuiltInTransfer::gray, "gray"},       Word{BuiltInTransfer::smoke, "smoke"},
                     Word{BuiltInTransfer::fire, "fire"},       Word{BuiltInTransfer::bone, "bone"},
                     Word{BuiltInTransfer::rainbow, "rainbow"}, Word{BuiltInTransfer::blackbody, "blackbody"}};
 }

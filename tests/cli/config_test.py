@@ -74,7 +74,7 @@ class ConfigTest(ProgramTest):
                 ("config = 'other.toml'\n", ("unknown key 'config'",)),
                 ("[frames]\njobs = 2\n", ("job.toml:1: frames: expected a text, a number or a list of them, found a table",)),
                 ("[batch]\njobs = 2\n", ("job.toml:1: unknown key 'batch'",)),
-                ("iso = 'abc'\n", ("job.toml: --iso: expected a finite number, auto or a percentile from p0 to p100, found 'abc'",)),
+                ("iso = 'abc'\n", ("job.toml: --iso: expected a finite number, auto, zero or a percentile from p0 to p100, found 'abc'",)),
                 ("iso = true\n", ("job.toml:1: iso: expected a text, a number or a list of them, found true or false",)),
                 ("iso = [[1]]\n", ("job.toml:1: iso: expected a text, a number or a list of them, found a list",)),
                 ("iso = 1979-05-27\n", ("found a date or time",)),

@@ -152,6 +152,16 @@ class DocumentsTest(ProgramTest):
                 ("isoextract in.vdb --method=m", ["mc", "mt"]),
                 ("isoextract in.vdb --format g", ["glb", "gltf"]),
                 ("isoextract in.vdb --iso ", []),
+                # Placeholders such as N, R and FILE are no words.
+                ("isoextract in.vdb --radius ", ["auto"]),
+                ("isoextract in.vdb --labels ", ["all"]),
+                ("isoextract in.vdb --volume ", ["all"]),
+                ("isoextract in.vdb --base ", ["none"]),
+                ("isoextract in.vdb --device ", []),
+                ("isoextract render in.vdb --frames ", []),
+                ("isoextract render in.vdb --tf g", ["gray"]),
+                ("isoextract render in.vdb --tf=s", ["smoke"]),
+                ("isoextract render in.vdb --tf i", ["in.nrrd", "in.vdb"]),
                 ("isoextract in.vdb --i", ["--in-process", "--input-format", "--inside", "--iso", "--iso-table"]),
                 ("isoextract in", ["in.nrrd", "in.vdb", "info"]),
                 ("isoextract info in", ["in.nrrd", "in.vdb"]),
@@ -163,6 +173,15 @@ class DocumentsTest(ProgramTest):
                 ("isoextract generate ", ["bash", "fish", "man", "zsh"]),
                 ("isoextract help form", ["formats"])):
             self.assertEqual(self.bash_completes(line), wanted, line)
+
+    def test_placeholders_are_no_words(self):
+        """Words in capitals, such as N in 'N|cuda:N|NAME'."""
+        values = re.findall(r'values="([^"]*)" ;;', self.text("generate", "bash"))
+        values += re.findall(r":value:\(([^)]*)\)|:value: _isoextract_files_or ([a-z ]*)'", self.text("generate", "zsh"))
+        values += re.findall(r" -a '([^']*)'", self.text("generate", "fish"))
+        self.assertGreater(len(values), 100)
+        for words in values:
+            self.assertEqual(re.findall(r"\S*[A-Z]\S*", " ".join(words) if isinstance(words, tuple) else words), [])
 
     def test_bash_completes_commands(self):
         self.assertTrue({name for name in self.commands() if " " not in name} <= set(self.bash_completes("isoextract ")))
@@ -184,6 +203,8 @@ class DocumentsTest(ProgramTest):
         subprocess.run(["fish", "-n", script], check=True)
         for line, wanted in (("isoextract --meth", ["--method"]),
                              ("isoextract x --method ", ["mc", "mt", "surface-nets", "voxels"]),
+                             ("isoextract x --radius ", ["auto"]), ("isoextract x --device ", []),
+                             ("isoextract render x --tf g", ["gray"]), ("isoextract render x --tf isoe", ["isoextract.fish"]),
                              ("isoextract info --js", ["--json"]), ("isoextract info --meth", []),
                              ("isoextract generate ", ["bash", "fish", "man", "zsh"])):
             run = subprocess.run(["fish", "--no-config", "-c", 'source $argv[1]; complete -C $argv[2]', script, line],

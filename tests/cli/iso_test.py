@@ -117,7 +117,7 @@ class IsoTest(ProgramTest):
         self.write_raw("ls.raw", (6, 5, 4), lambda x, y, z: x - 2.25)
         level_set = ("ls.raw", *DIMS, "--inside", "below")
         run = self.convert(*level_set, "-o", "a.ply")
-        self.assertIn("note[iso-chosen]: ls.raw: iso zero is 0: the zero of the level set\n", run.err)
+        self.assertIn("note[iso-chosen]: ls.raw: iso 0: the surface of the level set\n", run.err)
         self.assertEqual(read_ply(self.bytes_of("a.ply")).bounds(), ([2.25, 0, 0], [2.25, 4, 3]))
         self.convert(*level_set, "--iso", "0", "-o", "b.ply")
         self.assertEqual(self.bytes_of("a.ply"), self.bytes_of("b.ply"))
@@ -132,10 +132,22 @@ class IsoTest(ProgramTest):
                           "only a level set has a default iso value", "try --iso auto", "isoextract info")
         self.assertNotIn("c.ply", self.files())
 
+    def test_zero_is_for_level_sets(self):
+        self.write_raw("ls.raw", (6, 5, 4), lambda x, y, z: x - 2.25)
+        run = self.convert("ls.raw", *DIMS, "--inside", "below", "--iso", "zero", "-o", "a.ply")
+        self.assertIn("note[iso-chosen]: ls.raw: iso zero is 0: the surface of the level set\n", run.err)
+        self.assert_fails(1, self.run_program("ls.raw", *DIMS, "--iso", "zero", "-o", "b.ply"),
+                          "ls.raw: the iso value 'zero' is for level sets: expected a level set, found a density",
+                          "try --iso auto")
+        (self.folder / "p.csv").write_text("x,y,z\n0,0,0\n1,0,0\n0,1,0\n")
+        self.assert_fails(1, self.run_program("p.csv", "--particles", "sph", "--radius", "1", "--iso", "zero", "-o", "b.ply"),
+                          "p.csv: the iso value 'zero' is for level sets: expected a level set, found a density (SPH interpolation)")
+        self.assertEqual(self.files(), ["a.ply", "ls.raw", "p.csv"])
+
     def test_words_that_are_none(self):
         for word in ("Auto", "p", "p101", "p-1", "p1e1", "50%", "p0.0000001", "median", "nan", ""):
             self.assert_fails(1, self.run_program("a.raw", *DIMS, "--iso", word, "-o", "b.ply"),
-                              "--iso: expected a finite number, auto or a percentile from p0 to p100")
+                              "--iso: expected a finite number, auto, zero or a percentile from p0 to p100")
 
     def test_verify_takes_the_same_words(self):
         isos = ("--iso", "auto", "--iso", "p70", "--iso", "p69.9")  # the last two are the same sample

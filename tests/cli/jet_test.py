@@ -142,7 +142,7 @@ class JetTest(ProgramTest):
 
     def test_refusals(self):
         for arguments, code, parts in (
-            ((), 1, ("-o FILE is missing", "jet_{:04}.ply")),
+            ((), 1, ("expected -o FILE, the output file of the simulation, found none", "jet_{:04}.ply")),
             (("-o", "a.vdb"), 1, ("a.vdb", ".ply, .npy, .xyz")),
             (("-o", "a_{iso}.ply"), 1, ("{iso}", "no iso value")),
             (("-o", "a.ply", "--count", "0"), 1, ("--count", "'0'")),

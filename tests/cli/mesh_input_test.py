@@ -225,7 +225,7 @@ class MeshInputTest(ProgramTest):
         turned = [t[::-1] for t in triangles[:1]] + triangles[1:]
         for name, some, part in (("open", triangles[1:], "; open at 3 edges;"),
                                  ("turned", turned, "; not manifold: 3 edges between opposite windings;"),
-                                 ("twice", triangles + triangles[:1], "edges with more than two triangles")):
+                                 ("twice", triangles + triangles[:1], "; not manifold: 3 edges with more than two triangles")):
             (self.folder / f"{name}.ply").write_text(ply_text(vertices, some))
             run = self.convert(f"{name}.ply", "-o", f"{name}.obj")
             self.assertIn(part, run.err)

@@ -229,7 +229,7 @@ class BlurTest(ProgramTest):
             components.append(json.loads((self.folder / "a.json").read_text())["meshes"][0]["components"])
         self.assertGreater(components[0], 100)
         self.assertEqual(components[1], 1)
-        self.assertIn("  blurred: the samples by a median of 1 voxels on either side: 13824 samples of f32", run.err)
+        self.assertIn("  blurred: the samples by a median of 1 voxel on either side: 13824 samples of f32", run.err)
         options = json.loads((self.folder / "a.json").read_text())["options"]
         self.assertEqual(options["blurs"], [{"kind": "median", "width": 1, "in_world_units": False}])
 
@@ -244,6 +244,7 @@ class BlurTest(ProgramTest):
 
     def test_a_level_set_stays_sparse(self):
         run = self.convert("demo:sphere?size=64", "--iso", "0", "--resolution", "64", "--blur", "1", "-o", "dense.ply")
+        self.assertIn("the samples by a Gaussian of 1 voxel: ", run.err)
         self.assertIn("closed", run.err)
         run = self.run_program("verify", SPHERE, "--iso", "0", "--blur", "1", "--json")
         self.assertEqual(run.code, 0, run.err)

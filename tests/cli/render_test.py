@@ -140,7 +140,10 @@ class RenderTest(ProgramTest):
         labels = self.picture(*arguments, "--labels", "2", name="a.png")
         alone = self.picture(*arguments, "--labels", "2", "--tf", "none", name="b.png")
         self.assertEqual(labels.difference(alone), 0)
-        self.assertGreater(labels.difference(self.picture(*arguments, "--labels", "2", "--tf", "grey")), 10)
+        gray = self.picture(*arguments, "--labels", "2", "--tf", "gray", name="c.png")
+        self.assertGreater(labels.difference(gray), 10)
+        old_name = self.picture(*arguments, "--labels", "2", "--tf", "grey", name="d.png")
+        self.assertEqual(gray.difference(old_name), 0)
 
     def test_materials_of_meshes_are_seen(self):
         """A glb with two labels in the colors of a table; a contact sheet shows them, too."""

@@ -59,7 +59,7 @@ class SegmentationTest(ProgramTest):
         violet = [x for x in range(96) if png.pixel(x, 32)[2] > 1.5 * png.pixel(x, 32)[1] and png.pixel(x, 32)[3] == 255]
         self.assertGreater(min(len(red), len(violet)), 4)
         self.assertGreater(min(red), max(violet))
-        for more in (("--tf", "grey"), ("--iso", "0.5")):
+        for more in (("--tf", "gray"), ("--iso", "0.5")):
             self.assertNotIn("all labels, because", self.convert("render", "s.seg.nrrd", *more, "--size", "9x9", "-o", "b.png").err)
 
     def write(self, name, data):

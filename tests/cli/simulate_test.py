@@ -145,7 +145,7 @@ class SimulateTest(ProgramTest):
 
         self.assert_fails(1, refused("simulate"), "simulate needs a subcommand, one of water")
         self.assert_fails(1, refused("simulate", "wtaer"), "found 'wtaer'", "did you mean 'water'?")
-        self.assert_fails(1, refused(*WATER), "-o FILE is missing", "water_{:04}.nrrd")
+        self.assert_fails(1, refused(*WATER), "expected -o FILE, the output file of the simulation, found none", "water_{:04}.nrrd")
         self.assert_fails(1, refused(*WATER, "-o", "w.glb"), "expected a name that ends in .npy, .nrrd, .raw, .vdb")
         self.assert_fails(1, refused(*WATER, "-o", "w.npy", "x.vdb"), "unexpected argument 'x.vdb'")
         self.assert_fails(1, refused(*WATER, "-o", "w.npy", "--stpes", "3"), "'--stpes' for 'simulate water'", "'--steps'")

@@ -60,7 +60,8 @@ class TouchingTest(ProgramTest):
                 with self.subTest(inside=inside, way=way):
                     kept = self.stl(*source, *way, "--touching", "keep")
                     self.assertNotEqual(defects(kept), (0, 0))
-                    self.assertIn("not manifold: readers weld touching sheets at", self.last.err)
+                    edges = "1 edge" if inside is EDGE else "0 edges"
+                    self.assertIn(f"not manifold: readers weld touching sheets at {edges} and", self.last.err)
                     self.assertNotIn("closed", self.last.err)
                     facts = json.loads((self.folder / "r.json").read_text())["meshes"][0]
                     self.assertFalse(facts["closed"])

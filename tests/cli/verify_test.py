@@ -33,6 +33,16 @@ class VerifyTest(ProgramTest):
             self.assertEqual(report["vertices_only"], [0, 0])
             self.assertEqual(report["distance"], [0, 0, 0])
 
+    def test_a_recorded_placement_that_the_volume_does_not_allow(self):
+        self.convert(SPHERE, "-o", "plain.nrrd")
+        header, samples = (self.folder / "plain.nrrd").read_bytes().split(b"\n\n", 1)
+        space = header.replace(b"space dimension: 3", b"space: left-posterior-superior")
+        self.assertNotEqual(space, header)
+        (self.folder / "lps.nrrd").write_bytes(space + b"\n\n" + samples)
+        self.write("ras.ply", "lps.nrrd", "--iso", "0", "--inside", "below", "--to-space", "ras")
+        run = self.run_program("verify", "plain.nrrd", "--iso", "0", "--inside", "below", "ras.ply")
+        self.assert_fails(2, run, "ras.ply: verify cannot apply the placement that this mesh file records: plain.nrrd: ")
+
     def test_text_and_flat_normals_and_sparse_input(self):
         for name, *options in (("a.ply", "--ascii"), ("b.stl", "--ascii"), ("c.glb", "--normals", "flat"),
                                ("d.ply", "--normals", "smooth"), ("e.obj", "--normals", "flat")):

@@ -85,8 +85,10 @@ struct ConvertFlags : OptionSet {
   IsoOption isos{
       everyday(in(OptionGroup::surface)), "",
       fmt::format(
-          " Several times for {}. Default: 0 for level sets, the usual value for particles; other inputs need one.",
-          of_ == Of::convert ? "several surfaces" : "the several surfaces of a mesh")};
+          " Several times for {}. Default: 0 for level sets, the usual value for particles{} need one{}.",
+          of_ == Of::convert ? "several surfaces" : "the several surfaces of a mesh",
+          of_ == Of::convert ? ", 0.5 for integers with --method surface-nets. Other volumes" : "; other volumes",
+          of_ == Of::convert ? ", unless they name labels" : "")};
   SurfaceFlags surface{*this};
   LabelFlags labels{*this, of_ == Of::convert ? LabelFlags::Taken::all : LabelFlags::Taken::samples};
   Flag heightfield{
@@ -140,8 +142,9 @@ struct ConvertFlags : OptionSet {
   Value<convert::Normals> normals{
       only_convert(OptionGroup::surface), "--normals",
       "Normals to store. none; flat, one per triangle; smooth, the gradient of the field at each vertex; area, the "
-      "area-weighted mean of the triangles around each vertex. Default: smooth for glb and gltf, none for ply, obj and "
-      "drc; stl always has flat ones. With --cap and --simplify a vertex has one normal for each side of a crease.",
+      "area-weighted mean of the triangles around each vertex. Default for glb and gltf: smooth; area for terrain and "
+      "mesh files; none for surface nets and voxels. None for ply, obj and drc; stl always has flat ones. With --cap "
+      "and --simplify a vertex has one normal for each side of a crease.",
       About::surface};
   Value<convert::SimplifyBound> simplify{
       everyday(in(OptionGroup::surface)),
@@ -222,7 +225,8 @@ struct ConvertFlags : OptionSet {
                              "Format of the output, whatever the extension."};
   ViewFlags view{of_ == Of::convert ? this : nullptr,
                  {"--background-color", "light gray",
-                  "(default: 960x720). Also of each picture on a page or a contact sheet, by default 320x240 there.",
+                  "(default: 960x720). Also of the pictures on a page or a contact sheet. Default on contact sheets "
+                  "and on pages of several frames: 320x240.",
                   "In the coordinates of the surfaces; pages and contact sheets take those of the mesh file.",
                   "the center of the surfaces"}};
   Flag half{only_convert(OptionGroup::output), "--half", "Store a field as 16-bit floats (.vdb, .npy)."};
@@ -247,10 +251,10 @@ struct ConvertFlags : OptionSet {
       "takes the given number of bits. The file is decoded again, and the distance that vertices moved is reported.",
       About::surface | About::mesh_file,
       IfLeftOut{"auto"}};
-  Flag quantize{
-      only_convert(OptionGroup::output), "--quantize",
-      "Write glb or gltf with 16-bit positions. On the lattice of --draco, with 8-bit normals (KHR_mesh_quantization).",
-      About::surface | About::mesh_file};
+  Flag quantize{only_convert(OptionGroup::output), "--quantize",
+                "Write glb or gltf with 16-bit positions. On the lattice of --draco: the step is at most 1/32 voxel, "
+                "unless the volume is longer than 65,535 such steps. Normals have 8 bits (KHR_mesh_quantization).",
+                About::surface | About::mesh_file};
   Flag meshopt{only_convert(OptionGroup::output), "--meshopt",
                "Compress glb or gltf with meshoptimizer, lossless. (EXT_meshopt_compression.) Smaller together with "
                "--quantize and --optimize-order.",

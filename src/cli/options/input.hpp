@@ -61,18 +61,16 @@ struct InputFlags : OptionSet {
       "Grid or array of a file that has several. For VDB, .npz, VTK, HDF5 and other files. 'isoextract info' lists "
       "the names; NAME[k] chooses one of several "
       "grids of the same name. convert takes the option several times: each grid has its own surfaces."};
-  Value<VolumeChoice> volume{*this, "--volume", use_.all_volumes ? "K|all" : "K", parse_volume,
-                             std::string("Number of the volume in the file, counted from 0.") +
-                                 (use_.all_volumes ? " all converts each of them." : "") +
-                                 " For NIfTI, NRRD, NPY and raw files that hold several volumes, such as time steps, "
-                                 "and for the frames of a file "
-                                 "of particles. 'isoextract info' shows how many there are."};
+  Value<VolumeChoice> volume{
+      *this, "--volume", use_.all_volumes ? "K|all" : "K", parse_volume,
+      std::string("Number of the volume in the file, counted from 0.") +
+          (use_.all_volumes ? " all converts each of them." : "") +
+          " For files that hold several volumes, such as time steps (NIfTI, NRRD, NPY, netCDF, ...), and for the "
+          "frames of a file of particles. 'isoextract info' shows how many there are."};
   Value<volume_io::ComponentChoice> component{
       *this, "--component", "K|length", parse_component,
-      "One component of samples that are vectors, or length. For NIfTI, NRRD, NumPy and raw files with several numbers "
-      "per sample, such as vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then "
-      "read as "
-      "[z, y, x, c]."};
+      "One component of samples that are vectors, or length. For files with several numbers per sample, such as "
+      "vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then read as [z, y, x, c]."};
   Value<std::uint64_t> level{*this, "--level", "K", parse_count,
                              "Resolution to read, of a file that has several. 0 is the finest (default). For OME-Zarr, "
                              "Imaris and BigDataViewer."};
@@ -125,7 +123,7 @@ struct InputFlags : OptionSet {
       "Default: as the file says, otherwise above."};
   MemoryLimit memory_limit{*this};
   Flag in_process{*this, "--in-process",
-                  "Read plug-in formats without the child process. Plug-ins (VTK, points and vectors of OpenVDB) "
+                  "Read plug-in formats without the child process. Plug-ins ('isoextract formats' lists them) "
                   "otherwise read in a child process with limits. Use it only for files that you trust: a damaged file "
                   "can crash the program, hang it, or take more memory than --memory-limit."};
 

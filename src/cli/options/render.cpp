@@ -6,11 +6,21 @@
 
 namespace isoextract::cli {
 
-std::string transfer_list() {
-  std::vector<std::string_view> names;
-  for (const auto& word : words_of(render::BuiltInTransfer{})) names.push_back(word.word);
-  return fmt::format("{}", fmt::join(names, ", "));
+std::vector<std::string> transfer_names() {
+  std::vector<std::string> names = words_of_choices(choices_of_words<render::BuiltInTransfer>());
+  names.emplace_back("none");
+  return names;
 }
+
+std::optional<render::BuiltInTransfer> transfer_of(std::string_view name) {
+  return name == "grey" ? render::BuiltInTransfer::gray : value_of<render::BuiltInTransfer>(name);
+}
+
+TransferOption::TransferOption(const Place& place)
+    : Value(place, "--tf", "NAME|FILE", parse_text,
+            fmt::format("Transfer function of the volume (default: {}). {} to leave the volume out, or a file with "
+                        "lines of value, red, green, blue and opacity.",
+                        word_of(render::BuiltInTransfer{}), fmt::join(transfer_names(), ", "))) {}
 
 Result<std::array<double, 2>> parse_value_range(std::string_view text) {
   const auto numbers = parse_numbers(text);

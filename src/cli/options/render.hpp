@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -22,14 +24,24 @@
 
 namespace isoextract::cli {
 
-// Returns the names of the built-in transfer functions, separated by commas.
-[[nodiscard]] std::string transfer_list();
+// Returns the names of the built-in transfer functions, then "none".
+[[nodiscard]] std::vector<std::string> transfer_names();
+// Returns the function of a name or an alias; nullopt for other texts.
+[[nodiscard]] std::optional<render::BuiltInTransfer> transfer_of(std::string_view name);
 
 // Parses the value of an option. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::array<double, 2>> parse_value_range(std::string_view text);  // MIN,MAX, MIN below MAX
 [[nodiscard]] Result<double> parse_samples(std::string_view text);                     // 1/64 to 64
 [[nodiscard]] Result<int> parse_rays_across(std::string_view text);                    // 1 to 4
 [[nodiscard]] Result<double> parse_termination(std::string_view text);                 // 0 or more, below 1
+
+// Takes the name of a transfer function, none, or a file.
+struct TransferOption : Value<std::string> {
+  explicit TransferOption(const Place& place);
+  using Value::operator=;
+
+  [[nodiscard]] std::vector<std::string> choices() const override { return transfer_names(); }
+};
 
 struct RenderFlags : OptionSet {
   RenderFlags();
@@ -66,10 +78,7 @@ struct RenderFlags : OptionSet {
       in(OptionGroup::output), "--up",
       "Axis that points up in volume and picture. With z, meshes of glTF files, which are y up, "
       "are turned to z up. Default: y if every input is a mesh that 'isoextract --up y' wrote, else z."};
-  Value<std::string> transfer{in(OptionGroup::output), "--tf", "NAME|FILE", parse_text,
-                              fmt::format("Transfer function of the volume (default: {1}). {0}, none to leave the "
-                                          "volume out, or a file with lines of value, red, green, blue and opacity.",
-                                          transfer_list(), word_of(render::BuiltInTransfer{}))};
+  TransferOption transfer{in(OptionGroup::output)};
   Value<std::array<double, 2>> transfer_range{
       in(OptionGroup::output),
       "--tf-range",

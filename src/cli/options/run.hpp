@@ -35,10 +35,10 @@ struct RunFlags : OptionSet {
   Place from(Taken least) { return taken_ >= least ? Place(*this) : Place(); }
 
  public:
-  Value<int> threads{
-      from(Taken::all), "--threads", "N", parse_thread_count,
-      "Number of threads (default: all). The output does not depend on it. With 1 the program starts no other thread."};
-  Flag quiet{from(Taken::quiet), "-q,--quiet", "Print errors and results only."};
+  Value<int> threads{from(Taken::all), "--threads", "N", parse_thread_count,
+                     "Number of threads (default: all). The output does not depend on it. With 1 only the progress "
+                     "display, the GPU and MPI have threads of their own."};
+  Flag quiet{from(Taken::quiet), "-q,--quiet", "Print only errors, and results that go to stdout."};
   Value<std::vector<NoteId>> no_note{from(Taken::verbosity), "--no-note", "ID,ID,...", parse_note_ids,
                                      "Hide the notes of these ids. A note shows its id: 'note[open-mesh]: ...'. "
                                      "'isoextract help notes' lists all ids; "

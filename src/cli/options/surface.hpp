@@ -24,14 +24,16 @@ namespace isoextract::cli {
 // `before` and `after` are further parts of the help text.
 struct IsoOption : Values<convert::IsoChoice> {
   IsoOption(const Place& place, std::string_view before, std::string_view after)
-      : Values(place, "--iso", "V", parse_iso,
-               fmt::format(
-                   "{}Iso value of the surface: a number, p99 or auto. p99, p0.5 and so on are percentiles of the "
-                   "samples, without NaN and without the background of sparse grids; --roi and --resolution do not "
-                   "change it. "
-                   "auto is the value that 'isoextract info' suggests, for particles the usual value of the method.{}",
-                   before, after),
-               About::surface) {}
+      : Values(
+            place, "--iso", "V", parse_iso,
+            fmt::format(
+                "{}Iso value of the surface: a number, p99, auto or zero. p99, p0.5 and so on are percentiles of the "
+                "samples, without NaN and without the background of sparse grids; --roi and --resolution do not "
+                "change it. "
+                "auto is the value that 'isoextract info' suggests, for particles the usual value of the method. zero "
+                "is the surface of a level set.{}",
+                before, after),
+            About::surface) {}
   using Values::operator=;
 };
 
@@ -94,8 +96,8 @@ struct SurfaceFlags : OptionSet {
   Values<convert::FilterStep> filters{
       *this, "--filter", "gaussian|median|mean", parse_filter,
       "Filter a level set before extraction. For level sets of VDB files, and of --particles spheres and smooth. Each "
-      "value is taken from samples up to 1 voxel away, or up to 3 with gaussian:3. Several times for several filters, "
-      "in their order. Needs the OpenVDB plug-in."};
+      "value is taken from samples up to N voxels away (median:N, mean:N; default 1), for gaussian:N up to 4 N. "
+      "Several times for several filters, in their order. Needs the OpenVDB plug-in."};
   Values<convert::BlurStep> blurs{
       *this, "--blur", "SIGMA|median:N", parse_blur,
       "Blur the field before extraction. SIGMA is the standard deviation of a Gaussian, in voxels (1.5) or the input's "

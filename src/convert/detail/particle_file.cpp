@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/no_surface.hpp"
@@ -140,7 +141,7 @@ Result<std::optional<mesh_io::WrittenFile>> write_particle_file(const Conversion
   report.output.emplace();
   const std::size_t attributes = particles.attributes.size() + particles.words.size();
   report.output->samples =
-      fmt::format("{} particles with {} attribute{}", particles.size(), attributes, attributes == 1 ? "" : "s");
+      fmt::format("{} with {}", counted(particles.size(), "particle"), counted(attributes, "attribute"));
   report.output->bytes = bytes;
   events.end(report);
   return mesh_io::WrittenFile{output.path, bytes};

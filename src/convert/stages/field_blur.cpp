@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/stopwatch.hpp"
 #include "field/blur.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -30,8 +31,9 @@ std::string blurred_text(const field::ScalarField& field) {
 }  // namespace
 
 std::string text_of(const BlurStep& step) {
-  if (step.kind == BlurKind::median) return fmt::format("a median of {} voxels on either side", step.width);
-  return fmt::format("a Gaussian of {}{}", step.width, step.in_world_units ? " of the input's units" : " voxels");
+  if (step.kind == BlurKind::median) return fmt::format("a median of {} on either side", counted(step.width, "voxel"));
+  return step.in_world_units ? fmt::format("a Gaussian of {} of the input's units", step.width)
+                             : "a Gaussian of " + counted(step.width, "voxel");
 }
 
 Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& label, const Context& context,

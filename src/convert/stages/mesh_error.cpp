@@ -7,6 +7,7 @@
 
 #include "accuracy/analytic_error.hpp"
 #include "accuracy/field_error.hpp"
+#include "base/counted.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -132,10 +133,12 @@ std::string coverage_text(double iso, const accuracy::SurfaceCoverage& coverage)
     sizes = fmt::format("{}, everywhere at most about {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
                         world_text(distances));
   }
-  return fmt::format("error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,
-                     coverage.lost == 0
-                         ? fmt::format("the mesh has all {} components", coverage.components)
-                         : fmt::format("the mesh lacks {} of {} components", coverage.lost, coverage.components));
+  return fmt::format(
+      "error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,
+      coverage.lost == 0
+          ? coverage.components == 1 ? "the mesh has the only component"
+                                     : fmt::format("the mesh has all {} components", coverage.components)
+          : fmt::format("the mesh lacks {} of {}", coverage.lost, counted(coverage.components, "component")));
 }
 
 std::vector<std::string> summary_of(const MeshError& error, double iso) {

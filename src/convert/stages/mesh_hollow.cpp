@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/place_report.hpp"
 #include "convert/placement.hpp"
@@ -120,8 +121,8 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
   std::string text = fmt::format(
       "hollowed{}: wall of {:.4g}; {} of volume {:.4g}, {} triangles; measured thickness {:.4g} to {:.4g}, typical "
       "difference {:.2g} (cells of {:.4g})",
-      surface.id.place(), thickness, facts.cavities == 1 ? "1 cavity" : fmt::format("{} cavities", facts.cavities),
-      cavity_volume, triangles, facts.thinnest, facts.thickest, facts.rms_difference, cell);
+      surface.id.place(), thickness, counted(facts.cavities, "cavity", "cavities"), cavity_volume, triangles,
+      facts.thinnest, facts.thickest, facts.rms_difference, cell);
   if (facts.loose_walls == 1) text += "; 1 wall around a cavity of the surface is loose in it";
   if (facts.loose_walls > 1) {
     text += fmt::format("; {} walls around cavities of the surface are loose in it", facts.loose_walls);

@@ -5,17 +5,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "check/mesh_check.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/repair.hpp"
 
 namespace isoextract::convert {
 namespace {
-
-// Returns "1 hole", "2 holes".
-std::string counted(std::uint64_t count, std::string_view one) {
-  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
-}
 
 std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& choice) {
   std::vector<std::string> steps;
@@ -30,14 +26,11 @@ std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& cho
                                 counted(facts.fill_triangles, "triangle")));
   }
   if (facts.vertices_split > 0) {
-    const bool one = facts.vertices_split == 1;
-    steps.push_back(fmt::format("added {} of vertices where sheets touch",
-                                one ? "1 copy" : std::to_string(facts.vertices_split) + " copies"));
+    steps.push_back(
+        fmt::format("added {} of vertices where sheets touch", counted(facts.vertices_split, "copy", "copies")));
   }
   if (facts.unused_removed > 0) {
-    steps.push_back(facts.unused_removed == 1
-                        ? "removed 1 vertex without a triangle"
-                        : fmt::format("removed {} vertices without a triangle", facts.unused_removed));
+    steps.push_back(fmt::format("removed {} without a triangle", counted(facts.unused_removed, "vertex", "vertices")));
   }
   if (facts.components_turned > 0) {
     steps.push_back(fmt::format("flipped the winding of {}", counted(facts.components_turned, "component")));

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/bounded_simplify.hpp"
 #include "edit/label_net.hpp"
@@ -190,7 +191,7 @@ Notes notes_of(const Simplified& done, const std::string& surface) {
              "{}: simplification moved {} out of the surrounding body, because the wall between them is thinner "
              "than the allowed distance; set a "
              "smaller distance or more triangles, or fill cavities",
-             surface, done.left_bodies == 1 ? "1 cavity" : fmt::format("{} cavities", done.left_bodies))});
+             surface, counted(done.left_bodies, "cavity", "cavities"))});
   }
   // A closed component has at least four triangles.
   const std::uint64_t asked = done.asked;

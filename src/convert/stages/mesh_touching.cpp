@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/allocation_error.hpp"
+#include "base/counted.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "edit/separate_touching.hpp"
@@ -103,7 +104,7 @@ std::optional<std::string> note_of_touching(std::span<const StageReport> reports
       "sheets of {} touch at edges or vertices; {} of the {} vertices there moved apart, by at most {:.3g} in the "
       "mesh's "
       "units. Programs that weld vertices by position now keep the sheets apart",
-      surfaces == 1 ? "1 surface" : fmt::format("{} surfaces", surfaces), moved, touching, move);
+      counted(surfaces, "surface"), moved, touching, move);
   if (change > 0) text += fmt::format("; volumes changed by at most {:.2g} %", 100 * change);
   return text;
 }

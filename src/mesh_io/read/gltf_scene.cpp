@@ -69,12 +69,12 @@ GltfScene find_gltf_scene(const json& model, MemoryUse& memory) {
   const auto wait_for = [&](const json& object, const char* key, const Transform& parent) {
     const auto list = object.find(key);
     if (list == object.end()) return;
-    if (!list->is_array()) throw DamagedMesh(fmt::format("expected a list as '{}', found {}", key, shown(*list)));
+    if (!list->is_array() ||
+        !std::all_of(list->begin(), list->end(), [](const json& node) { return node.is_number_unsigned(); })) {
+      throw DamagedMesh(fmt::format("'{}': expected a list of node indices, found {}", key, shown(*list)));
+    }
     memory.make_room(waiting, list->size());
     for (auto node = list->rbegin(); node != list->rend(); ++node) {
-      if (!node->is_number_unsigned()) {
-        throw DamagedMesh(fmt::format("expected indices of nodes as '{}', found {}", key, shown(*list)));
-      }
       waiting.emplace_back(node->get<std::uint64_t>(), parent);
     }
   };

@@ -32,8 +32,8 @@ field::ScalarField two_heaps(const std::string& name = "heaps") {
   return field;
 }
 
-field::ScalarField constant_field() {
-  auto owner = std::make_shared<std::vector<float>>(8, 5.0F);
+field::ScalarField constant_field(float value = 5) {
+  auto owner = std::make_shared<std::vector<float>>(8, value);
   field::ScalarField field;
   field.samples = field::DenseSamples{field::SampleType::f32, {2, 2, 2}, owner, owner->data()};
   field.source = "flat.raw";
@@ -41,7 +41,8 @@ field::ScalarField constant_field() {
 }
 
 TEST(IsoChoice, ParsesItsOwnText) {
-  for (const char* word : {"auto", "p0", "p99", "p99.9", "p0.000001", "p100"}) EXPECT_EQ(text_of(choice(word)), word);
+  for (const char* word : {"auto", "zero", "p0", "p99", "p99.9", "p0.000001", "p100"})
+    EXPECT_EQ(text_of(choice(word)), word);
   EXPECT_EQ(text_of(choice("p050.50")), "p50.5");
   for (const char* word : {"", "p", "Auto", "AUTO", "auto ", "p-1", "p101", "p1e1", "99", "P99", "p99%", "pnan"}) {
     EXPECT_FALSE(iso_choice_of(word)) << word;
@@ -102,6 +103,23 @@ TEST(ResolveIsos, SuggestsZeroForLevelSet) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->front().id, 0);
   EXPECT_EQ(found->front().found_by, "the zero of the level set");
+}
+
+TEST(ResolveIsos, TellsGivenZeroFromDefault) {
+  field::ScalarField field = constant_field(0.3F);  // no label
+  const auto given = resolve_isos(std::vector{choice("zero")}, field, false, Context());
+  ASSERT_FALSE(given);
+  EXPECT_EQ(given.error().message,
+            "flat.raw: the iso value 'zero' is for level sets: expected a level set, found a density");
+  const auto none = resolve_isos(std::vector{IsoChoice::zero_by_default()}, field, false, Context());
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("expected an iso value for a density, found none"), std::string::npos);
+  field.kind = field::FieldKind::level_set;
+  const auto both = resolve_isos(std::vector{choice("zero"), IsoChoice::zero_by_default()}, field, false, Context());
+  ASSERT_TRUE(both) << both.error().message;
+  EXPECT_EQ(text_of(both->at(0)), "zero (0)");
+  EXPECT_EQ(text_of(both->at(1)), "0");
+  EXPECT_EQ(place_text(both->at(1)), " at iso 0");
 }
 
 TEST(ResolveIsos, RefusesSuggestionForConstantField) {

@@ -34,7 +34,13 @@ TEST(AnimationTimes, ShowsFramesFromGivenTimes) {
   EXPECT_NEAR(played.duration(), 0.6, 1e-6);
   AnimationWriter dense = make();
   dense.set_starts(frames, std::vector{0.0, 1e6, 1e6 + 1e-3, 2e6});
-  EXPECT_FALSE(dense.check_times(frames));
+  const auto refused = dense.check_times(frames);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find(" seconds; float32 cannot separate it from a neighbor frame"),
+            std::string::npos)
+      << refused.error().message;
+  EXPECT_EQ(refused.error().hint,
+            Hint("the input states the time of each frame: give the frames times that are farther apart"));
 }
 
 }  // namespace

@@ -218,6 +218,10 @@ TEST_F(MeshReaderTest, RefusesDamagedGltf) {
                "expected 36 bytes of buffer 0, found 32");
   expect_error("a.gltf", replaced("\"attributes\"", "\"mode\":7,\"attributes\""), "found 7");
   expect_error("a.gltf", gltf(R"({"mesh":0,"children":[0]})"), "found node 0 twice");
+  for (const char* children : {"1", "[-1]", R"(["a"])"}) {
+    expect_error("a.gltf", gltf(std::string(R"({"mesh":0,"children":)") + children + "}"),
+                 "'children': expected a list of node indices, found ");
+  }
   expect_error("a.gltf", gltf(R"({"mesh":7})"), "entries of 'meshes', found 7");
   expect_error("a.gltf", gltf(R"({"mesh":0,"matrix":[1,2]})"), "expected 16 numbers as 'matrix'");
   expect_error("a.gltf", gltf(R"({"mesh":0,"scale":[1,null,1]})"), "expected numbers as 'scale'");
