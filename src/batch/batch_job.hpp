@@ -46,7 +46,7 @@ struct BatchJob {
 };
 
 // Returns the files that a frame writes. Of an output split into bodies, returns only the first body's files. Names of
-// label files keep their placeholders {label} and {name}.
+// label files keep their placeholders {label} and {name}, so they name no files: ExistingFiles finds those that exist.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
 
 // Returns 32 hexadecimal digits that identify all frames, their jobs and the animation (see convert::hash_of()).

@@ -1,6 +1,7 @@
 #include "batch/batch_run.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <mutex>
 #include <system_error>
 #include <unordered_set>
@@ -13,10 +14,13 @@
 #include "base/stopwatch.hpp"
 #include "batch/detail/animation.hpp"
 #include "batch/detail/frame_sharing.hpp"
+#include "batch/existing_files.hpp"
 #include "batch/manifest.hpp"
 #include "batch/merge_shards.hpp"
+#include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
 #include "files/output_file.hpp"
+#include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -93,6 +97,8 @@ struct BatchRun::State final : FrameEvents {
   std::vector<FrameRow> rows;  // by frame index; only the thread that converts the frame writes to its row
   std::vector<std::vector<FileRecord>> inputs;
   std::vector<FrameRecord> records;  // of an animation's frames, until the animation is written
+  // By frame index: label files of an earlier run; read-only during the run. Empty if this run renames none.
+  std::vector<std::vector<convert::OutputFileJob>> old_label_outputs;
   // 1: not converted. A frame that was converted but whose report failed is not missing.
   std::vector<char> is_missing;
   FrameDesk* desk = nullptr;           // hands out frames to other ranks
@@ -121,13 +127,14 @@ std::vector<std::size_t> BatchRun::State::keep_finished_frames() {
   // The contents of reports are not recorded, so a frame without a report is converted again.
   const auto lacks_report = [&](std::size_t i) { return !events->has_report(i); };
   if (all && std::ranges::any_of(frames, lacks_report)) all.reset();
+  ExistingFiles existing;
   std::vector<std::size_t> others;
   for (const std::size_t i : frames) {
     const FrameJob& frame = batch.frames[i];
     const FrameRecord* record = all ? &(*all)[i] : nullptr;
     if (!animation && resumes) record = manifest->find(convert::hash_of(frame.job));
     const bool is_done = options.resume_policy == ResumePolicy::keep_existing
-                             ? std::ranges::any_of(files_of(frame.job), files::is_there)
+                             ? !existing.find(frame.job).empty()
                              : record != nullptr && events->has_report(i) &&
                                    (animation.has_value() || reason_to_reconvert(*record, frame).empty());
     if (is_done) {
@@ -256,17 +263,27 @@ void BatchRun::State::set_aside_meshes(const convert::Outcome& outcome, Finished
   const convert::ConversionJob& job = batch.frames[finished.frame].job;
   const files::InputFileSet* read = options.scheduler.extras.read;
   if (animation || read == nullptr) return;
-  for (const convert::OutputFileJob& output : job.outputs) {
+  std::vector<convert::OutputFileJob> outputs = job.outputs;
+  if (!old_label_outputs.empty()) {
+    // {name} stands for any text, so the file may be of another program.
+    for (const convert::OutputFileJob& output : old_label_outputs[finished.frame]) {
+      if (mesh_io::is_written_by_isoextract(convert::piece_path(output.path, 1), context)) outputs.push_back(output);
+    }
+  }
+  std::vector<std::string> shown;
+  for (const convert::OutputFileJob& output : outputs) {
     const auto names = convert::rename_old_meshes(output, job.meshes().format, *read, outcome.files, context);
     if (!names) {
       finished.row.error += fmt::format("; {}", names.error().message);
       continue;
     }
-    for (const std::string& name : *names) {
-      finished.row.error += fmt::format("; the old mesh is now {}", printable(name));
-    }
+    for (const std::string& name : *names) shown.push_back(printable(name));
     finished.set_aside.insert(finished.set_aside.end(), names->begin(), names->end());
   }
+  if (shown.empty()) return;
+  finished.row.error +=
+      shown.size() == 1 ? fmt::format("; the old mesh is now {}", shown.front())
+                        : fmt::format("; the {} old files are now {}", shown.size(), convert::first_and_last(shown));
 }
 
 Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
@@ -347,6 +364,8 @@ RunResult BatchRun::State::run_for_first_rank() {
 RunResult BatchRun::State::run(RunEvents& the_events) {
   events = &the_events;
   options.scheduler.extras.field_notes = [this](const field::ScalarField& field) { return notes_about(field); };
+  // Before the ranks begin to convert, so that no rank finds files of this run.
+  if (options.scheduler.extras.read != nullptr && !animation) old_label_outputs = find_label_outputs(batch);
   if (options.ranks != nullptr && !options.ranks->is_first()) return run_for_first_rank();
   const std::vector<std::size_t> others = keep_finished_frames();
   convert_frames(others);
@@ -393,13 +412,12 @@ fs::path manifest_folder(const BatchJob& batch) {
 
 Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                                const OtherFiles& others, const Context& context) {
-  std::vector<fs::path> there;  // files to write that exist already
-  std::unordered_set<std::string> meshes;
+  std::vector<fs::path> there;             // files to write that exist already
+  std::unordered_set<std::string> meshes;  // these, and files that labels may get
+  ExistingFiles existing;
   for (const FrameJob& frame : batch.frames) {
-    for (fs::path& file : files_of(frame.job)) {
-      meshes.insert(file.lexically_normal().string());
-      if (files::is_there(file)) there.push_back(std::move(file));
-    }
+    for (const fs::path& file : existing.find(frame.job)) meshes.insert(file.lexically_normal().string());
+    std::ranges::copy_if(files_of(frame.job), std::back_inserter(there), files::is_there);
   }
   TRY(check_replaced_shard(manifest_folder(batch), batch, shard, meshes));
   for (const NamedFile& file : others.written) {
@@ -408,7 +426,7 @@ Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& b
   const bool splits =
       std::ranges::any_of(batch.frames, [](const FrameJob& frame) { return frame.job.edits.pieces.split; });
   std::optional<files::InputFileSet> read;
-  if (splits || !there.empty()) read = read_files_of(batch, others, context);
+  if (splits || !meshes.empty() || !there.empty()) read = read_files_of(batch, others, context);
   for (const fs::path& file : there) TRY(read->check(file));
   return read;
 }

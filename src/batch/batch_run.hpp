@@ -31,7 +31,7 @@ enum class ResumePolicy {
   // Frames that the manifest lists with the same job and unchanged files (reason_to_reconvert()). An animation keeps
   // all frames or none. Keeps no frame without RunOptions::keeps_records.
   keep_unchanged,
-  keep_existing,  // frames of which an output file exists, whatever it contains
+  keep_existing,  // frames of which an output file exists (ExistingFiles::find()), whatever it contains
 };
 
 struct RunOptions {
@@ -104,7 +104,8 @@ struct RunResult {
 // check_replaced_shard() does.
 //
 // Returns the set of the files that the run reads, including data files that input headers name. Conversions check the
-// files of bodies against this set. Returns nullopt if no file to write exists yet and no surface is split into bodies.
+// files of bodies and labels against this set. Returns nullopt if no file to write exists yet, no existing file has a
+// name that a label may get, and no surface is split into bodies.
 [[nodiscard]] Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                                              const OtherFiles& others,
                                                                              const Context& context);

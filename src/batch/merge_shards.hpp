@@ -37,7 +37,7 @@ struct MergedShards {
 
 // Fails with ErrorCode::output if a run of this shard would replace a manifest of this program version that still has
 // records of another batch. Merged records do not count, nor do records whose existing files are all among `files`: the
-// normalized paths of the files that the batch writes. Never fails for a run without shards.
+// normalized paths of the existing files that the batch writes. Never fails for a run without shards.
 [[nodiscard]] Result<void> check_replaced_shard(const std::filesystem::path& folder, const BatchJob& batch,
                                                 const Shard& shard, const std::unordered_set<std::string>& files);
 

@@ -13,6 +13,7 @@
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
 #include "batch/batch_run.hpp"
+#include "batch/existing_files.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/frame_table.hpp"
 #include "cli/batch_dry_run.hpp"
@@ -49,7 +50,11 @@ std::string reason_of(const convert::ConversionJob& job, const Error& error) {
     }
   };
   leave_out(job.source.input);
-  for (const fs::path& file : batch::files_of(job)) leave_out(file.string());
+  for (const fs::path& file : batch::files_of(job)) {
+    leave_out(file.string());
+    const std::size_t end = std::min(text.find(": "), text.size());
+    if (batch::match_output_name(std::string_view(text).substr(0, end), file.string())) text.replace(0, end, "*");
+  }
   return text.starts_with("*: ") ? text.substr(3) : text;
 }
 

@@ -18,8 +18,8 @@ namespace isoextract::cli {
 [[nodiscard]] Result<void> make_folders(const BatchPlan& plan);
 
 // Checks that no output replaces a file that the batch reads. Returns all files that the frames read, including data
-// files that input headers name. Returns nullopt if no output exists yet and no surface is split into bodies: the
-// batch then replaces no file.
+// files that input headers name. Returns nullopt if the batch replaces no file: no output exists yet, no existing file
+// has a name that a label may get, and no surface is split into bodies.
 // Fails as batch::check_written_files() does, and as convert::check_output_file() for tables, plots and pages.
 [[nodiscard]] Result<std::optional<files::InputFileSet>> check_batch_files(const BatchPlan& plan);
 

@@ -147,14 +147,18 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
   return {};
 }
 
-// Refuses {piece} in folder names: the batch makes folders before the extraction, which finds the bodies.
-Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs) {
+// Refuses {piece}, {label} and {name} in folder names: the batch makes folders before the extraction, which finds the
+// bodies and labels.
+Result<void> check_folder_words(const std::vector<batch::OutputFiles>& outputs) {
   for (const batch::OutputFiles& files : outputs) {
     for (const convert::OutputFileJob& output : files) {
-      if (fs::path(output.path).parent_path().string().find(convert::kPiecePlaceholder) == std::string::npos) continue;
-      return refuse_usage(
-          fmt::format("-o {}: the name of a folder contains {}", output.path, convert::kPiecePlaceholder),
-          "put it into the file name");
+      const std::string folder = fs::path(output.path).parent_path().string();
+      for (const std::string_view word :
+           {convert::kPiecePlaceholder, convert::kLabelPlaceholder, convert::kNamePlaceholder}) {
+        if (folder.find(word) == std::string::npos) continue;
+        return refuse_usage(fmt::format("-o {}: the name of a folder contains {}", output.path, word),
+                            "put it into the file name");
+      }
     }
   }
   return {};
@@ -314,19 +318,18 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   const std::string usual_labels = TRY(set_default_labels(one, found.frames.front().input, context));
   TRY(take_labels(one));
   if (one.labels.chosen) flags.labels.chosen = *one.labels.chosen;
-  if (!usual_labels.empty()) found.notes.push_back({NoteId::iso_chosen, usual_labels});
   std::string usual_iso;
   if (!flags.batch.iso_table && makes_surfaces(flags)) {
     usual_iso = TRY(set_default_iso(one, found.frames.front().input, context));
-    if (!usual_iso.empty()) found.notes.push_back({NoteId::iso_chosen, usual_iso});
     flags.isos = one.isos;
   }
   auto sources = TRY(sources_of(flags, found));
   auto common = TRY(plan_conversion(one, sources.front().isos, context));
   plan.common = std::move(common);
-  TRY(plan_found_table(one.labels, found.frames.front().input, context, found.notes, plan.common.job));
-  plan.frame_notes = plan.common.notes;
-  if (!usual_iso.empty()) plan.frame_notes.push_back({NoteId::iso_chosen, std::move(usual_iso)});
+  if (!usual_iso.empty()) plan.common.notes.push_back({NoteId::iso_chosen, std::move(usual_iso)});
+  if (!usual_labels.empty()) plan.common.notes.push_back({NoteId::iso_chosen, usual_labels});
+  TRY(plan_found_table(one.labels, found.frames.front().input, context, plan.common.notes, plan.common.job));
+  plan.frame_notes = plan.common.notes;  // the notes below are about the batch
   if (std::string note = changing_isos(flags, sources.size()); !note.empty())
     found.notes.push_back({NoteId::iso_chosen, std::move(note)});
   for (Note& note : found.notes) plan.common.notes.push_back(std::move(note));
@@ -348,7 +351,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   const mesh_io::MeshFormat format = plan.common.job.meshes().format;
   auto outputs = TRY(flags.batch.animate ? plan_animation(flags, sources, format, plan.others, plan.batch)
                                          : plan_outputs(flags, sources, format, plan.others));
-  TRY(check_piece_folders(outputs));
+  TRY(check_folder_words(outputs));
   if (plan.batch.animation) plan_animation_times(found.frames, *plan.batch.animation, plan.common.notes);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();

@@ -15,6 +15,8 @@
 
 namespace isoextract::cli {
 
+struct RunFlags;
+
 inline constexpr int kDone = 0;  // the exit code of success
 
 struct CommandWords {
@@ -49,6 +51,8 @@ class Command {
   [[nodiscard]] virtual OptionSet& options() const = 0;
   // Resets all options to their defaults.
   virtual void forget() = 0;
+  // Returns the options about messages and threads, or nullptr if the command has none.
+  [[nodiscard]] virtual const RunFlags* run_flags() const { return nullptr; }
   // Returns the help that the command line requests, or nullopt.
   [[nodiscard]] std::optional<HelpDetail> help_asked() const;
 
@@ -78,6 +82,15 @@ class CommandOf : public Command {
 
   [[nodiscard]] OptionSet& options() const final { return flags(); }
   void forget() final { flags_.reset(); }
+  [[nodiscard]] const RunFlags* run_flags() const final {
+    if constexpr (requires(Flags & all) { all.conversion.run; }) {
+      return &flags().conversion.run;
+    } else if constexpr (requires(Flags & all) { all.run; }) {
+      return &flags().run;
+    } else {
+      return nullptr;
+    }
+  }
   [[nodiscard]] Flags& flags() const {
     if constexpr (std::is_constructible_v<Flags, const Command&>) {
       if (!flags_) flags_ = std::make_unique<Flags>(*this);

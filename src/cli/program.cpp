@@ -15,6 +15,8 @@
 #include "cli/commands.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/messages.hpp"
+#include "cli/options/run.hpp"
+#include "cli/plan.hpp"
 #include "cli/rank_run.hpp"
 #include "cli/remedies.hpp"
 #include "files/output_file.hpp"
@@ -55,7 +57,10 @@ Result<int> run_arguments(const std::vector<std::string>& arguments) {
     return kDone;
   }
   if (ranks_of_run() != nullptr && !is_shared) {
-    Messages({}).note({NoteId::shard, fmt::format("{}: rank 0 does all work of this command", ranks_text())});
+    const RunFlags* const run = parsed->command->run_flags();
+    const auto shown = run != nullptr ? plan_messages(*run) : MessageChoice();  // the command reports a failure
+    Messages(shown.value_or(MessageChoice()))
+        .note({NoteId::shard, fmt::format("{}: rank 0 does all work of this command", ranks_text())});
   }
   return parsed->command->run(arguments);
 }

@@ -174,9 +174,8 @@ Result<void> plan_found_table(const LabelFlags& flags, const std::string& input,
   job.label_names = convert::LabelTableFile{found->path, found->table.hash()};
   notes.push_back(
       {NoteId::label_table,
-       fmt::format("names and colors of labels come from {}, which lies beside the input (--label-names none: from no "
-                   "table)",
-                   printable(found->path))});
+       fmt::format("names and colors of labels come from {}, which lies beside {} (--label-names none: from no table)",
+                   printable(found->path), printable(input))});
   return {};
 }
 

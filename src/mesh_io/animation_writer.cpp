@@ -62,8 +62,8 @@ struct AnimationWriter::State {
   Context context;
   std::uint64_t largest_file = kLargestGlb;
 
-  std::vector<AnimationPart> parts;
-  std::optional<std::int64_t> first;
+  std::vector<AnimationPart> parts;   // empty until a frame is accepted
+  std::optional<std::int64_t> first;  // number of the first accepted frame
   std::int64_t last = 0;
   std::optional<FrameSpan> span;
   std::map<std::int64_t, double> starts;  // in seconds; empty: by the frames' numbers
@@ -202,14 +202,16 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   Notes found;
   const auto pieces = pieces_of(surfaces, packing, found);
   if (!pieces) return pieces.error();
-  if (parts.empty()) {
-    options.placement = placement;
+  if (!first) {
     parts.push_back({AnimatedGlb(path, largest_file, placement), frame, frame});
     TRY(parts.back().glb.open());
   }
   // Called only once the frame is accepted.
   const auto take = [&] {
-    if (!first) first = parts.front().first = frame;
+    if (!first) {
+      first = frame;
+      options.placement = placement;
+    }
     last = frame;
     parts.back().last = frame;
     collapsed += collapsed_in_frame;
@@ -225,7 +227,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
 
   const std::uint64_t to_come = expected_frames > count ? expected_frames - count : 1;
   auto added = parts.back().glb.add(name, *pieces, time, to_come);
-  if (added && !*added) {
+  if (added && !*added && first) {
     AnimatedGlb next(path_of_animation_part(path, parts.size() + 1), largest_file, options.placement);
     added = next.add(name, *pieces, time, to_come);
     if (added && *added) {
@@ -235,6 +237,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   }
   if (!added) return tl::unexpected(std::move(added.error()));
   if (!*added) {
+    if (!first) parts.clear();  // the first accepted frame gives the file its placement
     return Error{ErrorCode::output,
                  fmt::format("{}: frame {} does not fit into a file of {} bytes", path.string(), frame, largest_file),
                  "write each frame to a file of its own"};

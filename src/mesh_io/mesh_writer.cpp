@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <mutex>
 #include <type_traits>
 #include <utility>
 
@@ -196,11 +197,15 @@ struct MeshWriter::State {
   std::vector<std::string> left_out;      // names of attributes that the format cannot store
   Notes notes;
   std::optional<Error> failure;
+  std::mutex failure_mutex;  // guards `failure` in attempt_part()
 
   template <class Step>
   [[nodiscard]] std::invoke_result_t<Step> attempt(Step step) {
     return mesh_io::attempt(failure, context, path, std::move(step));
   }
+  // Like attempt(); several threads may call it at once.
+  template <class Step>
+  [[nodiscard]] Result<void> attempt_part(Step step);
 
   [[nodiscard]] Result<void> check_vertex_precision(const mesh::Mesh& mesh);
   [[nodiscard]] fs::path binary_path() const { return fs::path(path).replace_extension(".bin"); }
@@ -215,6 +220,20 @@ struct MeshWriter::State {
   [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
   [[nodiscard]] std::string left_out_note() const;
 };
+
+template <class Step>
+Result<void> MeshWriter::State::attempt_part(Step step) {
+  std::optional<Error> found;
+  {
+    const std::lock_guard lock(failure_mutex);
+    found = failure;
+  }
+  auto done = mesh_io::attempt(found, context, path, std::move(step));
+  if (done) return done;
+  const std::lock_guard lock(failure_mutex);
+  if (!failure) failure = std::move(found);
+  return done;
+}
 
 // Fails if rounding would destroy the mesh; adds a note if triangles collapse.
 Result<void> MeshWriter::State::check_vertex_precision(const mesh::Mesh& mesh) {
@@ -425,9 +444,13 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
 
 std::vector<mesh::PartPass> MeshWriter::part_passes() const { return state_->parts->passes(); }
 
-Result<void> MeshWriter::begin_pass(std::size_t pass) const { return state_->parts->begin_pass(pass); }
+Result<void> MeshWriter::begin_pass(std::size_t pass) const {
+  return state_->attempt_part([&] { return state_->parts->begin_pass(pass); });
+}
 
-Result<void> MeshWriter::take_part(const mesh::MeshPart& part) const { return state_->parts->take(part); }
+Result<void> MeshWriter::take_part(const mesh::MeshPart& part) const {
+  return state_->attempt_part([&] { return state_->parts->take(part); });
+}
 
 Result<MeshWriteResult> MeshWriter::finish() {
   return state_->attempt([&] { return state_->finish(state_->held); });

@@ -124,8 +124,8 @@ class MeshWriter {
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
   // After begin_parts() returned true, part_passes() are the passes of mesh::MeshSink, begin_pass() comes before each
   // of them, and take_part() writes a part. They fail with ErrorCode::output, for STL and flat normals with
-  // ErrorCode::out_of_memory, too; do not call finish() then. A stream gets bytes with the parts, and ends incomplete
-  // if a later part fails.
+  // ErrorCode::out_of_memory, too. After a failure, every later call returns the first error, also finish(). A stream
+  // gets bytes with the parts, and ends incomplete if a later part fails.
   [[nodiscard]] std::vector<mesh::PartPass> part_passes() const;
   [[nodiscard]] Result<void> begin_pass(std::size_t pass) const;
   [[nodiscard]] Result<void> take_part(const mesh::MeshPart& part) const;

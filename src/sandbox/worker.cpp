@@ -219,15 +219,17 @@ void WorkerPool::kill_server(pid_t server) {
   if (server_ == server && server_ > 0) ::kill(server_, SIGKILL);
 }
 
-// Waits until the child has loaded its library: it sends its greeting, ends, or exceeds the time limit.
+// Waits until the child has loaded its library: it sends its greeting, ends, exceeds the time limit, or is cancelled.
 tl::expected<void, Refusal> WorkerPool::wait_for_greeting(const Limits& limits, const Context& context) {
   std::uint64_t milliseconds_left = std::min<std::uint64_t>(limits.seconds, 1U << 30U) * 1000;
   pollfd awaited{control_.get(), POLLIN, 0};
   while (::poll(&awaited, 1, kIntervalMilliseconds) <= 0) {
     milliseconds_left -= std::min<std::uint64_t>(milliseconds_left, kIntervalMilliseconds);
-    if (milliseconds_left > 0 && !context.cancelled()) continue;
+    const bool is_cancelled = context.cancelled();
+    if (milliseconds_left > 0 && !is_cancelled) continue;
     ::kill(server_, SIGKILL);
     end_server();
+    if (is_cancelled) return tl::unexpected(Refusal{"stops loading, because the run ends", {}});
     return tl::unexpected(Refusal{fmt::format("takes more than {} s to load", limits.seconds),
                                   "try again; if that fails too, install the plug-in that belongs to this version"});
   }

@@ -108,7 +108,8 @@ class WorkerPool {
     std::string greeting;  // text that the server sent when it was ready (ChildWork::greeting)
   };
   // Starts a worker. Safe to call from several threads. Fails if the server process does not start, cannot load its
-  // library, or sends no greeting within limits.seconds or before the context is cancelled.
+  // library, or sends no greeting within limits.seconds or before the context is cancelled. Callers whose context is
+  // cancelled report the error of Context::check() instead of the Refusal.
   [[nodiscard]] tl::expected<Started, Refusal> start(const Limits& limits, const Context& context);
 
  private:

@@ -273,6 +273,8 @@ class RanksTest(MpiTest):
         run = self.assert_done(self.run_ranks(3, "info", "demo:sphere?size=16"))
         self.assertIn("note[shard]: 3 ranks on 1 machine: rank 0 does all work of this command", run.err)
         self.assertEqual(run.text.count("demo:sphere"), self.run_program("info", "demo:sphere?size=16").text.count("demo:sphere"))
+        for hides in (("-q",), ("--no-note", "shard")):
+            self.assertNotIn("rank 0 does all work", self.assert_done(self.run_ranks(3, "info", "demo:sphere?size=16", *hides)).err)
         run = self.assert_done(self.run_ranks(3, "--version"))
         self.assertEqual(run.text.count("isoextract"), self.run_program("--version").text.count("isoextract"))
 

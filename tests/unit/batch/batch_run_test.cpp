@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh_io/mesh_writer.hpp"
+#include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::batch {
@@ -134,6 +136,64 @@ TEST(BatchRun, RenamesOldMeshesOfFailedFrames) {
   EXPECT_EQ(result.set_aside, (std::vector{(folder / "3.ply.old").string()}));
   EXPECT_EQ(test::read_bytes(folder / "3.ply.old"), old);
   EXPECT_FALSE(std::filesystem::exists(folder / "3.ply"));
+}
+
+// Returns frames without an input, whose labels have files of their own.
+BatchJob label_frames(const TempFolder& folder, int count) {
+  BatchJob batch = sphere_frames(folder, count);
+  for (FrameJob& frame : batch.frames) {
+    frame.job.source.input = (folder / "none.vdb").string();
+    frame.job.outputs = {
+        {(folder / (std::to_string(frame.number) + "_{label}.ply")).string(), {convert::IsoChoice::all_labels()}}};
+  }
+  return batch;
+}
+
+void write_old_mesh(const std::filesystem::path& path) {
+  const mesh::Mesh mesh = test::make_mesh("a", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  const auto done = mesh_io::write_meshes({&mesh, 1}, path, {mesh_io::MeshFormat::ply}, Context());
+  ASSERT_TRUE(done) << done.error().message;
+}
+
+TEST(BatchRun, KeepsFramesWithExistingLabelFiles) {
+  const TempFolder folder;
+  test::write_bytes(folder / "1_-7.ply", "mine");
+  test::write_bytes(folder / "22_7.ply", "mine");
+  Listener listener;
+  const RunResult result = must_run(label_frames(folder, 2), {.resume_policy = ResumePolicy::keep_existing}, listener);
+  EXPECT_EQ(statuses(result), (std::vector{Status::kept, Status::failed}));
+}
+
+TEST(BatchRun, RenamesOldLabelFilesOfFailedFrames) {
+  const TempFolder folder;
+  for (const char* name : {"1_3.ply", "1_4.ply", "2_5.ply", "11_3.ply"}) write_old_mesh(folder / name);
+  test::write_bytes(folder / "1_5.ply", "mine");
+  const BatchJob batch = label_frames(folder, 2);
+  const auto read = check_written_files(batch, {}, {}, Context());
+  ASSERT_TRUE(read && *read);
+  RunOptions options;
+  options.keeps_records = false;
+  options.scheduler.extras.read = &**read;
+  Listener listener;
+  const RunResult result = must_run(batch, options, listener);
+  EXPECT_EQ(statuses(result), (std::vector{Status::failed, Status::failed}));
+  EXPECT_EQ(folder.names(),
+            (std::set<std::string>{"1_3.ply.old", "1_4.ply.old", "2_5.ply.old", "11_3.ply", "1_5.ply"}));
+  EXPECT_EQ(result.set_aside.size(), 3U);
+  const std::string& error = result.rows[0].error;
+  EXPECT_NE(error.find("; the 2 old files are now " + (folder / "1_3.ply.old").string() + " and "), std::string::npos)
+      << error;
+}
+
+// Only the conversion knows whether a label gets the name of an input.
+TEST(BatchRun, ListsInputsThatLabelsMayOverwrite) {
+  const TempFolder folder;
+  BatchJob batch = label_frames(folder, 2);
+  test::write_bytes(folder / "2_1.ply", "a volume");
+  batch.frames[0].job.source.input = (folder / "2_1.ply").string();
+  const auto read = check_written_files(batch, {}, {}, Context());
+  ASSERT_TRUE(read && *read);
+  EXPECT_FALSE((*read)->check(folder / "2_1.ply"));
 }
 
 TEST(BatchRun, NeverOverwritesInputs) {

@@ -292,6 +292,33 @@ TEST_P(OrderedFile, DeclinesMeshesThatNeedAllOfThem) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
+TEST_P(OrderedFile, LeavesNoFileIfAPartFails) {
+  const MeshWriteOptions options = GetParam();
+  if (options.format != MeshFormat::stl && !options.flat_normals) return;  // the others reserve no memory
+  const mesh::Mesh mesh = ordered_sphere(false);
+  const std::vector<mesh::MeshPart> parts = parts_of_rings(mesh);
+  const Context context(MemoryBudget(part_bytes(mesh) / 2));
+  {
+    MeshWriter writer(folder_ / "out", options, context);
+    ASSERT_EQ(writer.begin_parts(head_of(mesh), shape_of_parts(mesh)), true);
+    const std::size_t pass = options.format == MeshFormat::stl ? 0 : 1;  // parts wait for the next one in this pass
+    ASSERT_TRUE(writer.begin_pass(pass));
+    Result<void> taken;
+    for (std::size_t p = 0; p < parts.size() && taken; ++p) taken = writer.take_part(parts[p]);
+    ASSERT_FALSE(taken);
+    EXPECT_EQ(taken.error().code, ErrorCode::out_of_memory);
+    const Result<void> later[] = {writer.take_part(parts[0]), writer.begin_pass(pass)};
+    for (const Result<void>& call : later) {
+      ASSERT_FALSE(call);
+      EXPECT_EQ(call.error().message, taken.error().message);
+    }
+    const auto done = writer.finish();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().message, taken.error().message);
+  }
+  EXPECT_TRUE(folder_.names().empty());
+}
+
 TEST(OrderedFiles, BinaryStlOfTooManyTrianglesFailsAtOnce) {
   const TempFolder folder;
   MeshWriter writer(folder / "out", {.format = MeshFormat::stl}, Context());
