@@ -1,6 +1,7 @@
 #include "dicom_patient.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cwctype>
 #include <string_view>
 #include <utility>
@@ -57,16 +58,20 @@ bool is_word_of(const std::u32string& text, const std::u32string& word) {
   return false;
 }
 
+// Elements of group 0010: the patient's name, other names, name at birth, and the mother's; the patient's identity, and
+// others.
+constexpr std::array<std::uint16_t, 4> kNames{0x0010, 0x1001, 0x1005, 0x1060};
+constexpr std::array<std::uint16_t, 2> kIdentities{0x0020, 0x1000};
+
 }  // namespace
 
 Patient::Patient(const gdcm::DataSet& data, const std::string& character_set) {
   const auto add = [&](const gdcm::DataSet& from, std::uint16_t element, std::u32string_view separators, auto& words) {
     add_words(text_of(from, gdcm::Tag(0x0010, element), character_set), separators, words);
   };
-  // The patient's name, other names, name at birth, and the mother's.
-  for (const std::uint16_t element : {0x0010, 0x1001, 0x1005, 0x1060}) add(data, element, U"^ =,\\-'.", names_);
-  // The patient's identity, and others, of which newer files have a sequence.
-  for (const std::uint16_t element : {0x0020, 0x1000}) add(data, element, U"\\", identities_);
+  for (const std::uint16_t element : kNames) add(data, element, U"^ =,\\-'.", names_);
+  // Newer files have a sequence of other identities.
+  for (const std::uint16_t element : kIdentities) add(data, element, U"\\", identities_);
   const Items others(data, gdcm::Tag(0x0010, 0x1002));
   for (std::size_t i = 0; i < others.size(); ++i) add(others[i], 0x0020, U"\\", identities_);
   std::erase_if(names_, [](const auto& word) { return word.size() < 2; });

@@ -67,17 +67,31 @@ bool fits_one_mesh(const field::ScalarField& field) {
   return stored.empty() || extract::output_placement(field, options, stored, stored).fits_float32();
 }
 
+// Sets the memory of the surfaces of all labels, as the suggested command makes them.
+Result<void> measure_labels(FieldReport& report, const Context& context) {
+  extract::ExtractOptions options;
+  options.method = extract::Method::surface_nets;
+  options.nan = extract::NanPolicy::outside;
+  options.output_from_index = report.field.index_to_world;
+  const auto size = TRY(extract::estimate_label_map(report.field, options, {true, {}}, context));
+  report.bytes = convert::estimated_label_bytes(report.field, size, size.making_bytes);
+  report.whole_mesh_bytes = report.bytes;
+  return {};
+}
+
 // Completes the report of a field whose iso value or labels are suggested.
 FieldReport report_of(const InfoPlan& plan, const std::string& input, const Described& described, FieldReport report) {
   const bool separates = report.suggestion.separates && !report.labels;
   report.size =
       separates ? convert::size_of(report.field, report.suggestion.iso) : convert::size_of_samples(report.field);
-  // Surface nets have about a vertex and two triangles for each face of a voxel.
-  if (report.labels) report.size.vertices = report.labels->map.faces;
-  report.whole_mesh_bytes = convert::estimated_bytes(report.size);
-  report.bytes = report.labels ? report.whole_mesh_bytes
-                               : convert::estimated_bytes_by_parts(report.size, convert::MeshFileOptions(),
-                                                                   convert::Normals::smooth);
+  if (report.labels) {
+    // Surface nets have about a vertex and two triangles for each face of a voxel.
+    report.size.vertices = report.labels->map.faces;
+  } else {
+    report.whole_mesh_bytes = convert::estimated_bytes(report.size);
+    report.bytes =
+        convert::estimated_bytes_by_parts(report.size, convert::MeshFileOptions(), convert::Normals::smooth);
+  }
   report.fits_one_mesh = fits_one_mesh(report.field);
   if ((separates || report.labels) && report.fits_one_mesh) {
     const std::string surfaces =
@@ -112,6 +126,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   report.ct = field::suggest_ct_isos(report.field, report.statistics);
   report.labels = report_labels(input, described.volume, context, report.field);
   if (no_values && !report.labels) return tl::unexpected(std::move(*no_values));
+  if (report.labels) TRY(measure_labels(report, context));
   return report_of(plan, input, described, std::move(report));
 }
 
@@ -222,6 +237,10 @@ InputReport look_at_masks(const InfoPlan& plan, const Messages& messages) {
   field.statistics = field::measure_statistics(field.field, &context.progress());
   field.suggestion = field::suggest_iso(field.field, field.statistics);
   field.labels = report_masks(*masks);
+  if (auto measured = measure_labels(field, context); !measured) {
+    report.error = std::move(measured.error());
+    return report;
+  }
   report.field = report_of(plan, report.input, {}, std::move(field));
   return report;
 }

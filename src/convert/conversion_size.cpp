@@ -14,7 +14,6 @@
 #include "convert/stages/surface_stages.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/inner_wall.hpp"
-#include "extract/label_map_size.hpp"
 #include "field/resample.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
@@ -64,25 +63,15 @@ std::uint64_t hollow_bytes(const ConversionJob& job, const Source& source, std::
   return extract::estimated_wall_bytes(triangles, area, wall_cell(thickness, source));
 }
 
-// Returns the memory of the surfaces of labels: the largest of what finding the labels, making their surfaces and
-// editing one of them takes.
 Result<std::uint64_t> memory_of_labels(const ConversionJob& job, const Source& source,
                                        const extract::LabelChoice& choice, const Context& context) {
   const extract::LabelMapSize size =
       TRY(extract::estimate_label_map(source.field, extract_options_of(job, source, 0), choice, context));
-  const ConversionSize samples = size_of_samples(source.field);
-  const auto* dense = std::get_if<field::DenseSamples>(&source.field.samples);
-  const bool is_read_once = dense != nullptr && dense->file_backed;
-  // Fits to the measured peaks of maps of 8 to 4,096 labels with 0.3 to 8 million faces.
-  constexpr std::uint64_t kLabelBytes = 6 << 10U;  // of the names, reports and records of a mesh
+  // A fit to the measured peaks of maps of 8 to 4,096 labels with 0.3 to 8 million faces.
   const std::uint64_t simplifying = 400 * size.faces + 85 * size.sides;
   const std::uint64_t making =
       job.edits.simplify ? simplifying : size.making_bytes + edit_bytes(job, size.largest_sides);
-  const std::uint64_t kept_samples = is_read_once ? 0 : samples.sample_bytes + samples.lookup_bytes;
-  const std::uint64_t most =
-      std::max({samples.resident_bytes + samples.lookup_bytes + size.voxel_bytes, kept_samples + size.finding_bytes,
-                kept_samples + size.kept_bytes + making + kLabelBytes * size.labels});
-  return kProgramBytes + kConversionBytes + most + attribute_bytes(source, size.largest_sides);
+  return estimated_label_bytes(source.field, size, making) + attribute_bytes(source, size.largest_sides);
 }
 
 // Returns the memory of the samples, and of what is made of them for the file: a tree, or dense samples.
@@ -224,6 +213,19 @@ std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFil
   if (size.slabs == 0) return estimated_bytes(size);
   const std::uint64_t writing = parts_bytes(size, file, normals);
   return bytes_without_mesh(size) + (has_figures ? std::max(writing, measuring_bytes(size)) : writing);
+}
+
+std::uint64_t estimated_label_bytes(const field::ScalarField& field, const extract::LabelMapSize& size,
+                                    std::uint64_t making_bytes) {
+  constexpr std::uint64_t kLabelBytes = 6 << 10U;  // of the names, reports and records of a mesh, measured
+  const ConversionSize samples = size_of_samples(field);
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  const bool is_read_once = dense != nullptr && dense->file_backed;
+  const std::uint64_t kept_samples = is_read_once ? 0 : samples.sample_bytes + samples.lookup_bytes;
+  const std::uint64_t most =
+      std::max({samples.resident_bytes + samples.lookup_bytes + size.voxel_bytes, kept_samples + size.finding_bytes,
+                kept_samples + size.kept_bytes + making_bytes + kLabelBytes * size.labels});
+  return kProgramBytes + kConversionBytes + most;
 }
 
 Result<std::uint64_t> estimated_memory(const ConversionJob& job, MeshUse use, const MemoryBudget& memory) {

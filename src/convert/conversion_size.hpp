@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
 #include "convert/conversion_job.hpp"
+#include "extract/label_map_size.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::convert {
@@ -41,6 +42,11 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 // estimated_bytes() for sparse samples.
 [[nodiscard]] std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file,
                                                      Normals normals, bool has_figures = false);
+// Returns the estimated peak memory of the surfaces of labels: the largest of finding their voxels, the rest of
+// finding them, and making the surfaces. `making_bytes` is size.making_bytes, or more if edits need more. Within a
+// quarter.
+[[nodiscard]] std::uint64_t estimated_label_bytes(const field::ScalarField& field, const extract::LabelMapSize& size,
+                                                  std::uint64_t making_bytes);
 // Returns twice the number of vertices, as a closed surface has.
 [[nodiscard]] std::uint64_t estimated_triangles(const ConversionSize& size);
 

@@ -27,16 +27,18 @@ constexpr std::size_t kMostChunks = 8192;  // to count
 
 // What a part of the chunks has.
 struct Counts {
-  std::uint64_t parts = 0;   // labels of each chunk
-  std::uint64_t chunks = 0;  // chunks with points
-  std::uint64_t points = 0;  // corners of voxels with different labels
-  std::uint64_t faces = 0;   // between these voxels
+  std::uint64_t parts = 0;    // labels of each chunk
+  std::uint64_t chunks = 0;   // chunks with points
+  std::uint64_t points = 0;   // corners of voxels with different labels
+  std::uint64_t corners = 0;  // those of them that are corners of merged faces
+  std::uint64_t faces = 0;    // between these voxels
   std::unordered_map<std::int64_t, std::uint64_t> sides_of;
 
   void add(const Counts& more) {
     parts += more.parts;
     chunks += more.chunks;
     points += more.points;
+    corners += more.corners;
     faces += more.faces;
     for (const auto& [label, count] : more.sides_of) sides_of[label] += count;
   }
@@ -100,6 +102,7 @@ class LabelWindow {
           for (std::size_t n = 1; n < 8; ++n) differ |= labels_[place - kBelow[n]] != label;
           if (!differ) continue;
           ++counts.points;
+          counts.corners += is_corner(place) ? 1 : 0;
           for (const std::size_t n : {1, 2, 4}) faces.add(label, labels_[place - kBelow[n]]);
         }
       }
@@ -108,6 +111,18 @@ class LabelWindow {
   }
 
  private:
+  // Returns whether merged faces have a corner at the lowest corner of a voxel: along no axis do the voxels around it
+  // agree in pairs, as they do within flat faces and along straight edges.
+  [[nodiscard]] bool is_corner(std::size_t place) const {
+    for (const std::size_t axis : {1, 2, 4}) {
+      bool agree = true;
+      for (std::size_t n = 0; n < 8; ++n)
+        agree = agree && labels_[place - kBelow[n]] == labels_[place - kBelow[n ^ axis]];
+      if (agree) return false;
+    }
+    return true;
+  }
+
   // Sums the faces of a label before it looks the label up: neighbors usually have the same one.
   class Faces {
    public:
@@ -270,10 +285,9 @@ std::uint64_t scaled(std::uint64_t count, double scale) {
   return static_cast<std::uint64_t>(static_cast<double>(count) * scale);
 }
 
-// Returns the bytes of surfaces that are in memory at a time.
-std::uint64_t making_bytes(const LabelMapSize& size, std::uint64_t parts, bool has_single_faces) {
-  // About a vertex and two triangles for each face; merged faces have half as many, measured.
-  const std::uint64_t side_bytes = (sizeof(glm::vec3) + 2 * sizeof(glm::uvec3)) / (has_single_faces ? 1 : 2);
+// Returns the bytes of surfaces that are in memory at a time. `share`: of the points between labels, those that become
+// vertices.
+std::uint64_t making_bytes(const LabelMapSize& size, std::uint64_t parts, double share) {
   const std::uint64_t small_sides = size.sides / parts * 2 * kSmallLabelChunks;
   // The allocator keeps freed blocks of less than 1 MiB, so that groups of many small meshes take three times their
   // size.
@@ -281,7 +295,10 @@ std::uint64_t making_bytes(const LabelMapSize& size, std::uint64_t parts, bool h
   const std::uint64_t sides = std::max(size.largest_sides, std::min(size.sides, kKept * small_sides));
   // On each thread, the faces of the label that it works on are listed.
   const auto threads = static_cast<std::uint64_t>(usable_threads());
-  return sides * side_bytes + std::min(threads * size.largest_sides, size.sides) * sizeof(FaceRectangle);
+  const std::uint64_t listed = std::min(threads * size.largest_sides, size.sides);
+  // About a vertex and two triangles for each face.
+  const std::uint64_t side_bytes = sizeof(glm::vec3) + 2 * sizeof(glm::uvec3);
+  return scaled(sides * side_bytes + listed * sizeof(FaceRectangle), share);
 }
 
 }  // namespace
@@ -311,7 +328,9 @@ Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const E
   }
   size.faces = std::min(scaled(counts.faces, scale), size.sides);
   const std::uint64_t parts = std::max<std::uint64_t>(scaled(counts.parts, scale), 1);
-  size.making_bytes = making_bytes(size, parts, nets || options.voxel_faces == VoxelFaces::plain);
+  const bool has_all_points = nets || options.voxel_faces == VoxelFaces::plain || counts.points == 0;
+  const double share = has_all_points ? 1 : static_cast<double>(counts.corners) / static_cast<double>(counts.points);
+  size.making_bytes = making_bytes(size, parts, share);
   size.voxel_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t));
   size.kept_bytes = size.finding_bytes = size.voxel_bytes;
   if (!nets) return size;

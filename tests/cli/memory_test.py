@@ -147,6 +147,28 @@ class MemoryTest(ProgramTest):
                     peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1))
                     self.assertAlmostEqual(told / peak, 1, delta=0.25)
 
+    def test_label_maps_are_estimated(self):
+        """Cells of 12x11x17 voxels with 250 labels; the mapped file is released when its labels are found."""
+        size = 160
+        rows = {}
+        for y, z in itertools.product(range(0, size, 11), range(0, size, 17)):
+            rows[y // 11, z // 17] = bytes(((x // 12) * 7 + (y // 11) * 31 + (z // 17) * 57) % 251 for x in range(size))
+        (self.folder / "map.raw").write_bytes(
+            b"".join(rows[(y + z // 4) % size // 11, z // 17] for z in range(size) for y in range(size)))
+        raw = ("map.raw", "--dims", f"{size},{size},{size}", "--threads", "2")
+        for options in (("all",), ("all", "--method", "voxels"), ("all", "--relax", "0"), ("3",),
+                        ("all", "--simplify", "0.1")):
+            with self.subTest(options):
+                labels = (*raw, "--labels", *options)
+                dry = self.convert(*labels, "-o", "a.glb", "--dry-run").text
+                told = int(re.search(r"memory: about (\d+) MiB", dry).group(1))
+                run = self.convert(*labels, "-o", "a.glb", "-v")
+                peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1))
+                self.assertAlmostEqual(told / peak, 1, delta=0.25)
+        (found,) = json.loads(self.convert("info", *raw, "--json").text)
+        told = int(re.search(r"about (\d+) MiB", self.convert(*raw, "--labels", "all", "-o", "a.glb", "--dry-run").text).group(1))
+        self.assertAlmostEqual(found["field"]["memory"]["conversion"] / MIB, told, delta=1)
+
     def test_leaves_beside_nothing(self):
         """What lies beside them is listed before it is known how much that is."""
         limit = 500 * MIB
