@@ -152,6 +152,16 @@ class ImagesTest(ProgramTest):
         self.assertAlmostEqual(min(x), 440000 + 30 * (2 + share + 0.5), delta=0.05)
         self.assertAlmostEqual(max(y), 3751000 - 20 * (1 + share + 0.5), delta=0.3)
 
+    def test_no_data_of_half_floats(self):
+        """The tag has the value before it was rounded to a half: -9999 becomes -10000, the least double an infinity."""
+        for no_data, stored in (("-9999", -9999), ("-1.7976931348623157e+308", -numpy.inf), ("0.1", 0.1)):
+            heights = numpy.arange(3 * 8 * 10).reshape(3, 8, 10).astype("f2")
+            heights[1, 2, 3:6] = stored
+            tifffile.imwrite(self.folder / "map.tif", heights, photometric="minisblack", metadata=None,
+                             extratags=[(42113, "s", 0, no_data)])
+            values = self.info("map.tif")["field"]["values"]
+            self.assertEqual((values["nan"], values["min"], values["max"]), (3, 0, 239), no_data)
+
     def test_patterns_and_folders_of_pictures_are_one_volume(self):
         volume = ball(dtype="u1")
         (self.folder / "tif").mkdir()

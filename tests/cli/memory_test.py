@@ -147,6 +147,16 @@ class MemoryTest(ProgramTest):
                     peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1))
                     self.assertAlmostEqual(told / peak, 1, delta=0.25)
 
+    def test_the_samples_of_a_mapped_label_map_are_released(self):
+        """Slice by slice, when the labels in them are found."""
+        size = 432
+        slices = [bytes((x // 27 + n) % 16 for x in range(size)) * size for n in range(16)]
+        (self.folder / "map.raw").write_bytes(b"".join(slices[z // 27] for z in range(size)))
+        run = self.convert("map.raw", "--dims", f"{size},{size},{size}", "--labels", "3", "--method", "voxels",
+                           "-o", "a.ply", "-v", "--threads", "2")
+        peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
+        self.assertLess(peak, size**3 * 0.8)
+
     def test_label_maps_are_estimated(self):
         """Cells of 12x11x17 voxels with 250 labels; the mapped file is released when its labels are found."""
         size = 160

@@ -120,6 +120,18 @@ class VtkVolumesTest(ProgramTest):
         expected = [[[np.interp(k, z, values[:, j, i]) for i in range(5)] for j in range(4)] for k in range(10)]
         np.testing.assert_allclose(found, expected, atol=1e-5)
 
+    def test_rectilinear_grids_of_floats_and_doubles(self):
+        """Each axis is even within the rounding of its own type: 32-bit floats near 1e6 are 1/16 apart."""
+        values = self.random.random((6, 4, 5)).astype("f4")
+        grid = ["DIMENSIONS 5 4 6"]
+        for axis, name, kind, coordinates in (("X", "double", ">f8", np.arange(5) * 0.1), ("Y", "float", ">f4", np.arange(4.0)),
+                                              ("Z", "float", ">f4", 1e6 + np.arange(6) * 0.2)):
+            grid += [f"{axis}_COORDINATES {coordinates.size} {name}", coordinates.astype(kind)]
+        self.write("grid.vtk", legacy("RECTILINEAR_GRID", grid, values))
+        found, placement = self.field("grid.vtk")
+        np.testing.assert_allclose(found, values, rtol=1e-6)
+        np.testing.assert_allclose(placement[2], [0, 0, 0.2, 1e6], atol=0.02)
+
     def test_cells_are_resampled(self):
         points, cells = tetrahedra(4)
         values = linear(*points.T)

@@ -44,6 +44,9 @@ TEST(LabelSelection, MatchesStarsAndQuestionMarks) {
   EXPECT_TRUE(has("*a*b*c", 1, "aXbYabc"));
   EXPECT_FALSE(has("*a*b*c", 1, "aXbYcab"));
   EXPECT_FALSE(has("left*", 1, "Left cortex"));
+  EXPECT_TRUE(has("B?ro", 1, "B\u00fcro"));  // a character of two bytes
+  EXPECT_FALSE(has("B??ro", 1, "B\u00fcro"));
+  EXPECT_TRUE(has("*?", 1, "\u8178"));
   EXPECT_TRUE(has("3rd-Ventricle", 14, "3rd-Ventricle"));
 }
 

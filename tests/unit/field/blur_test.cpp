@@ -127,6 +127,19 @@ TEST(Blur, KeepsConstantsExactly) {
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(std::isfinite(value_at(blurred, {i, 1, 1})));
 }
 
+TEST(Blur, KeepsFactsAboutTheFieldsOrigin) {
+  ScalarField field = test::dense_field<float>({8, 8, 8}, [](int i, int, int) { return i; });
+  field.is_sampled = true;
+  field.time = 2.5;
+  field.time_unit = "s";
+  for (const ScalarField& blurred :
+       {blur_gaussian(field, glm::dvec3(1), Context()).value(), blur_median(field, 1, Context()).value()}) {
+    EXPECT_TRUE(blurred.is_sampled);
+    EXPECT_EQ(blurred.time, field.time);
+    EXPECT_EQ(blurred.time_unit, "s");
+  }
+}
+
 TEST(Blur, IgnoresAndKeepsNonFiniteSamples) {
   const double infinity = std::numeric_limits<double>::infinity();
   const glm::ivec3 dims(24, 16, 16);
