@@ -32,6 +32,18 @@ std::optional<ImageFlag> find_image_flag(const points::ParticleSet& particles, s
   return std::nullopt;
 }
 
+// Removes the image flags that unwrap() asked for if they are components of the vector "i", too.
+void drop_repeated_flags(points::ParticleSet& particles) {
+  const auto is_vector = [](const points::ParticleAttribute& attribute) {
+    return attribute.name == "i" && attribute.components == 3;
+  };
+  if (std::ranges::none_of(particles.attributes, is_vector)) return;
+  std::erase_if(particles.attributes, [](const points::ParticleAttribute& attribute) {
+    const auto is_its_name = [&](const char* flag) { return attribute.name == flag; };
+    return attribute.components == 1 && std::ranges::any_of(kImageFlags, is_its_name);
+  });
+}
+
 Result<void> unwrap(points::ParticleSet& particles) {
   points::SimulationBox& box = *particles.box;
   std::array<ImageFlag, 3> flags;
@@ -67,6 +79,7 @@ Result<void> unwrap(points::ParticleSet& particles) {
     }
   }
   box.periodic = {false, false, false};
+  drop_repeated_flags(particles);
   return {};
 }
 

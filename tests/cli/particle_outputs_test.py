@@ -156,6 +156,8 @@ class ParticleOutputsTest(ProgramTest):
         self.assertEqual(data["pos"], [(1, 2, 3), (14, -15, 66), (7, 28, 9)])
         self.assertEqual((data["element"], data["type"]), (["O", "H", "O"], [(1,), (2,), (1,)]))
         self.assertIn('pbc="F F F"', comment)
+        self.assertEqual(data["i"], [(0, 0, 0), (1, -1, 2), (0, 1, 0)])
+        self.assertNotIn("ix", data)
         self.assertNotIn("attribute-renamed", run.err)
 
     def test_radii_of_elements_are_an_attribute(self):
