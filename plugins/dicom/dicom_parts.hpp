@@ -77,8 +77,7 @@ struct Segment {
 
 enum class Segmentation { none, binary, fractional, label_map };
 
-// Content of a file's header. series_number, description, modality and device are empty if they contain a part, of
-// three characters or more, of the patient's name, ID or birth date.
+// Content of a file's header. Its texts for the user have nothing that Patient::is_in() finds.
 struct Object {
   Pixels pixels;
   std::string class_uid, instance_uid, series_uid, frame_of_reference;
