@@ -88,7 +88,7 @@ class PieceTable {
         const auto found = std::ranges::find(pieces_, at, &Piece::offset);
         const auto place = static_cast<std::size_t>(found - pieces_.begin());
         if (found == pieces_.end() || (i > 0 && place <= first_.back()))
-          throw ReadError("expected a table of increasing frame offsets, found another");
+          throw ReadError("expected frame offsets that increase and point to items, found other offsets");
         first_.push_back(place);
       }
       first_.push_back(count);

@@ -66,7 +66,7 @@ void SegmentationGrids::place_frames() {
   const bool has_frame_segments = object_->segmentation != Segmentation::label_map;
   for (const Frame& frame : object_->frames) {
     if (!frame.has_position || !frame.has_orientation)
-      throw ReadError("expected frames of a segmentation with positions and orientations, found one without");
+      throw ReadError("expected frames of a segmentation with positions and orientations, found a frame without them");
     if (!same_shape(frame, shape))
       throw ReadError("expected frames of a segmentation with one orientation and pixel spacing, found several");
   }

@@ -178,7 +178,7 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
     std::string series;
     if (found.siblings) {
       const auto object = read_object(request.path, host);
-      if (object == nullptr) throw ReadError("expected a DICOM object with pixels, found one without");
+      if (object == nullptr) throw ReadError("expected a DICOM object with pixels, found no pixels");
       objects.push_back(object);
       // The slices of its series are beside it; an object of several frames is a volume by itself.
       if (object->pixels.frames > 1 || object->segmentation != Segmentation::none || object->series_uid.empty())

@@ -39,7 +39,8 @@ class Dem final : public VolumeFile {
       last = std::max(last, profile.y + step[1] * static_cast<double>(profile.heights.size() - 1));
     }
     const double rows = std::round((last - first) / step[1]) + 1;
-    if (!(rows >= 1 && rows <= 1e6)) throw ReadError("expected profiles beside each other, found others");
+    if (!(rows >= 1 && rows <= 1e6))
+      throw ReadError("expected profiles that together span at most 1,000,000 rows, found more");
     grid.dims = {profiles, static_cast<std::uint64_t>(rows), 1};
     grid.index_to_world = {step[0], 0, 0, profiles_[0].x, 0, step[1], 0, first, 0, 0, 1, 0};
     for (Profile& profile : profiles_)
@@ -112,7 +113,7 @@ class Dem final : public VolumeFile {
           left = kInOthers;
         }
         const double value = number(record, column, 6, "height", -99999, 999999);
-        if (record[column + 5] == ' ') throw ReadError("expected a height of six columns, found a part of one");
+        if (record[column + 5] == ' ') throw ReadError("expected a height that fills six columns, found a shorter one");
         const bool is_void = value <= -32766;
         profile.heights.push_back(is_void ? std::numeric_limits<float>::quiet_NaN()
                                           : static_cast<float>(datum + value * height_step_));

@@ -135,7 +135,7 @@ ReadFacts Lattice::read(const isoextract_volume_selection& selection, const isoe
     const Source from = source(i, array, host);
     if (from.type.sample_type != array.type.sample_type || from.type.wide != array.type.wide ||
         from.components != array.components) {
-      throw ReadError("expected pieces whose arrays " + array.name + " have one type, found others");
+      throw ReadError("expected pieces whose arrays " + array.name + " have one type, found different types");
     }
     box.type = from.type;
     box.swap = from.swap;

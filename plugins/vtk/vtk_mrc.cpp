@@ -155,7 +155,8 @@ class Map final : public VolumeFile {
     }
     if (seen != 7) {
       const bool unset = words.integer(kAxes) == 0 && words.integer(kAxes + 1) == 0 && words.integer(kAxes + 2) == 0;
-      if (!unset) throw ReadError("expected the axes 1, 2 and 3 in MAPC, MAPR and MAPS, each once, found others");
+      if (!unset)
+        throw ReadError("expected the axes 1, 2 and 3 in MAPC, MAPR and MAPS, each once, found other numbers");
       axis_of = {0, 1, 2};
       add_note("the header has no axis order: assumes columns along x, rows along y, sections along z");
     }
@@ -172,7 +173,7 @@ class Map final : public VolumeFile {
     }
     const auto cell = cell_axes(length, angle);
     if (has_origin && !(std::isfinite(origin[0]) && std::isfinite(origin[1]) && std::isfinite(origin[2]))) {
-      throw ReadError("expected a finite origin, found another");
+      throw ReadError("expected a finite origin, found infinity or NaN");
     }
     if (has_origin && has_start) {
       add_note("the header has an origin and start indices: the origin places the map");

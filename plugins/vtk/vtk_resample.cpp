@@ -24,7 +24,7 @@ void check_cells(vtkUnstructuredGrid* cells) {
   const std::vector<double> offsets = values_of(array->GetOffsetsArray());
   const auto numbers = static_cast<double>(array->GetConnectivityArray()->GetNumberOfTuples());
   if (!std::ranges::is_sorted(offsets) || offsets.front() != 0 || offsets.back() != numbers) {
-    throw ReadError("expected cells whose offsets increase from 0 to " + printed(numbers) + ", found others");
+    throw ReadError("expected cells whose offsets increase from 0 to " + printed(numbers) + ", found other offsets");
   }
   std::array<double, 2> range{};
   if (numbers > 0) array->GetConnectivityArray()->GetRange(range.data());
@@ -139,7 +139,8 @@ class Resampled final : public VolumeFile {
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double length = bounds[2 * axis + 1] - bounds[2 * axis];
-      if (!(std::isfinite(length) && length > 0)) throw ReadError("expected cells with a finite volume, found others");
+      if (!(std::isfinite(length) && length > 0))
+        throw ReadError("expected cells that enclose a finite volume, found a box without one");
     }
     if (others > 0) add_note(note, "leaves out " + std::to_string(others) + " cells without a volume");
   }
@@ -178,7 +179,8 @@ class Resampled final : public VolumeFile {
     vtkDataArray* array = find_array(leaf, facts);
     if (array == nullptr) return;
     if (static_cast<std::uint64_t>(array->GetNumberOfComponents()) != grid.components) {
-      throw ReadError("expected blocks whose arrays " + facts.name + " have one number of components, found others");
+      throw ReadError("expected blocks whose arrays " + facts.name +
+                      " have one number of components, found different numbers");
     }
     HostMemory memory(host);
     const std::vector<double> values = point_values(leaf, facts, array, memory);

@@ -57,7 +57,7 @@ XmlDocument::XmlDocument(const std::string& path) : file_(path), parser_(vtkSmar
   }
   vtkXMLDataElement* top = root();
   if (top->GetName() == nullptr || std::string(top->GetName()) != "VTKFile") {
-    throw ReadError("expected the element VTKFile, found another");
+    throw ReadError("expected the element VTKFile at the top, found another element");
   }
   swap_ = (attribute_of(top, "byte_order") == "BigEndian") != (std::endian::native == std::endian::big);
   if (attribute_of(top, "header_type") == "UInt64") word_bytes_ = 8;

@@ -130,7 +130,7 @@ class XmlImage final : public Lattice {
       const auto elements = children_of(document->body(), "Piece");
       if (elements.size() != 1 || extent_in(elements[0], "Extent") != pieces_[piece]) {
         throw ReadError("expected one piece of the extent that the .pvti file states in " +
-                        files[piece].substr(files[piece].rfind('/') + 1) + ", found another");
+                        files[piece].substr(files[piece].rfind('/') + 1) + ", found other pieces");
       }
       element = elements[0];
     } else {

@@ -184,7 +184,7 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
     if (!name.uses(word.value)) continue;
     return refuse_usage(
         fmt::format(
-            "-o {}: --animate writes all frames into one file, and this file name contains the placeholder {{{}}}",
+            "-o {}: --animate writes all frames into one file, and this file name contains a placeholder for '{}'",
             output, word.word),
         "for example -o water.glb; without --animate each frame gets its own file");
   }
@@ -297,7 +297,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   TRY(take_heights(flags));
   if (flags.output == "-") return refuse_usage("a batch writes frames to files, not to stdout", "give a name with -o");
   if (flags.explain)
-    return refuse_usage("--explain describes one conversion, not a batch", "use --table or -v for frames");
+    return refuse_usage("--explain describes one conversion, not a batch",
+                        "use --table FILE, or -v to show each frame");
   if (flags.batch.fps && !flags.batch.animate) {
     return refuse_usage("--fps sets the speed of an animation and needs --animate",
                         "give --animate, or leave --fps out");

@@ -77,7 +77,7 @@ class ConfigReader {
     }
     const std::string near = nearest_name(key, known);
     return bad(node, fmt::format("unknown key '{}'", printable(key)),
-               near.empty() ? "keys are the long option names of convert, and input"
+               near.empty() ? "the keys are 'input' and the long names of the options of convert, without dashes"
                             : fmt::format("did you mean '{}'?", near));
   }
 

@@ -74,11 +74,11 @@ std::string_view format_name(const ConvertFlags& flags, const mesh_io::MeshForma
 // Checks the output of a single conversion; batches check theirs elsewhere.
 Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
-    return refuse_usage(fmt::format("an input from stdin has no file name for the output, a {}",
+    return refuse_usage(fmt::format("stdin has no file name, so isoextract cannot name the {}",
                                     writes_field(flags)       ? "field"
                                     : writes_particles(flags) ? "particle file"
                                                               : "mesh"),
-                        "give -o FILE, or -o - for stdout");
+                        "give -o FILE, or -o - --format FORMAT for stdout");
   }
   const bool is_mesh = other_extension(flags).empty();
   if (flags.output != "-" || format.can_stream || !is_mesh) return {};

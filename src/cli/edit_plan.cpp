@@ -28,8 +28,9 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
         "leave one of them out");
   }
   if (edits.hollow && flags.labels.chosen && (flags.simplify || flags.triangles)) {
-    return refuse_usage("--hollow does not work with a simplification of labels, which keeps their common faces",
-                        "leave one of them out");
+    return refuse_usage(
+        "--hollow does not work with --simplify or --triangles on labels, which keep the faces between labels",
+        "leave one of them out");
   }
   job.source.blurs = flags.surface.blurs;
   job.edits = edits.chosen();
@@ -39,8 +40,9 @@ Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) 
   job.edits.touching = flags.touching.value_or(readers_weld ? convert::Touching::apart : convert::Touching::keep);
   job.edits.require = flags.required.value_or(std::vector<check::Requirement>());
   if (std::ranges::find(job.edits.require, check::Requirement::normals) != job.edits.require.end()) {
-    return refuse_usage("--require normals is for the normals of a file, which the conversion has not written yet",
-                        "run isoextract check --require normals on the file");
+    return refuse_usage(
+        "--require normals checks a written file, but the conversion checks the mesh before it writes the file",
+        "run isoextract check --require normals on the file");
   }
   return {};
 }
@@ -50,9 +52,9 @@ Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& p
   const bool has_word = path.find(convert::kPiecePlaceholder) != std::string::npos;
   if (!flags.edits.split) {
     if (!has_word) return {};
-    return refuse_usage(fmt::format("-o {}: {} stands for the number of a body, but the output is the whole surface",
-                                    path, convert::kPiecePlaceholder),
-                        "give --split-components");
+    return refuse_usage(
+        fmt::format("-o {}: {} is the number of a body and needs --split-components", path, convert::kPiecePlaceholder),
+        "give --split-components if the output is a surface, or leave {piece} out of the name");
   }
   if (!has_word) {
     if (format.can_hold_several_meshes) return {};

@@ -88,9 +88,10 @@ Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
   if (!fits) {
     return fail(
         ErrorCode::usage,
-        fmt::format("expected a number of passes from 1 to {}, optionally a method as in 20:taubin, 20:sinc or "
-                    "25:weighted, and for the first two a pass band between 0 and 1 as in 20:sinc:0.05, found '{}'",
-                    edit::kMaxSmoothPasses, text));
+        fmt::format(
+            "expected 1 to {} passes, such as 20, 20:taubin, 20:sinc or 25:weighted; after taubin or sinc also a "
+            "pass band between 0 and 1, such as 20:sinc:0.05; found '{}'",
+            edit::kMaxSmoothPasses, text));
   }
   choice.passes = *passes;
   return choice;

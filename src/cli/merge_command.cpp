@@ -37,7 +37,8 @@ class MergeCommand final : public CommandOf<MergeFlags> {
     return fail(ErrorCode::frames,
                 fmt::format("{} requested frame{} {} no input: {}", absent.count(), is_one ? "" : "s",
                             is_one ? "has" : "have", batch::text_of(absent.runs(), batch::kShownFrameRuns)),
-                "add the files and run the shards again with --resume, or give --missing note to allow missing frames");
+                "add the files and run the shards again with --resume; to allow missing frames, add --missing note to "
+                "that run");
   }
 };
 

@@ -117,7 +117,7 @@ Result<void> check_values(const ConvertFlags& flags) {
 Result<void> check_output(const ConvertFlags& flags, const std::string& name) {
   if (!makes_surfaces(flags)) {
     return refuse_usage(
-        fmt::format("{}: {} is a mesh, and the output is to hold {}",
+        fmt::format("{}: {} is a mesh, which cannot become {}",
                     flags.output ? "-o " + *flags.output : flags.format.name(), name,
                     writes_field(flags) ? "a field" : "particles"),
         fmt::format("a mesh becomes another mesh ({}) or a picture (.png)", mesh_io::mesh_extensions()));

@@ -31,7 +31,7 @@ Result<mesh_io::PackingOptions> plan_packing(const ConvertFlags& flags, mesh_io:
     return refuse_usage(
         fmt::format("--optimize-order does not work with {}: Draco stores its own order of triangles and vertices",
                     by_draco),
-        "leave it out");
+        "leave --optimize-order out");
   }
   mesh_io::PackingOptions packing;
   packing.quantize = flags.quantize;

@@ -40,7 +40,7 @@ Result<void> check_particle_file_options(const ConvertFlags& flags) {
     const std::string names = fmt::format("{}", fmt::join(given, ", "));
     return refuse_usage(fmt::format("{} {} a surface or a field, but the output is the particles", names,
                                     given.size() == 1 ? "needs" : "need"),
-                        fmt::format("leave {} out, or give the output a name of a mesh format", names));
+                        fmt::format("leave {} out, or give the output a name of a mesh or field format", names));
   }
   if (surface.nan == extract::NanPolicy::hole) {
     return refuse_usage("--nan hole needs a surface, but the output is the particles",

@@ -157,7 +157,7 @@ Result<void> check_isos(const std::vector<convert::IsoChoice>& isos) {
 
 Result<volume_io::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
-    if (input.empty()) return refuse_usage("INPUT is empty");
+    if (input.empty()) return refuse_usage("INPUT is an empty text, expected the name of a file");
     if (const std::string mark = foreign_numbering(input); !mark.empty()) {
       return refuse_usage(
           fmt::format("{}: there is no such file, and isoextract does not expand {}", printable(input), mark),

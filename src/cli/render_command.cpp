@@ -256,7 +256,7 @@ Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   if (plan.missing.empty()) return {};
   return fail(ErrorCode::frames,
               fmt::format("the inputs lack the frames {}", batch::text_of(plan.missing, batch::kShownFrameRuns)),
-              "give --frames only frames that have an input");
+              "leave these frames out of --frames");
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ Result<int> turns_of(const std::string& text) {
     return refuse_usage(
         fmt::format("--frames: expected the number of pictures for one turn of the camera, 1 to {}, found '{}'",
                     kMostTurns, text),
-        "only a sequence takes a range of frames, and INPUT is one volume");
+        "only a sequence takes a range of frames, and the inputs are no sequence");
   }
   return count;
 }
@@ -117,7 +117,8 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
     return {};
   }
   if (!flags.output && std::ranges::any_of(flags.input.inputs, files::is_standard_input)) {
-    return refuse_usage("an input from stdin has no file name for the picture", "give -o FILE, or -o - for stdout");
+    return refuse_usage("stdin has no file name, so isoextract cannot name the picture",
+                        "give -o FILE, or -o - for stdout");
   }
   std::vector<batch::OutputSource> sources;
   for (const PicturePlan& picture : pictures) {
@@ -144,7 +145,8 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
 Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const RenderPlan& plan) {
   const bool surfaces = !plan.isos.empty();
   if (!surfaces) {
-    TRY(flags.refuse(About::drawn_surface, "{} applies to surfaces of the volume and needs --iso", "give --iso V"));
+    TRY(flags.refuse(About::drawn_surface, "{} applies to surfaces of a volume and needs --iso or --labels",
+                     "leave {} out, or give a volume and --iso V"));
   }
   if (surfaces && inputs.volumes.empty()) {
     return refuse_usage(fmt::format("{} needs a volume, but all inputs are meshes",
@@ -167,8 +169,8 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
                                     flags.opacity->size()));
   }
   if (!plan.draws_volume) {
-    TRY(flags.refuse(About::drawn_volume, "{} applies to the volume, which --tf none and --labels do not draw",
-                     "give --tf NAME"));
+    TRY(flags.refuse(About::drawn_volume, "{} applies to the drawn volume, and this scene draws none",
+                     "leave {} out, or give a volume with --tf NAME"));
   }
   if (plan.transfer_file && flags.transfer_range) {
     return refuse_usage("--tf-range scales named transfer functions, but --tf names a file that states its own values");

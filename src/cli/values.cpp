@@ -191,7 +191,7 @@ Result<std::uint64_t> parse_components(std::string_view text) {
 Result<std::uint64_t> parse_relaxations(std::string_view text) {
   constexpr std::uint64_t kMost = 10'000;
   const auto number = whole_text_as<std::uint64_t>(text);
-  if (!number || *number > kMost) return expected_found(fmt::format("a whole number up to {}", kMost), text);
+  if (!number || *number > kMost) return expected_found(fmt::format("a whole number from 0 to {}", kMost), text);
   return *number;
 }
 
@@ -264,7 +264,7 @@ Result<render::PictureSize> parse_picture_size(std::string_view text) {
   const auto size = whole_pair(text, "xX", 1, render::PictureSize::kMaxSide);
   if (!size) {
     return expected_found(
-        fmt::format("a width and a height of at most {} pixels, such as 1920x1080", render::PictureSize::kMaxSide),
+        fmt::format("a width and a height from 1 to {} pixels, such as 1920x1080", render::PictureSize::kMaxSide),
         text);
   }
   return render::PictureSize{size->x, size->y};

@@ -241,8 +241,9 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
   job.opacity = flags.opacity.value_or(job.opacity);
   if (job.opacity.size() > 1 && (flags.batch.iso_table || job.opacity.size() != isos)) {
     return refuse_usage(
-        fmt::format("--opacity: expected one value or one for each iso value, found {}", job.opacity.size()),
-        "give the values in the order of --iso");
+        fmt::format("--opacity: expected one value, or one for each number of --iso or --labels, found {}",
+                    job.opacity.size()),
+        "give one value for all surfaces, or the values in the order of --iso or --labels");
   }
   if (!flags.color) return {};
   job.color = convert::ColorChoice{{}, flags.color->map, flags.color->range};

@@ -53,7 +53,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
   struct stat status {};
   if (file->descriptor < 0 || ::fstat(file->descriptor, &status) != 0) return cannot_read(errno);
   file->version = version_of(status);
-  if (S_ISDIR(status.st_mode)) return fail(ErrorCode::input, name + ": expected a file, found a directory");
+  if (S_ISDIR(status.st_mode)) return fail(ErrorCode::input, name + ": expected a file, found a folder");
   if (!S_ISREG(status.st_mode)) {
     return fail(ErrorCode::input, name + ": expected a regular file, found a pipe or device",
                 "write the data to a file first");

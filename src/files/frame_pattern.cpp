@@ -24,7 +24,7 @@ Result<std::optional<FramePattern>> FramePattern::parse(std::string_view name) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: expected one placeholder of the frame number, found '{}' and '{}'", printable(name),
                               number->text, part.text),
-                  "to use a character as text, write {{ }} %% {#} {@} {$}");
+                  "to use such a character as text, double it or put braces around it: {{ }} %% {#} {@} {$}");
     }
   }
   if (number == nullptr) return std::nullopt;

@@ -20,7 +20,7 @@ Result<void> InputFileSet::check(const std::filesystem::path& written) const {
   const auto found = files_.find({status.st_dev, status.st_ino});
   if (found == files_.end()) return {};
   return fail(ErrorCode::usage, fmt::format("{}: this {}; it is not overwritten", written.string(), found->second),
-              {Remedy::change, Setting::output_name});
+              "choose another name for the output");
 }
 
 }  // namespace isoextract::files

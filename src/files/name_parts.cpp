@@ -93,7 +93,7 @@ class NameScanner {
                   kBracesHint);
     }
     if (*width > kMaxFrameDigits) {
-      return fail(ErrorCode::usage, fmt::format("{}: expected at most {} digits for a frame, found '{}'",
+      return fail(ErrorCode::usage, fmt::format("{}: expected a width of at most {} digits, found '{}'",
                                                 printable(name_), kMaxFrameDigits, printable(written, 40)));
     }
     parts_.push_back({kind, std::string(written), std::string(word), *width});

@@ -186,9 +186,10 @@ Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std:
   const std::uint64_t begin = 8 + length_bytes(version);
   const std::uint64_t length = start.size() < begin ? 0 : dict_length(start, version);
   if (length == 0 || begin + length > size || begin + length > start.size()) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: the file is damaged: its header ends at byte {}, the file has {} bytes", name,
-                            begin + length, size));
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: the header is damaged or longer than {} bytes: it ends at byte {}, the file has {} bytes",
+                    name, kMaxNpyHeader, begin + length, size));
   }
   const std::string_view text(reinterpret_cast<const char*>(start.data()) + begin, static_cast<std::size_t>(length));
   auto header = NpyDictParser(text).parse();

@@ -34,7 +34,8 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
     return fail(
         ErrorCode::usage,
         fmt::format("{}: a grid name applies to formats with named grids, such as VDB; this is {}", input, about.id),
-        {Remedy::leave_out, Setting::grid, "this format has no named grids"});
+        Hint{{Remedy::leave_out, Setting::grid, "this format has no named grids"},
+             "if the input has the form FILE:/NAME, give only FILE"});
   }
   if (options.volume && !about.has_volumes) {
     return fail(ErrorCode::usage,

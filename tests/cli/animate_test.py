@@ -303,8 +303,8 @@ class AnimateTest(ProgramTest):
         self.assert_fails(1, self.run_program(*inputs, "-o", "w.glb"), "would both write this file", "--animate")
         for arguments, parts in (
                 ((), ("--animate writes all frames into one file and needs its name", "-o water.glb")),
-                (("-o", "w_{:03}.glb"), ("this file name contains the placeholder {frame}",)),
-                (("-o", "w_{iso}.glb"), ("this file name contains the placeholder {iso}",)),
+                (("-o", "w_{:03}.glb"), ("this file name contains a placeholder for 'frame'",)),
+                (("-o", "w_{iso}.glb"), ("this file name contains a placeholder for 'iso'",)),
                 (("-o", "w/"), ("this path is a folder",)),
                 (("-o", "."), ("this path is a folder",)),
                 (("-o", "-", "--format", "glb"), ("not to stdout",)),

@@ -144,14 +144,14 @@ class PlacementTest(FilesTest):
                 self.assert_linear(self.ply(*arguments, *place), lambda p: [(c - o) / 0.5 for c, o in zip(p, (1, 2, 3))])
                 self.assertNotIn("assumes", self.done.err)
         self.assert_fails(2, self.run_program("both.npz", "--grid", "ball", "--iso", "0.5", "--attribute", "small", "-o", "a.ply"),
-                          "expected 9 x 8 x 7 samples as in both.npz", "found 5 x 5 x 5")
+                          "on the grid of both.npz: expected 9 x 8 x 7 samples, found 5 x 5 x 5")
 
     def test_another_shape_needs_a_placement(self):
         # linear() again, by samples that are twice as far apart and begin at (-2, -2, -2).
         self.write("coarse.npy", npy(lambda i, j, k: linear(2 * i - 2, 2 * j - 2, 2 * k - 2), (8, 7, 6)))
         refused = self.run_program("ball.npy", "--spacing", "0.5", "--iso", "0.5", "--attribute", "a=coarse.npy", "-o", "a.ply")
-        self.assert_fails(2, refused, "the attribute 'a': coarse.npy states no spacing and no origin: expected 9 x 8 x 7 samples "
-                          "as in ball.npy, whose grid would place it, found 8 x 7 x 6", "NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z")
+        self.assert_fails(2, refused, "the attribute 'a': coarse.npy states no spacing and no origin, so its samples must be on "
+                          "the grid of ball.npy: expected 9 x 8 x 7 samples, found 8 x 7 x 6", "NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z")
         self.assertNotIn("a.ply", self.files())
         for settings in (":spacing=1:origin=-1,-1,-1", ":origin=-1,-1,-1:spacing=1,1,1"):
             found = self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=coarse.npy" + settings)

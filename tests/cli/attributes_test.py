@@ -277,7 +277,7 @@ class AttributesTest(ProgramTest):
                            (("--color-by", "a=linear.nrrd", "-o", "a.obj"), "--color-by: obj cannot store vertex attributes"),
                            (("--color-by", "iso", "-o", "a.ply"), "--color-by iso: ply cannot store materials"),
                            (("--opacity", "0.5", "-o", "a.ply"), "--opacity: ply cannot store materials"),
-                           (("--opacity", "0.5,0.6"), "one value or one for each iso value"),
+                           (("--opacity", "0.5,0.6"), "one value, or one for each number of --iso"),
                            (("--opacity", "0"), "above 0"), (("--opacity", "1.5"), "at most 1"),
                            (("--attribute", "=a"), "NAME=FROM"), (("--attribute", "a="), "NAME=FROM"),
                            (("--color-by", "a:virids"), "did you mean 'viridis'?"),

@@ -69,7 +69,7 @@ class ConfigTest(ProgramTest):
     def test_what_is_wrong_is_said_of_the_file(self):
         for text, parts in (
                 ("iso = 0\nisoo = 1\n", ("job.toml:2: unknown key 'isoo'", "did you mean 'iso'?")),
-                ("-o = 'a.glb'\n", ("job.toml:1: unknown key '-o'", "keys are the long option names")),
+                ("-o = 'a.glb'\n", ("job.toml:1: unknown key '-o'", "the long names of the options of convert")),
                 ("help = true\n", ("unknown key 'help'",)),
                 ("config = 'other.toml'\n", ("unknown key 'config'",)),
                 ("[frames]\njobs = 2\n", ("job.toml:1: frames: expected a text, a number or a list of them, found a table",)),

@@ -56,8 +56,10 @@ Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::u
   const auto bytes = checked_product(sizes[0], sizes[1], sizes[2], std::uint64_t{field::sample_size(type)});
   const bool fits = std::ranges::all_of(sizes, [](std::uint64_t size) { return size >= 1 && size <= kMaxSize; });
   if (!fits || !bytes || *bytes > kMaxBytes) {
-    return fail(ErrorCode::input, fmt::format("{}: expected sizes from 1 to {} along each axis, found {}x{}x{}", file,
-                                              kMaxSize, sizes[0], sizes[1], sizes[2]));
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: expected sizes from 1 to {} along each axis and at most 2^62 bytes in all, found {}x{}x{}",
+                    file, kMaxSize, sizes[0], sizes[1], sizes[2]));
   }
   return glm::ivec3(static_cast<int>(sizes[0]), static_cast<int>(sizes[1]), static_cast<int>(sizes[2]));
 }

@@ -89,8 +89,9 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
       wanted ? grids_called(grids, *wanted) : indices_where(grids, [](const GridInfo& grid) { return grid.scalar; });
   if (!wanted) {
     if (found.size() == 1) return found.front();
-    const auto message = found.empty() ? fmt::format("{}: expected a grid of float, double or int32, found none", file)
-                                       : fmt::format("{}: expected one scalar grid, found {}", file, found.size());
+    const auto message = found.empty()
+                             ? fmt::format("{}: expected a grid of scalars, such as float or int32, found none", file)
+                             : fmt::format("{}: expected one scalar grid, found {}", file, found.size());
     return fail(ErrorCode::input, message,
                 found.empty() ? Hint("the grids of the file are\n" + grid_table(grids)) : listed());
   }
@@ -109,8 +110,8 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
   }
   if (!grids[found.front()].scalar) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected a grid of float, double or int32, but '{}' has values of type {}", file,
-                            grids[found.front()].label, grids[found.front()].type),
+                fmt::format("{}: expected a grid of scalars, such as float or int32, but '{}' has values of type {}",
+                            file, grids[found.front()].label, grids[found.front()].type),
                 listed());
   }
   return found.front();
@@ -144,7 +145,7 @@ Result<std::optional<std::uint64_t>> choose_component(const std::string& file, s
                     {Remedy::set, Setting::component, "length to take the length of the vector"}};
   if (!wanted) {
     if (count == 1) return 0;
-    return fail(ErrorCode::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
+    return fail(ErrorCode::input, fmt::format("{}: expected one number per sample, found {} components", file, count),
                 choice);
   }
   if (count == 1) {

@@ -26,9 +26,9 @@ Result<field::Affine> placement_by_reference(field::ScalarField& field, const Re
                   "add its placement to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
     }
     return fail(ErrorCode::input,
-                fmt::format("{} states no spacing and no origin: expected {} samples as in {}, whose grid would place "
-                            "it, found {}",
-                            field.source, dims_text(other.dims), other.source, dims_text(dims)),
+                fmt::format("{} states no spacing and no origin, so its samples must be on the grid of {}: expected {} "
+                            "samples, found {}",
+                            field.source, other.source, dims_text(other.dims), dims_text(dims)),
                 "add spacing and origin to the name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
   }
   if (other.source != field.source) {

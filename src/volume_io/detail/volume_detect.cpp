@@ -121,7 +121,7 @@ Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOpti
               fmt::format("{}: expected a file, or a folder of a format that isoextract reads, found a folder without "
                           "such files",
                           files::input_label(input)),
-              "name the files in the folder, with a pattern such as 'FOLDER/f_{}.npy', or FOLDER/* without quotes");
+              "give one file in the folder; name the slices of a volume by a pattern, such as 'FOLDER/slice_{}.png'");
 }
 
 // Returns whether the format takes the files of a pattern as slices.

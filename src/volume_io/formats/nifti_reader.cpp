@@ -264,8 +264,8 @@ Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHead
   const double first = header.pair ? 0 : (header.version == 1 ? 352 : 544);
   if (!(header.vox_offset >= first && header.vox_offset <= kMaxOffset) ||
       header.vox_offset != std::floor(header.vox_offset)) {
-    return fail(ErrorCode::input, fmt::format("{}: expected samples from byte {} on, found vox_offset {}", file.name(),
-                                              first, header.vox_offset));
+    return fail(ErrorCode::input, fmt::format("{}: expected a whole number from {} on, found vox_offset {}",
+                                              file.name(), first, header.vox_offset));
   }
   if (header.pair) {
     piece.path = TRY(find_partner(file, ".img"));
@@ -285,9 +285,10 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   const auto type = type_of_code(header.datatype);
   if (!type) {
     return fail(ErrorCode::input,
-                fmt::format("{}: expected integers or floats up to 64 bits, found datatype {} ({})", file.name(),
-                            header.datatype, ::nifti_datatype_to_string(header.datatype)),
-                "convert it to FLOAT32 or INT16 first");
+                fmt::format("{}: expected integers, floats, complex numbers or RGB colors with 8 to 64 bits per "
+                            "number, found datatype {} ({})",
+                            file.name(), header.datatype, ::nifti_datatype_to_string(header.datatype)),
+                "convert the samples to FLOAT32 or INT16 first");
   }
   const auto dims = TRY(read_dims(file.name(), header, type->type));
   const auto volumes = static_cast<std::uint64_t>(header.dim[0] >= 4 ? header.dim[4] : 1);

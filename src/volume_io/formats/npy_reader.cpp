@@ -80,7 +80,7 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
     return fail(ErrorCode::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
-                kept <= 2                     ? Hint{"an array of fewer than three axes is not a volume",
+                kept <= 2                     ? Hint{"a volume has at least three axes",
                                  {Remedy::use, Setting::particle_method},
                                  {Remedy::use, Setting::height_field}}
                 : kept == 5 && !has_component ? read_as_vectors(header)

@@ -104,7 +104,7 @@ Result<field::SampleType> sample_type_of(const std::string& file, const Nrrd& nr
   return fail(
       ErrorCode::input,
       fmt::format("{}: expected integers, float or double, found type '{}'", file, ::airEnumStr(nrrdType, nrrd.type)),
-      "convert it, for example with: unu convert -t float");
+      "expand the blocks into numbers, for example with: unu unblock -t float -i IN.nrrd -o OUT.nrrd");
 }
 
 bool has_direction(const Nrrd& nrrd, unsigned axis) {
@@ -145,10 +145,13 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, No
         axes.components = axis;
         continue;
       }
-      return fail(ErrorCode::input,
-                  fmt::format("{}: expected at most one axis of volumes and one of components, found {} as well", file,
-                              describe(axis)),
-                  fmt::format("select one value of that axis first, for example with: unu slice -a {} -p 0", axis));
+      return fail(
+          ErrorCode::input,
+          fmt::format("{}: expected at most one axis of volumes and one of components, found {} as well", file,
+                      describe(axis)),
+          fmt::format(
+              "select one value of that axis first, for example with: unu slice -a {} -p 0 -i IN.nrrd -o OUT.nrrd",
+              axis));
     }
     (spatial ? kept : dropped).push_back(axis);
   }
@@ -168,7 +171,7 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, No
     return fail(ErrorCode::input,
                 fmt::format("{}: expected the axis of the {} before or after the axes of space, found {} between them",
                             file, what, describe(*axis)),
-                "put that axis first or last, for example with: unu permute");
+                "put that axis first or last with: unu permute -p AXIS... -i IN.nrrd -o OUT.nrrd");
   }
   axes.space = {kept[0], kept[1], kept[2]};
   return axes;
@@ -350,7 +353,7 @@ Result<std::vector<SamplePiece>> locate_samples(const files::InputFile& file, co
 Result<void> check_encoding(const std::string& file, const NrrdIoState& state) {
   if (state.encoding == nrrdEncodingRaw || state.encoding == nrrdEncodingGzip) return {};
   return fail(ErrorCode::input, fmt::format("{}: expected encoding raw or gzip, found {}", file, state.encoding->name),
-              "rewrite it, for example with: unu save -f nrrd -e gzip");
+              "rewrite it, for example with: unu save -f nrrd -e gzip -i IN.nrrd -o OUT.nrrd");
 }
 
 Result<DenseFile> open_nrrd(const files::InputFile& file) {

@@ -185,7 +185,8 @@ struct FileHead {
 
 FileHead read_file_head(VdbCursor& cursor) {
   FileHead head;
-  if (cursor.read_value<std::int64_t>() != kVdbMagic) throw InvalidVdb("expected 'VDB' at the start");
+  if (cursor.read_value<std::int64_t>() != kVdbMagic)
+    throw InvalidVdb("expected ' BDV' and four zero bytes at the start");
   head.version = cursor.read_value<std::uint32_t>();
   if (head.version < kOldestVersion) {
     throw UnsupportedVdb(

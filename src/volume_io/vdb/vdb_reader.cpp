@@ -64,8 +64,9 @@ class GridsByName {
     const auto parent = records_.find(record.instance_parent);
     if (parent == records_.end() || !parent->second->instance_parent.empty() ||
         parent->second->tree_type != record.tree_type) {
-      throw InvalidVdb(fmt::format("grid '{}' shares the tree of a grid that the file does not contain",
-                                   printable(record.name, 80)));
+      throw InvalidVdb(fmt::format(
+          "grid '{}' shares the tree of another grid, which is missing, has another type or itself shares a tree",
+          printable(record.name, 80)));
     }
     return *parent->second;
   }

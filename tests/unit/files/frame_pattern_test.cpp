@@ -77,7 +77,7 @@ TEST(FramePattern, RefusesSeveralNumberings) {
 
 TEST(FramePattern, RefusesImpossibleWidths) {
   EXPECT_EQ(parsed_pattern("{:018}").width(), 18);
-  EXPECT_EQ(pattern_refusal("{:019}"), "{:019}: expected at most 18 digits for a frame, found '{:019}'");
+  EXPECT_EQ(pattern_refusal("{:019}"), "{:019}: expected a width of at most 18 digits, found '{:019}'");
   EXPECT_NE(pattern_refusal("{:99999999999999999999}"), "accepted");
   EXPECT_NE(pattern_refusal("%4294967300d"), "accepted");
   EXPECT_NE(pattern_refusal(std::string(100000, '#')), "accepted");

@@ -71,7 +71,7 @@ void expect_components(const std::filesystem::path& path, int volumes) {
   volume_io::ReadOptions first;
   if (volumes > 1) first.volume = 0;
   const Error none = refusal(path, first);
-  expect_in(none.message, "expected one number a sample, found 3 components");
+  expect_in(none.message, "expected one number per sample, found 3 components");
   expect_in(test::text_of(none.hint), "from 0 to 2");
   for (const std::int64_t wrong : {std::int64_t{-1}, std::int64_t{3}, INT64_MAX}) {
     first.component = volume_io::ComponentChoice{wrong};

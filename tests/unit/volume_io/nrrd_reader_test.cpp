@@ -170,7 +170,7 @@ TEST(NrrdReaderData, ReportsUnreadableDetachedFiles) {
   expect_in(message("missing.raw"),
             "the header names the data file 'missing.raw', but finding it failed: No such file");
   std::filesystem::create_directory(folder / "folder");
-  expect_in(message("folder"), "found a directory");
+  expect_in(message("folder"), "found a folder");
   write_bytes(folder / "empty.raw", "");
   expect_in(message("empty.raw"), "is empty");
   write_bytes(folder / "short.raw", kSamples.substr(1));
