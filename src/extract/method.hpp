@@ -103,7 +103,7 @@ inline constexpr std::array kMethods{
     MethodInfo{.method = Method::voxels,
                .id = "voxels",
                .title = "voxels",
-               .help = "voxels: a solid box around each sample inside, always closed, with flat faces",
+               .help = "a solid box around each sample inside, always closed, with flat faces",
                .traits = {.vertices_on_edges = false,
                           .axis_edges_only = false,
                           .follows_interpolant = false,
@@ -113,7 +113,7 @@ inline constexpr std::array kMethods{
     MethodInfo{.method = Method::surface_nets,
                .id = "surface-nets",
                .title = "surface nets",
-               .help = "surface nets: the surface between inside and outside samples, or around each label, "
+               .help = "the surface between inside and outside samples, or around each label, "
                        "smooth and always closed",
                .traits = {.vertices_on_edges = false,
                           .axis_edges_only = false,

@@ -91,13 +91,12 @@ struct ConvertFlags : OptionSet {
           of_ == Of::convert ? ", unless they name labels" : "")};
   SurfaceFlags surface{*this};
   LabelFlags labels{*this, of_ == Of::convert ? LabelFlags::Taken::all : LabelFlags::Taken::samples};
-  Flag heightfield{
-      only_convert(OptionGroup::surface), "--heightfield",
-      "Make terrain of a picture or array of heights. For single images (TIFF, GeoTIFF, PNG, OpenEXR), "
-      "NumPy arrays [y, x] and elevation models; several files are frames. The sample at column x and row "
-      "y becomes a vertex; the third number of --spacing scales the heights. Squares with a NaN corner are "
-      "holes (--nan error refuses them).",
-      About::surface};
+  Flag heightfield{only_convert(OptionGroup::surface), "--heightfield",
+                   "Make terrain of a picture or array of heights. For single images (TIFF, GeoTIFF, PNG, OpenEXR), "
+                   "NumPy arrays [y, x] and elevation models; several files are frames. The sample at column x and row "
+                   "y becomes a vertex; the third number of --spacing scales the heights. Squares with a NaN corner "
+                   "are holes, unless --nan error refuses them.",
+                   About::surface};
   Value<HeightBase> base{only_convert(OptionGroup::surface),
                          "--base",
                          "H|none",
@@ -129,16 +128,17 @@ struct ConvertFlags : OptionSet {
       "move 0.001 voxels to their own side, so that programs that weld vertices by position find a closed 2-manifold; "
       "keep: no vertex moves. Default: apart for stl, whose readers weld, else keep.",
       About::surface};
-  Value<std::vector<check::Requirement>> required{only_convert(OptionGroup::surface),
-                                                  "--require",
-                                                  "WORD,WORD,...",
-                                                  parse_requirements,
-                                                  "Properties each mesh must have; else exit code 6. Nothing is "
-                                                  "written then. Words are those of 'isoextract check', "
-                                                  "such as printable. For printable and no-self-intersections, "
-                                                  "vertices of triangles that intersect first move toward "
-                                                  "their neighbors. Reports how many moved, and how far.",
-                                                  About::surface};
+  Value<std::vector<check::Requirement>> required{
+      only_convert(OptionGroup::surface),
+      "--require",
+      "WORD,WORD,...",
+      parse_requirements,
+      "Properties each mesh must have; else exit code 6. Nothing is "
+      "written then. Words are those of --require of 'isoextract check', such as printable, but not normals. For "
+      "printable and no-self-intersections, "
+      "vertices of triangles that intersect first move toward "
+      "their neighbors. Reports how many moved, and how far.",
+      About::surface};
   Value<convert::Normals> normals{
       only_convert(OptionGroup::surface), "--normals",
       "Normals to store. none; flat, one per triangle; smooth, the gradient of the field at each vertex; area, the "
@@ -153,15 +153,17 @@ struct ConvertFlags : OptionSet {
       parse_simplify_bound,
       "Remove triangles within a distance of ERR. No point of either mesh is farther than ERR from the other: 0.1 or "
       "0.1voxel in voxels, 0.5world in the units of the mesh. The distance is measured and reported. Boundaries get "
-      "fewer vertices and stay within ERR, too. Labels keep common faces: all their meshes are in memory together.",
+      "fewer vertices and stay within ERR, too. With --labels, neighbors keep common faces, and all meshes are in "
+      "memory together.",
       About::surface | About::edit};
   Value<convert::TriangleCount> triangles{
       in(OptionGroup::surface),
       "--triangles",
       "N|P%",
       parse_triangle_count,
-      "Reduce each surface to N triangles, or to P percent. 50k means 50,000, 2M two million. The topology may allow "
-      "fewer removals. The distance is measured and reported. With --simplify it ends at whichever comes first. With "
+      "Reduce each surface to N triangles, or to P percent. 50k means 50,000, 2M two million. More triangles stay if "
+      "the topology needs them. The distance is measured and reported. With --simplify, the limit that comes first "
+      "ends the reduction. With "
       "--labels, N and P count all labels together, triangles of common faces once.",
       About::surface | About::edit};
   Value<convert::EmptyPolicy> empty{only_convert(OptionGroup::surface), "--empty",
@@ -212,15 +214,16 @@ struct ConvertFlags : OptionSet {
 
   Value<std::string> output{
       everyday(only_convert(OptionGroup::output)), "-o,--output", "FILE", parse_text,
-      "File to write; its extension chooses the format. Default: the input's name with .glb, in the current folder; "
-      "input from stdin needs a name. - is stdout and needs --format. .vdb, .nrrd, .npy and .vti write the "
+      "File to write; its extension chooses the format. Default: the input's name with .glb, or with the extension of "
+      "--format, in the current folder; input from stdin needs a name. - is stdout and needs --format. .vdb, .nrrd, "
+      ".npy and .vti write the "
       "field itself, resampled and filtered: it needs no --iso and takes no options of surfaces. .bgeo, .vtu and .xyz "
       "write the chosen particles with their attributes. .png draws the surfaces. "
       "{iso} stands for the iso value as it was given (0.5, p99), and gives each surface its own file. {label} and "
       "{name} stand for the number and the name of a label, {piece} for the number of a body, with "
       "--split-components. {step} stands for the time step that a file of particles states. A "
-      "file gets its name when it is complete. A killed run may leave a "
-      "file .isoextract-HOST-PID-N; the next run that writes into the folder removes it."};
+      "file gets its name when it is complete. A killed run may leave a file .isoextract-HOST-PID-N; the next run on "
+      "the same machine that writes into the folder removes it."};
   Value<OutputFormat> format{only_convert(OptionGroup::output), "--format", output_formats(),
                              "Format of the output, whatever the extension."};
   ViewFlags view{of_ == Of::convert ? this : nullptr,
@@ -247,8 +250,8 @@ struct ConvertFlags : OptionSet {
       "--draco",
       draco_bits(),
       "Compress glb or gltf with Draco; drc always is. (KHR_draco_mesh_compression.) Positions are rounded to a "
-      "lattice that all regions of a volume share. Its step is at most 1/32 voxel (auto, the default), or the volume "
-      "takes the given number of bits. The file is decoded again, and the distance that vertices moved is reported.",
+      "lattice that all regions of a volume share. Its step is at most 1/32 voxel (auto, the default), or the given "
+      "number of bits spans the volume. The file is decoded again, and the distance that vertices moved is reported.",
       About::surface | About::mesh_file,
       IfLeftOut{"auto"}};
   Flag quantize{only_convert(OptionGroup::output), "--quantize",
@@ -293,11 +296,11 @@ struct VerifyFlags : OptionSet {
   VerifyFlags();
 
   ConvertFlags conversion{*this, ConvertFlags::Of::verify};
-  Value<std::string> mesh{in(OptionGroup::input), "MESH", "MESH", parse_text,
-                          fmt::format("Mesh to verify (default: none, compare the backends). One of {}. The mesh "
-                                      "records how it was placed, and its "
-                                      "extension tells the default; options of placement overrule both.",
-                                      mesh_io::mesh_extensions())};
+  Value<std::string> mesh{
+      in(OptionGroup::input), "MESH", "MESH", parse_text,
+      fmt::format("Mesh to verify (default: none, compare the backends). One of {}. The mesh records its placement, "
+                  "else its extension gives the default; options of placement overrule both.",
+                  mesh_io::mesh_extensions())};
   JsonFlag json{in(OptionGroup::output)};
 };
 

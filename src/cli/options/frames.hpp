@@ -44,7 +44,8 @@ struct BatchFlags : OptionSet {
   explicit BatchFlags(OptionSet* command = nullptr);
 
   FramesOption frames{everyday(*this),
-                      "Frames to convert, such as 1-240, 1-240x2 or 1-10,20. Default: all that match INPUT."};
+                      "Frames to convert, such as 1-240, 1-240x2 or 1-10,20. x2 takes every second frame. Default: all "
+                      "that match INPUT."};
   Value<MissingPolicy> missing{
       *this, "--missing",
       "What to do where frames are missing. error converts the other frames and exits with code 5; note only prints a "
@@ -53,8 +54,8 @@ struct BatchFlags : OptionSet {
                                "--iso-table",
                                "FILE",
                                parse_text,
-                               "CSV file with an iso value for each frame. Its columns are frame and iso. Takes the "
-                               "place of --iso, and its values are written like those of --iso.",
+                               "CSV file with an iso value for each frame. Its columns are frame and iso. Replaces "
+                               "--iso; the column iso takes the same values as --iso, such as 0.5, p99 or auto.",
                                About::surface};
   Flag animate{
       *this, "--animate",
@@ -65,14 +66,14 @@ struct BatchFlags : OptionSet {
       About::surface | About::mesh_file};
   Value<double> fps{
       *this, "--fps", "N", parse_positive,
-      "Frames per second of --animate (default: 24). If frames state their times, it is the mean. Blender 3.4 "
+      "Frames per second of --animate (default: 24). If frames state their times, N is the mean rate. Blender 3.4 "
       "rounds it to a whole number."};
   Value<int> jobs{*this, "--jobs", "N", parse_thread_count,
-                  "Number of frames to convert at the same time. They share --threads and --memory-limit; a GPU draws "
-                  "one frame after another. Default: one for each thread. The output does not depend on it."};
+                  "Number of frames to convert at the same time. They share --threads and --memory-limit; a GPU "
+                  "extracts one frame after another. Default: one for each thread. The output does not depend on it."};
   Flag resume{*this, "--resume",
-              "Convert only frames that are not done. A frame is done if its manifest record matches its input and its "
-              "output files. The manifest is in the output folder."};
+              "Convert only frames that are not done. A frame is done if its manifest record matches its options, its "
+              "input and its output files. The manifest is in the output folder."};
   Flag fail_fast{*this, "--fail-fast",
                  "Stop at the first frame that fails. Default: convert the others, then exit with code 5."};
   Flag no_clobber{*this, "--no-clobber", "Skip frames whose output exists already."};
@@ -84,9 +85,9 @@ struct BatchFlags : OptionSet {
   Value<std::string> plot{
       *this,         "--plot", "FILE", parse_text, "Plot the table over the frames, as .svg or .png. gnuplot draws it.",
       About::surface};
-  Value<ProgressStyle> progress{
-      *this, "--progress",
-      "How to show progress on stderr (default: bar). A bar on a terminal, a line of JSON for each event, or nothing."};
+  Value<ProgressStyle> progress{*this, "--progress",
+                                "How to show progress on stderr (default: bar). bar: a bar on a terminal, elsewhere a "
+                                "line every 30 seconds; json: a line of JSON for each event; none: nothing."};
   Value<batch::ShardChoice> shard{*this, "--shard", "K/N|auto",
                                   [](std::string_view text) { return batch::parse_shard(std::string(text)); },
                                   "Convert part K of N of the frames, for N machines. Part K has every N-th frame from "

@@ -25,10 +25,10 @@ std::vector<Choice<std::string>> input_formats() {
 std::string particle_methods() {
   std::vector<std::string> methods;
   for (const points::MethodInfo& method : points::kMethods) {
-    methods.push_back(fmt::format("{} ({}; iso {} and cells of {} radii by default)", method.id, method.help,
-                                  method.iso, method.cell_size));
+    methods.push_back(
+        fmt::format("{}: {}; default iso {}, cells of {} radii", method.id, method.help, method.iso, method.cell_size));
   }
-  return fmt::format("{}", fmt::join(methods, ", "));
+  return fmt::format("{}", fmt::join(methods, ". "));
 }
 
 InputFlags::InputFlags(OptionSet& command, InputUse use)

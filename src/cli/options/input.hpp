@@ -69,20 +69,21 @@ struct InputFlags : OptionSet {
           "frames of a file of particles. 'isoextract info' shows how many there are."};
   Value<volume_io::ComponentChoice> component{
       *this, "--component", "K|length", parse_component,
-      "One component of samples that are vectors, or length. For files with several numbers per sample, such as "
-      "vectors, colors and complex numbers; counted from 0. A NumPy array of four axes is then read as [z, y, x, c]."};
+      "Component of vector samples, or their length. For files with several numbers per sample, such as vectors, "
+      "colors and complex numbers; components count from 0. A NumPy array of four axes is then read as [z, y, x, c]."};
   Value<std::uint64_t> level{*this, "--level", "K", parse_count,
                              "Resolution to read, of a file that has several. 0 is the finest (default). For OME-Zarr, "
                              "Imaris and BigDataViewer."};
-  Flag resample{*this, "--resample",
-                "Make evenly spaced samples of unevenly spaced ones. Without it such files are refused: slices at "
-                "uneven distances, depths of an ocean model, rectilinear grids. Values between samples are linear."};
+  Flag resample{
+      *this, "--resample",
+      "Resample unevenly spaced samples to even spacing. Interpolates linearly. For slices at uneven distances, depths "
+      "of an ocean model and rectilinear grids, which isoextract refuses without this option."};
   Value<std::string> format{
       *this, "--input-format", input_formats(),
       "Format of the input (default: found by content). Where the content does not tell, the extension decides."};
-  Value<glm::ivec3> dims{
-      *this, "--dims", "NX,NY,NZ", parse_dims,
-      "Samples of a raw file along x, y and z. x varies fastest. 48x62x42 means the same as 48,62,42."};
+  Value<glm::ivec3> dims{*this, "--dims", "NX,NY,NZ", parse_dims,
+                         "Samples of a raw file along x, y and z. x varies fastest, unless --axis-order is xyz. "
+                         "48x62x42 means the same as 48,62,42."};
   Value<field::SampleType> dtype{*this, "--dtype", "Sample type of a raw file (default: u8).", About::raw_file};
   Value<std::endian> endian{*this,
                             "--endian",
@@ -110,7 +111,7 @@ struct InputFlags : OptionSet {
   Value<double> no_data{
       *this, "--nodata", "V", parse_number,
       "Value of samples that hold no data. Such samples become NaN, and --nan says what NaN means (default with "
-      "--nodata: outside). Integer samples become f32, 32-bit integers f64. Not for sparse grids."};
+      "--nodata: outside; of terrain: hole). Integer samples become f32, 32-bit integers f64. Not for sparse grids."};
   Value<glm::dvec3> spacing{
       *this, "--spacing", "SX,SY,SZ", parse_spacing,
       "Distance between samples along x, y and z. One number is for all axes. Replaces the file's spacing."};
@@ -120,7 +121,7 @@ struct InputFlags : OptionSet {
       *this, "--inside",
       "Side of the iso value that is inside. above as in densities, below as in level sets; away-from-zero for fields "
       "of both signs: above a positive iso value, below a negative one. Samples equal to the iso value are outside. "
-      "Default: as the file says, otherwise above."};
+      "Default: as the file says, otherwise above. info and bench do not take away-from-zero."};
   MemoryLimit memory_limit{*this};
   Flag in_process{*this, "--in-process",
                   "Read plug-in formats without the child process. Plug-ins ('isoextract formats' lists them) "
@@ -136,7 +137,7 @@ struct InputFlags : OptionSet {
   }
 };
 
-// Returns the methods for the help: "ID (HELP; iso ISO and cells of SIZE radii by default), ...".
+// Returns the methods for the help: "ID: HELP; default iso ISO, cells of SIZE radii. ...", without the last full stop.
 [[nodiscard]] std::string particle_methods();
 
 // The options that turn particles into a field.
@@ -147,21 +148,22 @@ struct ParticleFlags : OptionSet {
   convert::ParticleOptions usual_;
 
  public:
-  Value<points::Method> method{*this, "--particles",
-                               fmt::format("Method that turns particles into a field. One of {} (default: {}). Files "
-                                           "that can only hold particles need no option; an NPY array of N rows does.",
-                                           particle_methods(), word_of(usual_.method))};
+  Value<points::Method> method{
+      *this, "--particles",
+      fmt::format("Method that makes a field of particles (default: {1}). {0}. Files of particle formats need none of "
+                  "these options; an .npy array of N x 3 numbers needs one, such as --particles sph.",
+                  particle_methods(), word_of(usual_.method))};
   Value<RadiusChoice> radius{
       everyday(*this), "--radius", "R|auto", parse_radius,
       "Radius of the particles, in the units of the file. Default: auto, the radius of touching particles on a lattice "
-      "as dense as the particles. All frames of a sequence have the radius of its first frame; with auto:each each "
-      "has its own. If the file has an attribute pscale or radius, it gives the radius of each particle, unless R is "
-      "given."};
+      "as dense as the particles. convert gives all frames of a sequence the radius that fits the first frame of 50 or "
+      "more particles; auto:each gives each frame its own. An attribute pscale or radius in the file gives each "
+      "particle its radius, unless R is given."};
   Value<points::ElementRadii> radii{
       *this, "--radii",
       "Radii of atoms by their element. element: van der Waals radii; covalent: covalent radii. The element is the "
-      "attribute species, element or symbol, or follows from the names of the atoms in a .gro file. In the unit of "
-      "--unit or of the file, else in angstrom."};
+      "attribute species, element or symbol, or follows from the names of the atoms in a .gro file. The radii are in "
+      "the unit that --unit of convert or the file states, else in angstrom."};
   Value<double> smoothing_length{*this, "--smoothing-length", "L", parse_positive,
                                  fmt::format("Smoothing length of the kernels, in radii. Kernels reach twice as far, "
                                              "and --particles smooth averages over that distance. Default: {}.",
@@ -197,11 +199,11 @@ struct ParticleFlags : OptionSet {
                              "Use only particles of these species. The attribute species, element or symbol, "
                              "whichever the file has; O,H for example."};
   Value<std::uint64_t> stride{*this, "--stride", "N", parse_positive_count,
-                              "Use every N-th particle, from the first on. Of those that --select, --type and "
-                              "--species choose. The default radius fits the particles that are left."};
+                              "Use every N-th particle, from the first on. Counts the particles that --select, --type "
+                              "and --species choose. The default radius fits the particles that are left."};
   Value<std::array<bool, 3>> periodic{
       *this, "--periodic", "x,y,z", parse_periodic,
-      "Edges along which the particles' box is periodic. Some of x,y,z, or none. In a periodic box the surface "
+      "Edges along which the particles' box is periodic. One or more of x,y,z, or none. In a periodic box the surface "
       "continues from each face to the opposite one and ends at the faces. Default: as the file says."};
   Value<field::Box> box{*this, "--box", "X0,Y0,Z0,X1,Y1,Z1", parse_box,
                         "Box of the simulation: smaller, then larger corner. Periodic along all edges, unless the file "

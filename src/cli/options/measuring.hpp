@@ -27,7 +27,8 @@ struct InfoFlags : OptionSet {
       "gaps; overlapping masks keep all their voxels."};
   FramesOption frames{in(OptionGroup::input), "Frames of a sequence to read, such as 1-240x20. Default: all."};
   ParticleFlags particles{*this};
-  JsonFlag json{in(OptionGroup::output), "Report as JSON: an array with one entry for each input."};
+  JsonFlag json{in(OptionGroup::output),
+                "Report as JSON: an array with one entry for each input. A sequence and --masks have one entry."};
   RunFlags run{*this};
 };
 
@@ -39,7 +40,7 @@ struct BenchFlags : OptionSet {
 
   InputFlags input{*this,
                    {"INPUT...",
-                    "Volumes (default: demo:torus). gpu-threads measures the cost of a GPU's threads "
+                    "Volumes (default: demo:torus). The word gpu-threads measures the cost of a GPU's threads "
                     "(Timokhin and Mikhaylyuk)"}};
   Value<std::vector<int>> sizes{in(OptionGroup::input), "--sizes", "N,N,...", parse_demo_sizes,
                                 "Sizes of demo fields (default: 32,64,128,256). Samples along each axis."};

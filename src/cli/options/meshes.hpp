@@ -18,20 +18,20 @@ namespace isoextract::cli {
 struct CompareFlags : OptionSet {
   CompareFlags();
 
-  Values<std::string> meshes{
-      in(OptionGroup::input), "FILE", "FILE", parse_text,
-      fmt::format(
-          "The two meshes. {}. Vertices at equal coordinates are merged in formats without connectivity, such as stl.",
-          mesh_io::mesh_extensions())};
+  Values<std::string> meshes{in(OptionGroup::input), "FILE", "FILE", parse_text,
+                             fmt::format("The two meshes. Formats: {}. Vertices at equal coordinates are merged in "
+                                         "formats without connectivity, such as stl.",
+                                         mesh_io::mesh_extensions())};
   Value<convert::UpAxis> up{
       in(OptionGroup::input), "--up",
       "Up axis of the mesh that is not glTF (default: z). It counts where one mesh is glb or gltf and the other is "
-      "not: glTF prescribes y up, the other formats nothing. With z the glTF mesh is turned back, (x, y, z) to (x, -z, "
-      "y), and the result says so. Use y for meshes written with --up y or --space index."};
+      "not: glTF prescribes y up, the other formats nothing. With z, compare turns the glTF mesh back, (x, y, z) to "
+      "(x, -z, y), and the result says so. Use y for a glTF mesh of another program that has the axes of the other "
+      "mesh; meshes that isoextract wrote with --up y or --space index need no --up."};
   MemoryLimit memory_limit{in(OptionGroup::input)};
-  Value<double> max_distance{
-      in(OptionGroup::output), "--max-distance", "D", parse_not_negative,
-      "Largest distance allowed; else exit with code 6. At any point of either mesh, in the unit of the meshes."};
+  Value<double> max_distance{in(OptionGroup::output), "--max-distance", "D", parse_not_negative,
+                             "Largest distance allowed; else exit with code 6. At any point of either mesh, in the "
+                             "unit of the meshes, or of their source world if compare undoes their placement."};
   JsonFlag json{in(OptionGroup::output)};
   RunFlags run{*this};
 };
@@ -48,12 +48,13 @@ struct CheckFlags : OptionSet {
   Values<std::string> meshes{
       in(OptionGroup::input), "FILE", "FILE", parse_text,
       fmt::format(
-          "Mesh to check, or - for stdin. {}. Vertices at equal coordinates are merged in formats without "
-          "connectivity, such as stl. Of a glTF file with several meshes each is checked, then all of them as one.",
+          "Mesh to check, or - for stdin. Formats: {}. Vertices at equal coordinates are merged in formats without "
+          "connectivity, such as stl. In a glTF file with several meshes, check tests each mesh, then all of them as "
+          "one.",
           mesh_io::mesh_extensions())};
-  Flag weld{
-      in(OptionGroup::input), "--weld",
-      "Merge vertices at equal coordinates first. As slicers do. Without it the report says what merging would close."};
+  Flag weld{in(OptionGroup::input), "--weld",
+            "Merge vertices at equal coordinates first. Slicers do so. Without --weld the report tells how many edges "
+            "would stay open after merging."};
   MemoryLimit memory_limit{in(OptionGroup::input)};
   Value<std::vector<check::Requirement>> required{
       in(OptionGroup::output), "--require", "WORD,WORD,...", parse_requirements,

@@ -30,7 +30,7 @@ struct PlacementFlags : OptionSet {
   Value<convert::UpAxis> up{
       everyday(*this), "--up",
       "Axis that points up in the input's world (default: z). glTF prescribes y up, so glb and gltf are turned from z "
-      "up: (x, y, z) becomes (x, z, -y). Other formats keep the input's axes.",
+      "up: (x, y, z) becomes (x, z, -y). Other formats keep the input's axes; pictures show this axis up.",
       About::surface | About::world};
   Value<convert::UpAxis> up_out{*this, "--up-out",
                                 "Axis that points up in the mesh. Default: y in glb and gltf, that of --up in other "

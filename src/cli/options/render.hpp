@@ -47,13 +47,14 @@ struct RenderFlags : OptionSet {
   RenderFlags();
 
   InputFlags input{*this,
-                   {"INPUT...", "Volume, particles or frames to draw, and meshes. Meshes: " +
+                   {"INPUT...", "Volume, particles or frames to draw, and meshes. Formats of meshes: " +
                                     mesh_io::mesh_extensions()}};  // volumes and meshes
   ParticleFlags particles{*this};
-  Value<std::string> frames{in(OptionGroup::frames), "--frames", "N|A-BxS,...", parse_text,
-                            "Pictures of a turn, or frames of a sequence. With one input, N draws N pictures while the "
-                            "camera turns around it once. With a sequence, A-BxS,... chooses the frames to draw, as in "
-                            "convert (default: all frames)."};
+  Value<std::string> frames{
+      in(OptionGroup::frames), "--frames", "N|A-BxS,...", parse_text,
+      "Pictures of a turn, or frames of a sequence. With at most one volume, N draws N pictures while the camera turns "
+      "around the scene once. With a sequence, A-BxS,... chooses the frames to draw, as in "
+      "convert (default: all frames)."};
   IsoOption isos{in(OptionGroup::surface), "Draw a surface of the volume as well. ", ""};
   SurfaceFlags surface{*this};
   LabelFlags labels{*this, LabelFlags::Taken::names};
@@ -68,9 +69,10 @@ struct RenderFlags : OptionSet {
       "Opacity of surfaces and meshes, above 0, at most 1. One for all, or one for each: "
       "surfaces of --iso or --labels first, then meshes. Default: opaque, but for outer surfaces with --color-by and "
       "meshes whose materials state an opacity."};
-  Value<std::string> output{in(OptionGroup::output), "-o,--output", "FILE", parse_text,
-                            "Picture to write (default: INPUT.png). .png, or .exr with linear light, depth and "
-                            "normals; - is stdout, as PNG. Several pictures need a pattern, such as turn_{:04}.png."};
+  Value<std::string> output{
+      in(OptionGroup::output), "-o,--output", "FILE", parse_text,
+      "Picture to write (default: INPUT.png). .png, or .exr with linear light, depth and "
+      "normals; - is stdout, as PNG. For several pictures FILE is a pattern, such as turn_{:04}.png, or a folder."};
   ViewFlags view{this,
                  {"--background,--background-color", "none", "(default: 960x540).", "In world coordinates.",
                   "the center of what is visible"}};

@@ -43,7 +43,7 @@ struct RunFlags : OptionSet {
                                      "Hide the notes of these ids. A note shows its id: 'note[open-mesh]: ...'. "
                                      "'isoextract help notes' lists all ids; "
                                      "reports keep every note."};
-  Flag verbose{from(Taken::verbosity), "-v,--verbose", "Print the time of each stage and the peak memory."};
+  Flag verbose{from(Taken::verbosity), "-v,--verbose", "Print run times and the peak memory."};
   HelpOptions help{*this};
 };
 
@@ -56,7 +56,7 @@ struct DeviceFlags : OptionSet {
       "N|cuda:N|NAME",
       parse_device,
       "GPU to use, by number, CUDA number or name. A part of the name is enough; 'isoextract devices' lists the GPUs. "
-      "Default: the first that is not a software renderer.",
+      "Default: the first that is not a software renderer, else the first of all.",
       About::gpu};
   Value<std::uint64_t> gpu_memory{
       *this,
@@ -89,7 +89,7 @@ struct MemoryLimit : Value<std::uint64_t> {
       : Value(place, "--memory-limit", "SIZE", parse_memory_size,
               "Limit for samples and meshes, such as 512M or 8G. An input that needs more is refused. Samples that are "
               "mapped "
-              "from their file do not count. Default: the machine's memory.") {}
+              "from their file do not count. Default: the memory that the machine or its container allows.") {}
 };
 
 }  // namespace isoextract::cli

@@ -45,16 +45,16 @@ struct SequenceFlags : OptionSet {
       fmt::format("Steps from one frame to the next (default: {}). Frame 0 is the start.", kWaterEvery)};
   Value<std::string> output{
       *this, "-o,--output", "FILE", parse_text,
-      fmt::format(
-          "Output files, such as {}; required. {{:04}}, %04d or #### stands for the frame number. A folder ends in a "
-          "slash. A name without a number gets the last step alone. {} A file gets its name when it is complete.",
-          example_, formats_)};
-  Flag no_clobber{*this, "--no-clobber", "Leave existing files alone."};
+      fmt::format("Output files, such as {}; required. {{:04}}, %04d or #### stands for the frame number. A name that "
+                  "ends in a slash is a folder, and needs --format. A name without a number gets the last frame alone. "
+                  "{} A file gets its name when it is complete.",
+                  example_, formats_)};
+  Flag no_clobber{*this, "--no-clobber", "Skip frames whose output exists already."};
   Flag make_folders{*this, "--mkdir", "Create missing output folders. A slash at the end of -o does so, too."};
   Value<std::uint64_t> memory_limit{
       *this, "--memory-limit", "SIZE", parse_memory_size,
       "Limit for cells and particles, such as 512M or 8G. A simulation that needs more is "
-      "refused. Default: the machine's memory."};
+      "refused. Default: the memory that the machine or its container allows."};
 };
 
 struct WaterFlags : OptionSet {
@@ -78,25 +78,28 @@ struct WaterFlags : OptionSet {
                       "Water over every cell at the start. It comes on top of --level."};
   Values<simulate::WaterTap> sources{
       in(OptionGroup::scene), "--source", "X,Y,RATE", parse_tap,
-      "Water that flows into a cell in every step. Several times for several cells. Without --source, --level and "
+      "Water that flows into a cell in every step. X,Y is the cell, counted from 0,0; RATE is the depth that it gets. "
+      "Several times for several cells. Without --source, --level and "
       "--depth there is one source in the hills and some water in the basin."};
   Values<simulate::WaterTap> drains{in(OptionGroup::scene), "--drain", "X,Y,RATE", parse_tap,
-                                    "Most water that leaves a cell in every step. Several times for several cells."};
+                                    "Most water that leaves a cell in every step. X,Y is the cell, counted from 0,0; "
+                                    "RATE is a depth. Several times for several cells."};
   Value<simulate::WaterRule> rule{
       in(OptionGroup::simulation), "--rule",
       "Rule of the flow (default: conservative). conservative loses no water and never falls below 0. printed follows "
       "the paper's listing literally, with its signs and order, and can fall below 0. docs/simulate.md explains both."};
   Value<double> friction{
       in(OptionGroup::simulation), "--friction", "F", parse_part,
-      fmt::format("Share of the energy that water loses, 0 to 1. Default: {}.", simulate::kDefaultFriction)};
+      fmt::format("Share of the energy that water loses in a step, 0 to 1. Default: {}.", simulate::kDefaultFriction)};
   Value<double> flow_div{in(OptionGroup::simulation), "--flow-div", "D", parse_one_or_more,
                          fmt::format("Divisor of the flow between neighbors, 1 or more. The flow is the difference of "
-                                     "heights over this. Water comes to rest where it is above 4 / F. Default: {}.",
+                                     "levels, or the depth of water if that is less, divided by D. Water comes to rest "
+                                     "if D is above 4 / F, F being --friction, with --rule conservative. Default: {}.",
                                      simulate::kDefaultFlowDiv)};
   SequenceFlags sequence{
       *this, kWaterExample,
       "The extension, .nrrd, .npy, .raw, .vdb or .vti, chooses the format. '-' is stdout and needs --format. "
-      "'{grid}' stands for terrain or water, where --what writes both into files of their own.",
+      "'{grid}' stands for terrain or water: --what both writes each into its own file, except as .vdb.",
       true};
   Value<volume_io::VolumeFileFormat> format{in(OptionGroup::output), "--format",
                                             "Format of the output, whatever the extension."};
@@ -128,7 +131,7 @@ struct JetFlags : OptionSet {
                   jet_.tank.x)};
   Value<double> nozzle{in(OptionGroup::scene), "--nozzle", "R", parse_positive,
                        "Radius of the nozzle. It is in the wall at the smallest x, three quarters up. Default: a "
-                       "twelfth of the shorter of the tank's width and height."};
+                       "twelfth of the shorter of the tank's sides Y and Z."};
   Value<double> speed{
       in(OptionGroup::scene), "--speed", "V", parse_positive,
       fmt::format("Speed of particles that leave the nozzle. In the tank's unit per second. Default: {}.", jet_.speed)};
@@ -139,8 +142,8 @@ struct JetFlags : OptionSet {
       fmt::format("Frames to simulate (default: {}). The first is one frame's time after the nozzle opens.",
                   kJetFrames)};
   Value<double> fps{in(OptionGroup::simulation), "--fps", "F", parse_positive,
-                    fmt::format("Frames per second (default: {}). In each step of a frame the fastest particle moves "
-                                "at most 0.8 particle distances.",
+                    fmt::format("Frames per second (default: {}). A frame has several steps; in each, no particle "
+                                "moves more than 0.8 particle distances.",
                                 jet_.fps)};
   Value<double> gravity{in(OptionGroup::simulation), "--gravity", "G", parse_not_negative,
                         fmt::format("Gravity along -z (default: {}). In the tank's unit per second squared; the "
@@ -148,11 +151,12 @@ struct JetFlags : OptionSet {
                                     jet_.gravity)};
   Value<double> viscosity{
       in(OptionGroup::simulation), "--viscosity", "C", parse_not_negative,
-      fmt::format("Share by which neighbors even out their velocities. In each step, 0 to 0.5. Default: {}.",
+      fmt::format("Share by which neighbors even out their velocities. From 0 to 0.5, in each step. Default: {}.",
                   jet_.viscosity)};
   Value<std::uint64_t> iterations{
       in(OptionGroup::simulation), "--iterations", "N", parse_positive_count,
-      fmt::format("Solver iterations per step (default: {}). More of them compress the liquid less.", jet_.iterations)};
+      fmt::format("Solver iterations per step (default: {}). 1 to 1000. More iterations compress the liquid less.",
+                  jet_.iterations)};
   SequenceFlags sequence{
       *this, kJetExample,
       "The extension, .ply, .npy, .xyz, .bgeo or .vtu, chooses the format. '-' is stdout and needs --format.", false};

@@ -1,7 +1,5 @@
 #include "cli/options/surface.hpp"
 
-#include <cctype>
-
 #include <fmt/ranges.h>
 
 #include "cli/options/placement.hpp"
@@ -10,11 +8,11 @@
 namespace isoextract::cli {
 
 std::string method_help() {
-  std::vector<std::string_view> methods;
-  for (const extract::MethodInfo& method : extract::kMethods) methods.push_back(method.help);
-  std::string text = fmt::format("{}", fmt::join(methods, ", or "));
-  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-  return text;
+  std::vector<std::string> methods;
+  for (const extract::MethodInfo& method : extract::kMethods) {
+    methods.push_back(fmt::format("{}: {}", method.id, method.help));
+  }
+  return fmt::format("{}", fmt::join(methods, ". "));
 }
 
 std::vector<Choice<convert::LengthUnit>> units() {

@@ -18,7 +18,7 @@
 
 namespace isoextract::cli {
 
-// Returns "Marching cubes, or marching tetrahedra (six in each cell), or ...".
+// Returns "mc: marching cubes. mt: marching tetrahedra (six in each cell). ...", without the last full stop.
 [[nodiscard]] std::string method_help();
 
 // `before` and `after` are further parts of the help text.
@@ -28,10 +28,10 @@ struct IsoOption : Values<convert::IsoChoice> {
             place, "--iso", "V", parse_iso,
             fmt::format(
                 "{}Iso value of the surface: a number, p99, auto or zero. p99, p0.5 and so on are percentiles of the "
-                "samples, without NaN and without the background of sparse grids; --roi and --resolution do not "
-                "change it. "
+                "samples, without NaN and without the background of sparse grids; --roi and --resolution do not change "
+                "percentiles. "
                 "auto is the value that 'isoextract info' suggests, for particles the usual value of the method. zero "
-                "is the surface of a level set.{}",
+                "is the iso value of a level set's surface.{}",
                 before, after),
             About::surface) {}
   using Values::operator=;
@@ -41,7 +41,8 @@ struct NanOption : Value<extract::NanPolicy> {
   explicit NanOption(const Place& place)
       : Value(place, "--nan",
               "What a NaN sample means (default: error). error refuses the input; outside counts the sample as "
-              "outside; hole leaves the surface open around it. With outside, particles at NaN positions are left out "
+              "outside; hole leaves the surface open around it. With --nodata the default is outside. With outside, "
+              "particles at NaN positions are left out "
               "and counted.",
               About::extraction) {}
 };
@@ -51,7 +52,9 @@ struct SurfaceFlags : OptionSet {
   explicit SurfaceFlags(OptionSet& command);
 
   Value<extract::Method> method{
-      *this, "--method", fmt::format("Extraction method (default: {1}). {0}.", method_help(), extract::method_ids()[0]),
+      *this, "--method",
+      fmt::format("Extraction method (default: {1}). {0}. Default with --labels: surface-nets.", method_help(),
+                  extract::method_ids()[0]),
       About::surface | About::drawn_surface};
   Value<field::Box> roi{
       *this,
@@ -60,7 +63,8 @@ struct SurfaceFlags : OptionSet {
       parse_box,
       "Box to extract: smaller, then larger corner. In the input's world; with --space index the box is in voxel "
       "coordinates. Triangles are cut at its faces, and the surface is open there, or closed with "
-      "--cap. Voxels and surface nets are not cut. Particles that the box does not depend on are left out first.",
+      "--cap. Voxels and surface nets are not cut. Particles too far away to change the surface in the box are left "
+      "out first.",
       About::surface | About::drawn_surface};
   Flag roi_snap{*this, "--roi-snap", "End the surface at the last samples inside --roi. Cuts no triangles.",
                 About::surface | About::drawn_surface};
@@ -77,22 +81,22 @@ struct SurfaceFlags : OptionSet {
       "Samples of the grid to extract from, along x, y and z. One number is for all axes. The grid covers the same "
       "box; it takes means of the samples along axes that get coarser, and values between them (--kernel) along axes "
       "that get finer. A sparse grid becomes dense: its active voxels and one layer of background. --labels takes the "
-      "label of most voxels, and on finer grids that of the nearest. --space index, --roi and --error count the "
-      "input's voxels, --simplify those of the new grid. "
+      "label of most voxels, and on finer grids the label of the nearest voxel. The voxels of --space index, --roi and "
+      "--error are those of the input, the voxels of --simplify those of the new grid. "
       "Default: the input's samples."};
   Value<glm::dvec3> voxel_size{
       *this, "--voxel-size", "SX,SY,SZ", parse_spacing,
-      "Voxel size of that grid, in place of --resolution. In units of the input's world; one number, such as 0.5, is "
-      "for all axes. The size is rounded so that voxels divide the box, with a note. A level set that is written as a "
-      "file gets voxels of exactly this size, and distances up to 3 voxels from the surface again."};
+      "Voxel size of the grid to extract from. In units of the input's world, in place of --resolution; one number, "
+      "such as 0.5, is for all axes. The size is rounded so that whole voxels fill the box; a note tells the result. A "
+      "sparse level set that -o writes as a field is measured again: it gets voxels of exactly this size and distances "
+      "up to 3 voxels from the surface. That needs cubic voxels and no --kernel."};
   Value<field::ResampleKernel> kernel{
       *this, "--kernel",
       "Interpolation of a finer grid (default: linear). cubic is a smooth curve through the samples (Catmull-Rom). "
-      "bspline, the cubic B-spline, is smoother and does not pass through the samples. nearest makes no new values, "
-      "also where the grid is coarser. majority does not either, but a coarser grid takes the value of most voxels in "
-      "a "
-      "cell: of equally many that of the nearest sample, or else the smallest. It is the default of --labels, which "
-      "take these two only."};
+      "bspline, the cubic B-spline, is smoother and does not pass through the samples. nearest takes the value of the "
+      "nearest sample, also where the grid is coarser. majority does so on finer grids; a coarser grid takes the value "
+      "that most voxels in a new voxel have, on a tie that of the nearest sample, else the smallest. --labels works "
+      "with nearest and majority only; its default is majority."};
   Values<convert::FilterStep> filters{
       *this, "--filter", "gaussian|median|mean", parse_filter,
       "Filter a level set before extraction. For level sets of VDB files, and of --particles spheres and smooth. Each "
@@ -100,7 +104,8 @@ struct SurfaceFlags : OptionSet {
       "Several times for several filters, in their order. Needs the OpenVDB plug-in."};
   Values<convert::BlurStep> blurs{
       *this, "--blur", "SIGMA|median:N", parse_blur,
-      "Blur the field before extraction. SIGMA is the standard deviation of a Gaussian, in voxels (1.5) or the input's "
+      "Blur the field before extraction. SIGMA (up to 16 voxels) is the standard deviation of a Gaussian, in voxels "
+      "(1.5) or the input's "
       "units (0.7world); median:N takes the median of samples up to N voxels away. NaN samples are left out. For dense "
       "and sparse fields. Several times for several blurs, after --filter."};
   Flag cap{everyday(*this), "--cap",
@@ -126,10 +131,11 @@ struct LabelFlags : OptionSet {
       "--labels",
       "all|L,...",
       parse_labels,
-      "Labels of a label map to extract, in place of --iso. all takes every label but the background (the default for "
-      "files that name their labels); or list numbers, ranges and names, !TERM for all but these: "
-      "1-40,Hippocampus*,!Skull. Each becomes a mesh of its own, called label L or by its name. Samples must be "
-      "integers. With --method surface-nets (the default then) or voxels.",
+      fmt::format("Labels of a label map to extract, in place of --iso. all takes every label but the background{}; or "
+                  "list numbers, ranges and names, and exclude labels with !: 1-40,Hippocampus*,!Skull. Each label "
+                  "becomes a mesh of its own, called label L or by its name. Samples must be integers. Needs --method "
+                  "surface-nets, the default with --labels, or voxels.",
+                  taken_ == Taken::samples ? "" : " (the default for files that name their labels)"),
       About::surface};
   Value<std::uint64_t> min_voxels{*this,
                                   "--labels-min-voxels",
@@ -137,13 +143,13 @@ struct LabelFlags : OptionSet {
                                   parse_count,
                                   "Leave out labels with fewer than N voxels. A note tells which.",
                                   About::surface};
-  Value<std::int64_t> background{only(taken_ != Taken::names),
-                                 "--background",
-                                 "L",
-                                 parse_label,
-                                 "Label without a mesh in --labels all (default: 0). The label 0 then is a label like "
-                                 "the others.",
-                                 About::surface};
+  Value<std::int64_t> background{
+      only(taken_ != Taken::names),
+      "--background",
+      "L",
+      parse_label,
+      "Label without a mesh in --labels all (default: 0). With another L, label 0 gets a mesh like the other labels.",
+      About::surface};
   Value<std::string> names{only(taken_ != Taken::samples),
                            "--label-names",
                            "FILE",
@@ -170,9 +176,8 @@ struct EditFlags : OptionSet {
       parse_repair,
       "Repair a mesh file, before all other edits. Welds vertices of equal positions on boundary edges. Drops "
       "duplicate triangles and those without area. Gives neighbors one winding. Fills holes of up to EDGES edges "
-      "(default: 100; 0: none). Faces closed shells outward, and cavities inward. Reports what each step did, then "
-      "what "
-      "'check' finds.",
+      "(default: 100, at most 1000; 0: none). Faces closed shells outward, and cavities inward. Reports the changes of "
+      "each step, then the findings of 'check'.",
       About::surface | About::edit,
       IfLeftOut{"100"}};
   Value<convert::MinComponentSize> least{
@@ -203,7 +208,8 @@ struct EditFlags : OptionSet {
       "--smooth",
       "N[:METHOD[:BAND]]",
       parse_smoothing,
-      "Smooth the surface by N passes of a filter. taubin (the default) and sinc (a windowed sinc) keep its size. "
+      "Smooth the surface by N passes of a filter. N is at most 1000. taubin (the default) and sinc (a windowed sinc) "
+      "keep its size. "
       "BAND, between 0 and 1 (default: 0.1), is the pass band: a smaller one smooths more. weighted is for particles, "
       "as in 25:weighted: it flattens sheets and bulk, and keeps droplets, whose particles have few neighbors. "
       "Boundary vertices stay in place, and those of caps in their plane. Reports the largest move and, for closed "
@@ -215,8 +221,8 @@ struct EditFlags : OptionSet {
       "--hollow",
       "THICKNESS",
       parse_hollow,
-      "Hollow closed bodies, and leave a wall of THICKNESS. State the unit: 2mm (also um, cm, m, in), 2world in the "
-      "units of the mesh, or 3voxel. The outer surface stays, and each body gets an inner wall at this "
+      "Hollow closed bodies, and leave a wall of THICKNESS. State the unit: 2mm (or another unit of --unit), 2world in "
+      "the units of the mesh, or 3voxel. The outer surface stays, and each body gets an inner wall at this "
       "distance, also around cavities that it has. Parts that are not thicker than two walls stay solid. Reports the "
       "measured thickness. --drop-components and --smooth come first, --simplify and --triangles later.",
       About::surface | About::edit};
