@@ -105,7 +105,8 @@ FoundFiles find_files(const isoextract_plugin::Request& request, const isoextrac
     found.paths = request.files;
   } else if (fs::is_directory(path)) {
     add_folder(path, true, found.paths, others);
-    if (others > 0) found.note = count_text(others, "file that is", "files that are") + " not DICOM passed over";
+    if (others > 0)
+      found.note = "the reader skips " + count_text(others, "file that is", "files that are") + " not DICOM";
     if (found.paths.empty()) throw ReadError("expected DICOM files in the folder, found none");
   } else if (const auto ids = directory_of(request.path, host)) {
     std::size_t missing = 0;
@@ -123,7 +124,9 @@ FoundFiles find_files(const isoextract_plugin::Request& request, const isoextrac
       throw ReadError("expected the files of this DICOM directory beside it, found none of " +
                       std::to_string(ids->size()));
     }
-    if (missing > 0) found.note = count_text(missing, "file", "files") + " of the DICOM directory missing";
+    if (missing > 0)
+      found.note =
+          count_text(missing, "file of the DICOM directory is", "files of the DICOM directory are") + " missing";
   } else {
     found.siblings = true;
     add_folder(path.has_parent_path() ? path.parent_path() : fs::path("."), false, found.paths, others);

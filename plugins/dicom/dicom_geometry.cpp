@@ -122,9 +122,10 @@ Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool res
     const double part = (at - along[below]) / (along[below + 1] - along[below]);
     line.places.push_back(static_cast<double>(below) + std::clamp(part, 0.0, 1.0));
   }
-  line.note = std::to_string(positions.size()) + " slices at distances of " + number_text(smallest) + " to " +
-              number_text(*std::ranges::max_element(distances)) + " mm, interpolated linearly at " +
-              std::to_string(line.count) + " slices every " + number_text(height / intervals) + " mm";
+  line.note = "the reader interpolates " + std::to_string(positions.size()) + " slices at distances of " +
+              number_text(smallest) + " to " + number_text(*std::ranges::max_element(distances)) +
+              " mm linearly, and makes " + std::to_string(line.count) + " slices every " +
+              number_text(height / intervals) + " mm";
   return line;
 }
 

@@ -98,10 +98,10 @@ std::shared_ptr<const Object> read_object(const std::string& path, const isoextr
   if (text_of(data, gdcm::Tag(0x0008, 0x0008)).find("MOSAIC") != std::string::npos && object->problem.empty())
     object->problem = "expected one slice per image, found a mosaic of slices in one image (Siemens)";
   if (data.FindDataElement(gdcm::Tag(0x0028, 0x3000)))
-    object->note = "without its table of values (Modality LUT Sequence)";
+    object->note = "the reader does not apply the table of values (Modality LUT Sequence)";
   if (pixels.photometric == "MONOCHROME1")
-    object->note = "low values are bright (MONOCHROME1); the values are those of the file";
-  if (pixels.photometric == "PALETTE COLOR") object->note = "values are the numbers of palette colors";
+    object->note = "low values are bright (MONOCHROME1), and the reader does not invert them";
+  if (pixels.photometric == "PALETTE COLOR") object->note = "the samples are indices of the palette, not colors";
   read_frames(data, *object);
   return object;
 }

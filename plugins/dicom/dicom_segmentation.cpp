@@ -209,7 +209,7 @@ void SegmentationGrids::add_grids(const std::vector<std::vector<std::uint32_t>>&
   }
   label_maps_ = grids.size();
   if (layers.size() > 1)
-    note = "segments overlap, so that their label maps are " + std::to_string(layers.size()) + " grids";
+    note = "segments overlap, so the reader makes label maps of them in " + std::to_string(layers.size()) + " grids";
   if (object.segmentation != Segmentation::fractional) return;
   for (std::uint32_t segment = 0; segment < object.segments.size(); ++segment) {
     Grid grid = common;

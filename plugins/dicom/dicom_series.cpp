@@ -165,7 +165,7 @@ class Splitter {
       values += (values.empty() ? "" : ", ") + part.value;
       volumes.push_back(std::move(part.slices));
     }
-    std::string note = "volumes by " + std::string(words.name);
+    std::string note = "the reader separates the volumes by " + std::string(words.name);
     if (times.empty() && volumes.size() <= 20) note += " (" + values + ")";
     add(std::move(volumes), suffix, note, std::move(times), {});
   }
@@ -217,7 +217,7 @@ class Splitter {
     grid.volumes = volumes.size();
     grid.volume_times = std::move(times);
     if (!grid.volume_times.empty()) grid.time_unit = "s";
-    if (!shape.has_spacing) series.notes.emplace_back("no pixel spacing in the header: 1 mm assumed");
+    if (!shape.has_spacing) series.notes.emplace_back("the header has no pixel spacing: the reader assumes 1 mm");
     series.volumes = std::move(volumes);
     series_.push_back(std::move(series));
   }
@@ -234,8 +234,9 @@ class Splitter {
       grid.index_to_world = index_to_world(shape, {0, 0, 0}, {0, 0, distance});
       grid.has_placement = shape.has_spacing;
       if (shape.has_spacing) grid.length_unit = "mm";
-      series.notes.push_back("no positions in the headers: slices in the order of their instance numbers, " +
-                             number_text(distance) + " mm apart" + (has_distance ? "" : " (assumed)"));
+      series.notes.push_back(
+          "the headers have no positions: the reader places the slices in the order of their instance numbers, " +
+          number_text(distance) + " mm apart" + (has_distance ? "" : " (assumed)"));
       return;
     }
     std::vector<Vector> positions;
@@ -256,7 +257,8 @@ class Splitter {
     if (degrees > 0.5)
       series.notes.push_back("the grid is sheared by " + number_text(degrees) + " degrees (gantry tilt)");
     if (slices.front().object->is_stacked)
-      series.notes.push_back("frames placed " + number_text(length(line.step)) + " mm apart (Spacing Between Slices)");
+      series.notes.push_back("the reader places the frames " + number_text(length(line.step)) +
+                             " mm apart (Spacing Between Slices)");
   }
 
   void set_scale(const std::vector<Slices>& volumes, Series& series) const {
@@ -281,8 +283,8 @@ class Splitter {
       grid.intercept = first.intercept;
     }
     if (differs) {
-      series.notes.push_back("slices with different rescale slopes or intercepts (slopes from " +
-                             number_text(smallest) + " to " + number_text(largest) + "), converted to " +
+      series.notes.push_back("the reader converts slices with different rescale slopes or intercepts (slopes from " +
+                             number_text(smallest) + " to " + number_text(largest) + ") to " +
                              type_name(grid.sample_type));
     }
   }
@@ -330,8 +332,8 @@ std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>
     }
   }
   if (repeated > 0)
-    notes.push_back(std::to_string(repeated) + (repeated == 1 ? " copy" : " copies") +
-                    " of the same image passed over");
+    notes.push_back("the reader skips " + std::to_string(repeated) + (repeated == 1 ? " copy" : " copies") +
+                    " of the same image");
 
   std::vector<Series> series;
   Splitter splitter(resamples, series);
@@ -349,8 +351,8 @@ std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>
     const std::size_t all = series.size();
     std::erase_if(series, [&](const Series& one) { return !is_volume(one); });
     if (const std::size_t left_out = all - series.size(); left_out > 0)
-      notes.push_back(std::to_string(left_out) + " single " + (left_out == 1 ? "image" : "images") +
-                      " beside the volumes passed over");
+      notes.push_back("the reader skips " + std::to_string(left_out) + " single " +
+                      (left_out == 1 ? "image" : "images") + " beside the volumes");
   }
   std::ranges::stable_sort(
       series, {}, [](const Series& one) { return number_of(one.volumes.front().front().object->series_number); });

@@ -207,8 +207,8 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
         files.push_back(path);
     }
     if (without_pixels > 0 && !found.siblings)
-      notes.push_back(std::to_string(without_pixels) + (without_pixels == 1 ? " object" : " objects") +
-                      " without pixels passed over");
+      notes.push_back("the reader skips " + std::to_string(without_pixels) +
+                      (without_pixels == 1 ? " object" : " objects") + " without pixels");
     return objects;
   }
 

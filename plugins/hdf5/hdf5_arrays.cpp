@@ -101,13 +101,13 @@ void place(hid_t dataset, const std::array<std::size_t, 3>& world, Grid& grid, S
     spacing = *found;
     grid.has_placement = true;
     grid.length_unit = convention.unit;
-    source.note = std::string("its attribute ") + convention.spacing + " has the spacing";
+    source.note = std::string("the attribute ") + convention.spacing + " gives the spacing";
     if (convention.origin != nullptr) {
       if (const auto offset = three_numbers(dataset, convention.origin)) {
         origin = *offset;
         source.note += std::string(" and ") + convention.origin + " the origin";
       }
-      source.note += ", taken in the order of the dataset's axes";
+      source.note += ", in the order of the dataset's axes";
     }
     break;
   }
@@ -140,7 +140,7 @@ class Lister {
       // A damaged object does not hide the others.
       if (H5Oget_info_by_name2(group, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
         H5Eclear2(H5E_DEFAULT);
-        contents_.note = "its object " + path + name + " is damaged";
+        contents_.note = "the object " + path + name + " is damaged, so the list leaves it out";
         continue;
       }
       if (!visited_.emplace(info.fileno, info.addr).second) continue;

@@ -292,7 +292,8 @@ ReadFacts read_source(hid_t file, const std::string& path, const Source& source,
   ReadFacts facts;
   facts.note = source.note;
   if (grid.type_name == "int64" || grid.type_name == "uint64")
-    facts.note += std::string(facts.note.empty() ? "" : "; ") + "64-bit integers become doubles, exactly up to 2^53";
+    facts.note +=
+        std::string(facts.note.empty() ? "" : "; ") + "the reader makes doubles of 64-bit integers, exact up to 2^53";
   reader.count_chunks(facts);
   return facts;
 }

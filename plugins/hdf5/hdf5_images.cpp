@@ -77,7 +77,7 @@ void add_vtk_arrays(hid_t file, const VtkImage& image, bool is_cells, Contents& 
       grid.sample_type = ISOEXTRACT_NOT_SCALAR;
     }
     image.frame.place(first, grid);
-    if (is_cells) source.note = "its values belong to cells, whose centers are the samples";
+    if (is_cells) source.note = "the values belong to cells, and the samples are the centers of the cells";
     if (image.steps > 0) {
       grid.volumes = image.steps;
       grid.volume_times = image.times;

@@ -233,7 +233,7 @@ std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request) {
       grid.index_to_world[4 * axis + 3] = size * (factor - 1) / 2;  // voxels of a level cover whole ones of level 0
       grid.has_placement = grid.has_placement || factor != 1;
     }
-    source.note = voxel ? "the spacing is that of the XML file, without its registrations"
+    source.note = voxel ? "the reader takes the spacing from the XML file, and ignores the registrations in it"
                         : "lengths are voxels of level 0, because no XML file beside it states the spacing";
     contents.add(std::move(grid), std::move(source));
   }

@@ -43,7 +43,8 @@ class Hdf5File final : public isoextract_plugin::VolumeFile {
     grids = std::move(contents.grids);
     sources_ = std::move(contents.sources);
     if (contents.levels > 1) {
-      note = "level " + std::to_string(request.level) + " of " + std::to_string(contents.levels) + ", from 0";
+      note = "the file has " + std::to_string(contents.levels) + " levels, counted from 0; the reader takes level " +
+             std::to_string(request.level);
     }
     list_other_files();
   }

@@ -171,7 +171,8 @@ class ExrFile final : public VolumeFile {
     }
     if (grids.empty()) throw ReadError("expected an image with channels, found none");
     if (deep > 0)
-      add_note(std::to_string(deep) + " of " + std::to_string(file.parts()) + " parts are deep images and left out");
+      add_note("the reader leaves out " + std::to_string(deep) + " of " + std::to_string(file.parts()) +
+               " parts, which are deep images");
   }
 
   void list_part(Imf::MultiPartInputFile& file, int part, std::uint64_t size, const RgbRule& rule,
@@ -208,7 +209,7 @@ class ExrFile final : public VolumeFile {
     }
     if (gray) {
       add_note(std::string("R, G and B are equal") + (channel_of(header, "A") != nullptr ? ", and A is 1" : "") +
-               ": they are one grid");
+               ": the reader makes one grid of them");
     }
   }
 

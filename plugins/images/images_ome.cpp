@@ -116,7 +116,7 @@ void place(const Element& pixels, Series& series, Layout& layout) {
     if (size > 0) {
       sizes[axis] = size;
     } else if (axis < 2 || series.sizes[0] > 1) {
-      layout.add_note("it states no valid " + name + ": the reader takes 1");
+      layout.add_note("the file states no valid " + name + ": the reader takes 1");
       units[axis] = units[0];
     }
     if (units[axis] == units[0]) continue;
@@ -124,7 +124,8 @@ void place(const Element& pixels, Series& series, Layout& layout) {
     if (std::isfinite(ratio) && ratio > 0) {
       sizes[axis] *= ratio;
     } else {
-      layout.add_note(name + " is in '" + units[axis] + "', unlike PhysicalSizeX");
+      layout.add_note("the reader cannot convert the unit of " + name + ", '" + units[axis] +
+                      "', to that of PhysicalSizeX");
     }
   }
   series.has_placement = true;
@@ -254,7 +255,7 @@ std::optional<Layout> ome_layout(const std::string& text, const std::vector<Page
                     " files: " + *files.begin() + ", " + *std::next(files.begin()) + (files.size() > 2 ? ", ..." : ""));
   }
   if (files.size() == 1 && *files.begin() != std::filesystem::path(path).filename().string()) {
-    layout.add_note("its OME-XML calls it " + *files.begin() + ": the reader takes all pages from this file");
+    layout.add_note("the OME-XML calls this file " + *files.begin() + ": the reader takes all pages from this file");
   }
   if (layout.series.empty()) return std::nullopt;
   return layout;

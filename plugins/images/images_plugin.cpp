@@ -93,7 +93,7 @@ class Stack final : public VolumeFile {
       const ReadFacts slice = read_slice(i, part, host);
       if (!slice.note.empty() && told++ == 0) facts.note = file_name(paths_[i]) + ": " + slice.note;
     }
-    if (told > 1) facts.note += "; so in " + std::to_string(told) + " slices";
+    if (told > 1) facts.note += "; " + std::to_string(told) + " slices have such notes";
     facts.parts_read = selection.count[2];
     facts.parts = paths_.size();
     return facts;

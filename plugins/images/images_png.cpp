@@ -146,7 +146,7 @@ class PngFile final : public VolumeFile {
       const png_color& color = colors[i];
       grid.labels.push_back({i, "", {color.red / 255.0, color.green / 255.0, color.blue / 255.0}, true});
     }
-    note = "the samples are indices of its palette, not colors";
+    note = "the samples are indices of the palette, not colors";
   }
 
   std::string path_;

@@ -195,9 +195,8 @@ class TiffFile final : public VolumeFile {
     if (reduced > 0) layout.add_note(std::to_string(reduced) + " reduced copies or masks do not count as pages");
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
     if (TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &photometric) == 0) return;
-    if (photometric == PHOTOMETRIC_PALETTE) layout.add_note("the samples are indices of its palette, not colors");
-    if (photometric == PHOTOMETRIC_MINISWHITE)
-      layout.add_note("the samples are those of the file, where 0 means white");
+    if (photometric == PHOTOMETRIC_PALETTE) layout.add_note("the samples are indices of the palette, not colors");
+    if (photometric == PHOTOMETRIC_MINISWHITE) layout.add_note("the reader does not invert the samples: 0 means white");
   }
 
   std::string path_;

@@ -154,7 +154,7 @@ void calibrate(const Tiff& tiff, const Entries& entries, Series& series, Layout&
     const double z = number_in(entries, "spacing", 0);
     const std::array<double, 3> size{sized ? x : 1, sized ? y : 1, z > 0 ? z : 1};
     if (!(z > 0) && has_slices)
-      layout.add_note("it states no distance of its slices: the reader takes 1, as ImageJ does");
+      layout.add_note("the file states no distance between slices: the reader takes 1, as ImageJ does");
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double origin = number_in(entries, std::string(1, "xyz"[axis]) + "origin", 0);
       series.index_to_world[5 * axis] = size[axis];
@@ -167,7 +167,7 @@ void calibrate(const Tiff& tiff, const Entries& entries, Series& series, Layout&
       series.slope = slope;
       series.intercept = number_in(entries, "c0", 0);
     } else {
-      layout.add_note("its calibration of values is not a straight line and not applied");
+      layout.add_note("the reader ignores the calibration of values: it is not linear, or its slope is 0");
     }
   }
   series.time_step = number_in(entries, "finterval", 0);

@@ -178,9 +178,9 @@ void place(Variable& variable, Grid& grid, bool resamples) {
         variable.resampling[axis] = even_out(along, std::max(kMostGrowth * along.length, most));
         step = variable.resampling[axis].step;
         dims[axis] = variable.resampling[axis].lower.size();
-        variable.note += "resampled axis " + along.name + " linearly from " + std::to_string(along.length) +
-                         " samples, " + distances_text(along) + " apart, to " + std::to_string(dims[axis]) + ", " +
-                         number_text(std::abs(step)) + " apart; ";
+        variable.note += "the reader resamples axis " + along.name + " linearly from " + std::to_string(along.length) +
+                         " samples, " + distances_text(along) + " apart, to " + std::to_string(dims[axis]) +
+                         " samples, " + number_text(std::abs(step)) + " apart; ";
       }
     }
     const double sign = along.points_down ? -1 : 1;
@@ -251,7 +251,7 @@ bool describe_variable(int group, int id, const std::string& name, bool resample
       std::ranges::any_of(variable.resampling, [](const Resampling& r) { return !r.lower.empty(); });
   grid.sample_type = sample_type(variable, variable.missing.any() || is_resampled);
   if (variable.type == NC_INT64 || variable.type == NC_UINT64)
-    variable.note += "; 64-bit integers become doubles, exactly up to 2^53";
+    variable.note += "; the reader makes doubles of 64-bit integers, exact up to 2^53";
   return true;
 }
 

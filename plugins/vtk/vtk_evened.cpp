@@ -88,8 +88,8 @@ class EvenedGrid final : public VolumeFile {
         even.sample_type = ISOEXTRACT_F32;
     }
     const Dims& dims = grids[0].dims;
-    add_note(note, "resamples the unevenly spaced samples trilinearly onto " + std::to_string(dims[0]) + " x " +
-                       std::to_string(dims[1]) + " x " + std::to_string(dims[2]) + " even ones");
+    add_note(note, "the reader resamples the unevenly spaced samples trilinearly onto " + std::to_string(dims[0]) +
+                       " x " + std::to_string(dims[1]) + " x " + std::to_string(dims[2]) + " evenly spaced samples");
   }
 
   ReadFacts read(const isoextract_volume_selection& selection, const isoextract_plugin_host& host) override {

@@ -278,7 +278,8 @@ class MetaImage final : public VolumeFile {
     if (!matrix.empty() && values.contains("AnatomicalOrientation")) {
       grid.world_space = "left-posterior-superior";
       if (grid.length_unit.empty()) grid.length_unit = "mm";
-      note += std::string(note.empty() ? "" : "; ") + "assumes left-posterior-superior space in mm, as ITK has it";
+      note +=
+          std::string(note.empty() ? "" : "; ") + "the reader assumes left-posterior-superior space in mm, as ITK does";
     }
   }
 

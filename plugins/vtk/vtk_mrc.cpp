@@ -158,15 +158,15 @@ class Map final : public VolumeFile {
       if (!unset)
         throw ReadError("expected the axes 1, 2 and 3 in MAPC, MAPR and MAPS, each once, found other numbers");
       axis_of = {0, 1, 2};
-      add_note("the header has no axis order: assumes columns along x, rows along y, sections along z");
+      add_note("the header has no axis order: the reader assumes columns along x, rows along y, sections along z");
     }
     if (angle[0] == 0 && angle[1] == 0 && angle[2] == 0) {
       angle = {90, 90, 90};
-      add_note("the header has no cell angles: assumes 90 degrees");
+      add_note("the header has no cell angles: the reader assumes 90 degrees");
     }
     grid.has_placement = has_cell;
     if (!has_cell) {
-      add_note("the header has no cell size: voxels have the size 1");
+      add_note("the header has no cell size: the reader assumes voxels of size 1");
       for (std::size_t i = 0; i < 3; ++i) length[i] = std::max(1, words.integer(kSampling + i));
     } else {
       grid.length_unit = "angstrom";
@@ -176,7 +176,7 @@ class Map final : public VolumeFile {
       throw ReadError("expected a finite origin, found infinity or NaN");
     }
     if (has_origin && has_start) {
-      add_note("the header has an origin and start indices: the origin places the map");
+      add_note("the header has an origin and start indices: the reader takes the origin");
     }
     grid.index_to_world.fill(0);
     for (std::size_t i = 0; i < 3; ++i) {

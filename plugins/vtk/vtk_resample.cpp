@@ -77,8 +77,8 @@ class Resampled final : public VolumeFile {
       if (grid.sample_type != ISOEXTRACT_NOT_SCALAR && grid.sample_type != ISOEXTRACT_F64)
         grid.sample_type = ISOEXTRACT_F32;
     }
-    add_note(note, "resamples " + std::to_string(cells_) + " cells, which do not lie on a lattice, onto " + size +
-                       " samples with the spacing " + spacing +
+    add_note(note, "the reader resamples " + std::to_string(cells_) + " cells, which do not lie on a lattice, onto " +
+                       size + " samples with the spacing " + spacing +
                        (request.spacing[0] > 0 ? "" : ", which the plug-in chose by the number of cells") +
                        "; samples outside the cells are NaN");
     if (std::ranges::any_of(arrays_, [](const ArrayFacts& array) { return array.of_cells; })) {
@@ -142,7 +142,7 @@ class Resampled final : public VolumeFile {
       if (!(std::isfinite(length) && length > 0))
         throw ReadError("expected cells that enclose a finite volume, found a box without one");
     }
-    if (others > 0) add_note(note, "leaves out " + std::to_string(others) + " cells without a volume");
+    if (others > 0) add_note(note, "the reader leaves out " + std::to_string(others) + " cells without a volume");
   }
 
   // Values of the leaf's points.

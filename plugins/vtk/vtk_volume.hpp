@@ -49,7 +49,7 @@ struct StoredType {
   Wide wide = Wide::none;
   [[nodiscard]] std::uint64_t bytes() const { return isoextract_plugin::sample_size(sample_type); }
 };
-constexpr std::string_view kWideNote = "64-bit integers become doubles, which are exact up to 2^53";
+constexpr std::string_view kWideNote = "the reader makes doubles of 64-bit integers, exact up to 2^53";
 
 // Converts samples in place: swaps bytes if `swap`, and turns 64-bit integers into doubles.
 void to_native(StoredType type, bool swap, void* samples, std::uint64_t count);

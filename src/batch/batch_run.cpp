@@ -298,7 +298,10 @@ Result<mesh_io::MeshWriteResult> BatchRun::State::finish_animation() {
   }
   if (!is_whole || missing.size() == frames.size() || (options.scheduler.fail_fast && failed > 0)) {
     return mesh_io::MeshWriteResult{
-        {}, {{NoteId::missing_frames, fmt::format("the run did not write {}", batch.animation->path)}}};
+        {},
+        {{NoteId::missing_frames,
+          fmt::format("the run did not write {}, because frames failed, did not start or did not finish",
+                      batch.animation->path)}}};
   }
   auto written = TRY(animation->finish());
   for (FrameRow& row : rows) {

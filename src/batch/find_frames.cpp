@@ -374,8 +374,8 @@ std::vector<std::string> without_sample_files(std::span<const std::string> input
 }
 
 Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind) {
-  return {NoteId::other_files, fmt::format("{}: {} other file{} the extension of {} format", printable(folder), count,
-                                           count == 1 ? " lacks" : "s lack", kind)};
+  return {NoteId::other_files, fmt::format("{}: the program skips {} file{} the extension of {} format",
+                                           printable(folder), count, count == 1 ? " that lacks" : "s that lack", kind)};
 }
 
 std::optional<std::string> find_one_volume(std::span<const std::string> inputs) {

@@ -279,7 +279,7 @@ field::SurfaceSize relative_uncertainty(const ReferenceSize& reference) {
 
 std::string describe_reference(const ReferenceSize& reference) {
   const field::SurfaceSize uncertainty = relative_uncertainty(reference);
-  if (reference.closed_form) return "the formula, all in closed form";
+  if (reference.closed_form) return "the formula; distances, area and volume in closed form";
   return fmt::format(
       "the formula; points by closest-point iteration to 1e-10, area and volume by integration along columns to {:.1g} "
       "and {:.1g}",
@@ -344,7 +344,8 @@ std::vector<std::string> missing_methods(std::span<const BenchBackend> backends,
   for (const BenchBackend& backend : backends) {
     for (const extract::MethodInfo& method : methods) {
       if (!backend.applies_to(method.method) || backend.extractor->has(method.method)) continue;
-      missing.push_back(fmt::format("not applicable: {} does not have {}", backend.name, method.title));
+      missing.push_back(
+          fmt::format("the backend {} does not have {}, so the table omits it", backend.name, method.title));
     }
   }
   return missing;

@@ -233,8 +233,9 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
                 .missing = missing},
                result.ranks);
   if (const auto& old = result.set_aside; !old.empty()) {
-    tell({NoteId::old_pieces, fmt::format("this run renamed {} that an earlier run wrote for failed frames, to {}{}",
-                                          old.size() == 1 ? "a mesh" : fmt::format("{} meshes", old.size()),
+    tell({NoteId::old_pieces, fmt::format("this run renamed {} to {}{}",
+                                          old.size() == 1 ? "the old mesh of a failed frame"
+                                                          : fmt::format("{} old meshes of failed frames", old.size()),
                                           old.front(), old.size() == 1 ? "" : fmt::format(" through {}", old.back()))});
   }
   if (plan.batch.animation && plan.progress != ProgressStyle::json) {

@@ -215,8 +215,8 @@ void plan_animation_times(std::span<const batch::Frame> frames, batch::Animation
   const double range = *times.back().time - *times.front().time;
   notes.push_back(
       {NoteId::animation_times,
-       fmt::format("{}: the frames start at their times in {}, {:.6g} to {:.6g}, of which a second of the animation "
-                   "shows {:.6g}; --fps {:.6g} is the mean number of frames per second",
+       fmt::format("{}: the frames start at their times in {}, {:.6g} to {:.6g}; a second of the animation covers "
+                   "{:.6g} of this time; --fps {:.6g} is the mean number of frames per second",
                    animation.path, printable(frames.front().input), *times.front().time, *times.back().time,
                    range / animation.starts.back(), animation.frames_per_second)});
 }

@@ -53,7 +53,7 @@ std::string front_text(const bench::BenchResult& result) {
   }
   if (front.empty()) return "";
   std::ranges::sort(front, {}, &bench::BenchRow::median_seconds);
-  std::string text = "No row has both a lower error and a shorter time (*):\n";
+  std::string text = "Rows that no other row beats in both error and time (*):\n";
   for (const bench::BenchRow* row : front) {
     text += fmt::format("  {}: {} ms, rms {:.3g}\n", setting_text(result, *row), milliseconds(row->median_seconds),
                         row->position->rms.world);

@@ -90,8 +90,10 @@ Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optiona
   for (Side& side : sides) {
     const auto record = convert::parse_placement_record(side.file.placement);
     if (!record && !side.file.placement.empty()) {
-      messages.note({NoteId::placement_unknown,
-                     fmt::format("{}: the placement record is not readable; compare ignores it", side.path)});
+      messages.note(
+          {NoteId::placement_unknown,
+           fmt::format("{}: the file has no readable placement record, so compare assumes the default placement",
+                       side.path)});
     }
     asked = asked || (!record && side.file.y_up);
     side.placement = record.value_or(convert::default_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));

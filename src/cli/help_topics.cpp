@@ -52,8 +52,7 @@ HelpTopic demo_topic() {
       "demo:NAME is an input without a file: a formula on the cube from -1 to 1. demo:NAME?size=N has N samples along "
       "each axis (2 to 2048, default 64). Quote it for the shell, as in 'demo:torus?size=200'. Inside is above the iso "
       "value. Some fields move: demo:NAME?size=N&time=T is the field at time T, and T = 1 equals T = 0. For times "
-      "other "
-      "than 0, --error compares with the samples only, not with the formula.",
+      "other than 0, --error compares with the samples only, not with the formula.",
       {}};
   for (const field::DemoDescription& demo : field::demo_fields()) {
     block.rows.push_back(
@@ -65,58 +64,56 @@ HelpTopic demo_topic() {
 }
 
 HelpTopic coordinates_topic() {
-  return {
-      "coordinates",
-      "Coordinates",
-      "Where the mesh lies, and what --up, --scale, --unit and --center do.",
-      {{"By default the mesh lies in the input's world coordinates: the transform, spacing, axes and origin of the "
-        "file "
-        "place each sample there. --spacing and --origin replace those of the file.",
-        {}},
-       {"glb and gltf prescribe that y points up, so isoextract rotates the mesh for them: with --up z, the default, "
-        "(x, y, z) becomes (x, z, -y); with --up y the axes stay. ply, obj, stl and drc prescribe no up axis and keep "
-        "the axes of the input. --up-out z|y rotates the mesh for any format.",
-        {}},
-       {"--scale multiplies the coordinates. --unit names the unit of the input's world: isoextract then writes glb "
-        "and "
-        "gltf in meters, other formats in that unit, and any format in the unit of --to-unit. Without --unit it writes "
-        "the coordinates as they are. --unit file takes the unit that the file states; 'isoextract info' shows it.",
-        {}},
-       {"--to-space ras or lps negates x and y of a scan, half a turn, if the file states the space of its world: "
-        "NIfTI always "
-        "does, "
-        "NRRD may.",
-        {}},
-       {"--center comes last and moves the center of the samples, or of --roi, to the origin.", {}},
-       {"Mesh files record these options; binary stl has 80 bytes for them, stl as text has none. compare undoes "
-        "different placements of two meshes. For a glTF file of another program, --up of compare names its up axis.",
-        {}},
-       {"--space index ignores all of this and writes voxel coordinates: the first sample is at (0, 0, 0), its "
-        "neighbors are at distance 1. With --resolution these are voxels of the input.",
-        {}},
-       {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
-        "--space index. The surface ends exactly at its faces, also where the axes of the samples are oblique. With "
-        "--roi-snap it ends at the outermost samples in the box instead, as labels and --method voxels always do.",
-        {}}}};
+  return {"coordinates",
+          "Coordinates",
+          "Where the mesh lies, and what --up, --scale, --unit and --center do.",
+          {{"By default the mesh lies in the input's world coordinates: the transform, spacing, axes and origin of the "
+            "file place each sample there. --spacing and --origin replace those of the file.",
+            {}},
+           {"glb and gltf prescribe that y points up, so isoextract rotates the mesh for them: with --up z, the "
+            "default, (x, y, z) becomes (x, z, -y); with --up y the axes stay. ply, obj, stl and drc prescribe no up "
+            "axis and keep the axes of the input. --up-out z|y rotates the mesh for any format.",
+            {}},
+           {"--scale multiplies the coordinates. --unit names the unit of the input's world: isoextract then writes "
+            "glb and gltf in meters, other formats in that unit, and any format in the unit of --to-unit. Without "
+            "--unit and --scale it writes the coordinates as they are. --unit file takes the unit that the file "
+            "states; 'isoextract info' shows it.",
+            {}},
+           {"--to-space ras or lps moves a scan into that patient space: it negates x, y or both where the space of "
+            "the file differs. The file must state its space: NIfTI and DICOM always do, NRRD may.",
+            {}},
+           {"--center comes last and moves the center of the samples, or of --roi, to the origin.", {}},
+           {"Mesh files record their placement, except stl as text, and binary stl if its header of 80 bytes is too "
+            "short. compare transforms meshes with different placements back to the world of their input. If only one "
+            "mesh is glTF and a record is missing, --up of compare names the up axis of the other mesh.",
+            {}},
+           {"--space index writes voxel coordinates: the first sample is at (0, 0, 0), its neighbors are at distance "
+            "1. With --resolution these are voxels of the input. Of the options above it takes only --spacing and "
+            "--origin, which then change nothing.",
+            {}},
+           {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
+            "--space index. The surface ends exactly at its faces, also where the axes of the samples are oblique. "
+            "With --roi-snap it ends at samples instead, as voxels, surface nets and labels always do: at the "
+            "outermost in the box, with oblique axes at those that cover the box.",
+            {}}}};
 }
 
 HelpTopic labels_topic() {
-  return {
-      "labels",
-      "Label maps",
-      "Meshes of the labels of a segmentation.",
-      {{"A label map has a whole number at each voxel: the label of the organ, cell or grain there, or 0 for none. "
-        "'isoextract info' tells whether a file is one, and lists its labels with names, voxels and volumes. --labels "
-        "makes a mesh of each label; neighbors share their boundary exactly.",
-        {{"isoextract info seg.nii.gz", "lists the labels"},
-         {"isoextract seg.nii.gz --labels all -o organs.glb", "an object for each label in one file"},
-         {"isoextract seg.nii.gz --labels all --triangles 10% -o small.glb",
-          "a tenth of the triangles; neighbors keep common faces"},
-         {"isoextract seg.nii.gz --labels 1,4 -o 'organ_{label}.stl'", "a file for each of two labels"}}},
-       {"An iso value has no meaning here: labels have no order, so the surface at an iso value joins all labels above "
-        "it. --relax N sets how smooth the meshes are, --label-names FILE gives names and colors. Segmentations of 3D "
-        "Slicer (.seg.nrrd) have names of their own and need no --labels.",
-        {}}}};
+  return {"labels",
+          "Label maps",
+          "Meshes of the labels of a segmentation.",
+          {{"A label map has a whole number at each voxel: the label of the organ, cell or grain there, or 0 for none. "
+            "'isoextract info' tells whether a file is one, and lists its labels with names, voxels and volumes. "
+            "--labels makes a mesh of each label; neighbors share their boundary exactly.",
+            {{"isoextract info seg.nii.gz", "lists the labels"},
+             {"isoextract seg.nii.gz --labels all -o organs.glb", "an object for each label in one file"},
+             {"isoextract seg.nii.gz --labels all --triangles 10% -o small.glb",
+              "a tenth of the triangles; neighbors keep common faces"},
+             {"isoextract seg.nii.gz --labels 1,4 -o 'organ_{label}.stl'", "a file for each of two labels"}}},
+           {"An iso value has no meaning here: labels have no order, so the surface at an iso value joins all labels "
+            "above it. --relax N sets how smooth the meshes are, --label-names FILE gives names and colors. "
+            "Segmentations of 3D Slicer (.seg.nrrd) have names of their own and need no --labels.",
+            {}}}};
 }
 
 HelpTopic masks_topic() {
@@ -141,46 +138,46 @@ HelpTopic masks_topic() {
 }
 
 HelpTopic mpi_topic() {
-  return {
-      "mpi",
-      "MPI",
-      "One run on several processes and machines, started by mpirun.",
-      {{"'mpirun -n 4 isoextract ...' runs the command on 4 ranks, processes on one or more machines that see the same "
-        "files. Only rank 0 prints. Exit code and files are those of one process.",
-        {}},
-       {"Ranks on the same processors divide them, and ranks of a machine divide its memory; --threads and "
-        "--memory-limit are for each rank. --verbose tells the time of each rank.",
-        {}},
-       {"Sequences: each rank converts the next frame when it is free; there is one manifest. One file: each rank "
-        "extracts and writes a part of the samples, if they are dense, the method is mc or mt, and a binary .ply or a "
-        ".glb is written. Rank 0 works alone, and the others wait, with: sparse samples, --cap, --nan hole, "
-        "attributes, "
-        "options that edit or examine the mesh, --report, --animate, --html. A note says so.",
-        {}},
-       {"If a rank ends early, mpirun ends all of them. No file is then incomplete, and --resume continues a sequence. "
-        "isoextract needs the plug-in that its build makes if it finds MPI (libopenmpi-dev); with Slurm, use srun "
-        "--mpi=pmix.",
-        {}}}};
+  return {"mpi",
+          "MPI",
+          "One run on several processes and machines, started by mpirun.",
+          {{"'mpirun -n 4 isoextract ...' runs the command on 4 ranks: processes on one or more machines that see the "
+            "same files. Only rank 0 prints. The exit code and the files are the same as those of one process.",
+            {}},
+           {"Ranks on the same processors share the threads, and ranks on one machine share its memory; --threads and "
+            "--memory-limit apply to each rank. --verbose prints the time of each rank.",
+            {}},
+           {"Sequences: each rank converts the next frame when it is free; there is one manifest. With --animate and "
+            "--html rank 0 converts all frames. One file: each rank extracts and writes a part, if the samples are "
+            "dense, the method is mc or mt, and the output is a binary .ply or a .glb with one surface.",
+            {}},
+           {"Otherwise rank 0 works alone while the other ranks wait, for example with sparse samples, small meshes, "
+            "--cap, --nan hole, --backend gpu, attributes, --report, or options that edit, compress or examine the "
+            "mesh. A note gives the reason.",
+            {}},
+           {"If a rank ends early, mpirun ends all ranks. No file is then incomplete, and --resume continues a "
+            "sequence. Ranks need the MPI plug-in, which the build makes if it finds MPI (libopenmpi-dev). With Slurm, "
+            "use srun --mpi=pmix in place of mpirun.",
+            {}}}};
 }
 
 HelpTopic exit_codes_topic() {
-  return {
-      "exit-codes",
-      "Exit codes",
-      "The exit codes of all commands.",
-      {{"Data goes to stdout, messages to stderr. The program never leaves a partial file.",
-        {{"0", "done"},
-         {"1", "usage: the options or their combination are invalid"},
-         {"2",
-          "input: the program cannot read the input, has too little memory for it, or finds no surface in it; or its "
-          "content does not suit an option"},
-         {"3", "unavailable: a feature, a plug-in, a device or a thread is missing"},
-         {"4", "output: the program cannot write the result"},
-         {"5", "frames: frames of a batch failed or were not started; the others are done"},
-         {"6",
-          "verification: a mesh does not match or fails a requirement (verify, compare, check, stability, or a "
-          "conversion with --verify or --require)"},
-         {"130", "cancelled: Ctrl-C ended the program; if another signal N ends it, shells show 128 + N"}}}}};
+  return {"exit-codes",
+          "Exit codes",
+          "The exit codes of all commands.",
+          {{"Data goes to stdout, messages to stderr. A file gets its name only when it is complete.",
+            {{"0", "done"},
+             {"1", "usage: the options or their combination are invalid"},
+             {"2",
+              "input: the program cannot read the input, has too little memory for it, or finds no surface in it; or "
+              "its content does not suit an option"},
+             {"3", "unavailable: a feature, a plug-in, a device or a thread is missing or fails"},
+             {"4", "output: the program cannot write the result"},
+             {"5", "frames: frames of a sequence failed, were not started or have no input; the others are done"},
+             {"6",
+              "verification: a mesh does not match or fails a requirement (verify, compare, check, stability, or a "
+              "conversion with --verify or --require)"},
+             {"130", "cancelled: Ctrl-C ended the program; if another signal N ends it, shells show 128 + N"}}}}};
 }
 
 HelpTopic notes_topic() {

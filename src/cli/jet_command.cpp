@@ -61,7 +61,7 @@ class JetRun {
     const simulate::JetFigures figures = jet.figures();
     const double moved = static_cast<double>(figures.particle_steps);
     messages_.summary(
-        fmt::format("{} particles of radius {:.6g} in the tank; {} frames of {} steps: {:.2f} million "
+        fmt::format("{} particles of radius {:.6g} in the tank; {} frames in {} steps: {:.2f} million "
                     "particles moved, {:.3f} million per second",
                     jet.size(), jet.radius(), figures.frames, figures.steps, 1e-6 * moved,
                     seconds_ > 0 ? 1e-6 * moved / seconds_ : 0));

@@ -18,15 +18,15 @@ constexpr std::array kGuide{
               "chosen columns are not x, y and z in this order.",
               "Correct the box in the file, or choose the columns x, y and z in this order with --columns."},
     NoteGuide{data_left_out,
-              "The file has data that the program does not use, such as lines and points of a mesh, or text columns of "
-              "particles.",
+              "The input has data that the program does not use, such as lines and points of a mesh, or that the "
+              "output cannot store, such as materials, names of meshes or words of particles.",
               ""},
     NoteGuide{decimal_commas,
               "The table writes decimals with commas, so the reader does not take commas as separators.",
               "Check the number of particles; if it is wrong, write decimals with points."},
     NoteGuide{element_radii,
-              "The file has no elements, so --radii takes them from the names of the atoms. Or the file states no unit "
-              "of length, so --radii takes it to be angstrom.",
+              "The file has no elements, so --radii takes them from the names of the atoms. Or the file states no "
+              "known unit of length, so --radii assumes angstrom.",
               "Write a column element into the file. Give the file's unit with --unit."},
     NoteGuide{extra_bytes, "The file is longer than its header says; the reader ignores the rest.",
               "Check the sizes and types in the header; if they are right, the file may be damaged."},
@@ -37,29 +37,33 @@ constexpr std::array kGuide{
     NoteGuide{grid_chosen, "The file has several grids; the reader takes the only one with scalar values.",
               "To use another grid, give --grid NAME."},
     NoteGuide{incomplete_frame, "The file ends within its last frame: the simulation is still running, or ended early.",
-              "When the simulation has written more, run again with --resume. If no line is missing, end the last line "
-              "with a line end."},
-    NoteGuide{
-        missing_frames, "Frames of the sequence have no input, or failed.",
-        "Add the missing files, or correct the frames that failed. In a conversion, --missing error makes missing "
-        "frames an error."},
+              "When the simulation has written more, run again, a conversion of all frames with --resume. If no line "
+              "is missing, end the last line with a line end."},
+    NoteGuide{missing_frames, "Frames of the sequence have no input, or failed.",
+              "Add the missing files, or correct the frames that failed. In a conversion, --missing error makes "
+              "missing frames an error."},
     NoteGuide{newer_version, "The file has a newer version than the reader knows.",
               "Compare the result with that of the program that wrote the file."},
-    NoteGuide{
-        other_files,
-        "The folder has files that the program does not read, because they lack the extension of the format. Or a part "
-        "of an earlier, longer animation still lies beside the new one.",
-        "Give a pattern instead of the folder, such as 'frames/a_####.vdb'. Delete the part of the earlier animation."},
+    NoteGuide{other_files,
+              "The folder has files that the program does not read, because they lack the extension of the format. Or "
+              "a part of an earlier, longer animation still lies beside the new one.",
+              "Instead of the folder give the files, or a pattern such as 'frames/a_####.vdb'. Delete the part of the "
+              "earlier animation."},
     NoteGuide{placement_assumed, "The file does not say where its samples are; the note says what the reader assumes.",
-              "Give --spacing and --origin."},
+              "Give --spacing and --origin, for the file of an attribute --attribute "
+              "NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z."},
     NoteGuide{
         placement_replaced,
         "--spacing replaces axes of the file that are rotated, sheared or mirrored, or a placement that is not valid.",
         "To keep valid axes of the file, leave --spacing out."},
-    NoteGuide{placement_unknown, "The mesh file has a record of its placement that the program cannot read.",
-              "Repeat the placement options of the conversion."},
-    NoteGuide{placement_differs, "Two files or frames, or a file and the options, have different placements.",
-              "Use the same placement options for all."},
+    NoteGuide{placement_unknown,
+              "The program cannot read the record of the placement in a mesh file, or the record did not fit into the "
+              "header of a binary stl.",
+              "For verify, repeat the placement options of the conversion. For compare and render, write the mesh as "
+              "ply or glb."},
+    NoteGuide{placement_differs,
+              "Two files or frames have different placements. Or a mesh file states its placement, which verify uses.",
+              "Use the same placement options for all files. verify needs none for a mesh that states them."},
     NoteGuide{plugin_output,
               "A plug-in, or the library that it uses, reports how it read the file: for example what it assumed, "
               "changed or left out.",
@@ -81,7 +85,7 @@ constexpr std::array kGuide{
               "is PLY, which cannot mark the integers of an attribute as normalized.",
               "If the kind is missing, give it, for example with --attribute NAME:vector."},
     NoteGuide{attribute_left_out, "The output format cannot store an attribute, or the reader of a mesh skips one.",
-              "Write a format that stores it, such as ply."},
+              "If the output format is the reason, write a format that stores the attribute, such as ply."},
     NoteGuide{attribute_missing, "An optional attribute is not in the input.", "Leave the attribute out."},
     NoteGuide{attribute_of_nearest,
               "Vertices are too far from all particles to interpolate, so they have the attributes of the nearest one.",
@@ -89,18 +93,16 @@ constexpr std::array kGuide{
     NoteGuide{attribute_outside,
               "Vertices are outside the volume of an attribute, so they have the value at its boundary.",
               "Check the placement of the volume of the attribute."},
-    NoteGuide{
-        attribute_placement,
-        "The volume of an attribute states another placement, world or unit than the input. The note says what the "
-        "conversion uses.",
-        "Correct the file whose placement is wrong."},
+    NoteGuide{attribute_placement,
+              "The volume of an attribute states another placement, world or unit than the input. The note says what "
+              "the conversion uses.",
+              "Correct the file whose placement is wrong."},
     NoteGuide{attribute_renamed,
               "The format does not allow the attribute's name, or another one has it, so the writer changes it.", ""},
-    NoteGuide{
-        cell_size,
-        "The samples are closer together than usual, to keep small spheres. Or some spheres are too small for the "
-        "given distance, so the surface leaves them out.",
-        "Give --cell-size to choose the distance of the samples; the note says which one keeps all spheres."},
+    NoteGuide{cell_size,
+              "The samples are closer together than usual, to keep small spheres. Or some spheres are too small for "
+              "the given distance, so the surface leaves them out.",
+              "Give --cell-size to choose the distance of the samples; the note says which one keeps all spheres."},
     NoteGuide{
         color_range,
         "A first pass over all frames found the range of the colors, so that a value has the same color in all frames.",
@@ -112,7 +114,8 @@ constexpr std::array kGuide{
     NoteGuide{labels_assumed, "All samples are whole numbers, so the program takes them as labels.", ""},
     NoteGuide{labels_empty, "The file names labels that no sample has, or masks have no voxels. They have no mesh.",
               ""},
-    NoteGuide{labels_lost, "The coarser grid has no sample of some labels.", "Choose a finer grid."},
+    NoteGuide{labels_lost, "The coarser grid has no sample of some labels.",
+              "Give a larger --resolution or a smaller --voxel-size."},
     NoteGuide{labels_small, "Some labels have fewer voxels than --labels-min-voxels, and so no mesh.", ""},
     NoteGuide{labels_unmatched,
               "A range or pattern of --labels matches no label of the file. With --empty skip or write, so does a "
@@ -129,17 +132,18 @@ constexpr std::array kGuide{
               ""},
     NoteGuide{means_not_possible,
               "The volume is too large for resampling by averages, so isoextract interpolates, which can miss detail.",
-              "Choose a finer --resolution, or resample in several steps."},
+              "Give a larger --resolution or a smaller --voxel-size."},
     NoteGuide{nan_attribute, "An attribute is NaN or infinite at some vertices.",
               "Check the volume of the attribute with 'isoextract info'."},
     NoteGuide{nan_samples,
-              "Some samples are NaN: a field file stores them unchanged, and render draws nothing around them.",
-              "Choose with --nan how surfaces treat them: outside, hole or error."},
+              "A field file keeps NaN samples whatever --nan says. Or render draws nothing around the NaN samples of a "
+              "volume.",
+              "--nan says how surfaces treat NaN samples: outside, hole or error."},
     NoteGuide{no_data, "Samples with the no-data value become NaN, or no sample has this value.",
               "Check the value of --nodata."},
     NoteGuide{particle_radius,
-              "An attribute of the particles gives their radii, each its own or the median for all. Or all frames of "
-              "the sequence have the radius that fits one frame.",
+              "The file or --radii gives each particle a radius; the method takes it, or the median for all. Or all "
+              "frames of the sequence have the radius that fits one frame.",
               "Give --radius R to use another radius for all, or --radius auto:each to use a radius of its own for "
               "each frame."},
     NoteGuide{particles_left_out,
@@ -158,7 +162,7 @@ constexpr std::array kGuide{
     NoteGuide{sparse_made_dense, "Resampling turns sparse samples into dense ones, which take more memory.",
               "Give a smaller --resolution or a larger --voxel-size."},
     NoteGuide{voxel_size,
-              "The sides of the data box are no multiples of the voxel size; the note says which size the grid has.",
+              "The sides of the data box are not multiples of the voxel size; the note says which size the grid has.",
               "If the size has to be exact, give one that divides the sides."},
     // Surfaces
     NoteGuide{backend,
@@ -166,7 +170,7 @@ constexpr std::array kGuide{
               "backend or method it does not test.",
               "'isoextract devices' lists the GPUs, and says why one is not usable."},
     NoteGuide{cap_overlaps, "Cap triangles overlap where the surface touches or crosses itself at a clip plane.",
-              "Move the plane a little, or repair the mesh."},
+              "Move the plane of --clip or the face of --roi a little. For a mesh file, add --repair."},
     NoteGuide{clipped,
               "The note gives the number of triangles before and after clipping, of those that clip planes or faces of "
               "--roi cut, and of those that close the cuts. Or clipping cut nothing off.",
@@ -175,7 +179,7 @@ constexpr std::array kGuide{
               "The reader or --repair merges vertices at one position although their attributes differ, and keeps the "
               "attributes of one of them.",
               ""},
-    NoteGuide{error_not_measured, "The program cannot measure the error of this mesh.", "Leave --error out."},
+    NoteGuide{error_not_measured, "The program cannot measure the error of meshes of labels.", "Leave --error out."},
     NoteGuide{faces_not_merged,
               "Smoothing needs the separate faces of voxels, so the program does not merge them into larger faces.",
               ""},
@@ -190,21 +194,24 @@ constexpr std::array kGuide{
               "'isoextract help masks'."},
     NoteGuide{labels_part,
               "The edit changes the mesh of each label on its own, so neighbors no longer share their boundary.",
-              "Smooth with --relax, which moves shared vertices together."},
+              "Leave --smooth out, and raise --relax with --method surface-nets: it moves shared vertices together."},
     NoteGuide{many_components, "Each component keeps a few triangles, so many components limit the simplification.",
               "Remove small components with --drop-components MIN."},
-    NoteGuide{moved_apart, "Sheets of the surface touch, and readers of STL would join them, so they moved apart.",
+    NoteGuide{moved_apart,
+              "Sheets of the surface touch, and programs that weld vertices by position would join them, so the "
+              "program moves them apart.",
               "Give --touching keep for exact positions, or write ply, obj or glb."},
     NoteGuide{no_surface,
               "An iso value, a label, a mesh or a frame has no surface or no volume, so the output lacks it. The note "
               "says which.",
               "'isoextract info' shows the range of the samples."},
     NoteGuide{open_components_kept, "Open components have no volume, so a filter by volume keeps them.",
-              "Close them with --cap."},
+              "Close them: with --cap at the data boundary and at cuts, with --repair in a mesh file."},
     NoteGuide{open_mesh, "The mesh is open where a clip plane or a face of --roi cuts it.", "Close it with --cap."},
     NoteGuide{repeated_iso, "Two iso values are equal, so the file has one surface for both.", "Give each value once."},
     NoteGuide{simplified_shells, "Simplification turned thin shells inside out, or moved cavities out of their body.",
-              "Give a smaller distance or more triangles."},
+              "Give a smaller --simplify or a larger --triangles, or remove the components with --drop-components and "
+              "the cavities with --fill-cavities."},
     NoteGuide{volume_changed, "Relaxing could not keep the volume of a label or component within 0.1 %.",
               "--relax 0 keeps the volumes of the voxels."},
     // Output
@@ -214,19 +221,22 @@ constexpr std::array kGuide{
               "The file states the times of its frames, and they are not evenly spaced; the animation shows each frame "
               "at its time.",
               ""},
-    NoteGuide{empty_picture, "The camera sees nothing.", "Change --camera or --look-at, or the transfer function."},
+    NoteGuide{empty_picture, "The camera sees nothing.",
+              "Change --camera or --look-at, or in render the transfer function (--tf)."},
     NoteGuide{flat_normals,
               "glTF stores flat normals with three vertices for each triangle, so the file has no welded vertices.",
               "Give --normals none: viewers then shade flat as well."},
     NoteGuide{frames_kept, "Some frames of the simulation exist already; the program does not overwrite them.",
               "To write them again, delete them or leave --no-clobber out."},
-    NoteGuide{frames_move, "--center moves each frame by its own center, so the frames shift against each other.",
+    NoteGuide{frames_move,
+              "--center moves each frame by its own center, so frames of particles or of sparse volumes shift against "
+              "each other.",
               "Give --roi: its center is the same for all frames."},
     NoteGuide{length_unit,
               "The coordinates of a glTF file are not in meters, the unit that glTF prescribes. Or the frames have "
               "different units.",
-              "Give --unit file without --to-unit: glTF is then in meters. For one unit in all frames give --unit file "
-              "--to-unit mm."},
+              "Leave --to-unit out, and give --unit file, or --unit mm if the file states no unit: glTF is then in "
+              "meters. For one unit in all frames give --unit file --to-unit mm."},
     NoteGuide{memory_unknown, "The program cannot estimate the memory of a frame.", ""},
     NoteGuide{no_effect, "An option has no effect on this input or output.", "Leave the option out."},
     NoteGuide{no_plot, "bench draws no plot, because it measured no error.", ""},
@@ -237,13 +247,13 @@ constexpr std::array kGuide{
     NoteGuide{old_pieces, "The program removed or renamed files of an earlier run.", ""},
     NoteGuide{one_camera,
               "The first picture sets the camera of all pictures, or each picture has its own; the note says which.",
-              "Give --camera and --look-at."},
-    NoteGuide{
-        placement_not_stored,
-        "The format of the written file cannot store the placement: the spacing and origin of a field, the side of "
-        "a level set, or the box and the unit of particles.",
-        "When you read the file, give the values in the note: --spacing, --origin, --inside below, --box, "
-        "--periodic, --unit. NRRD stores the placement of a field, and .vdb the side as well."},
+              "Give --camera AZ,EL,DISTANCE and --look-at X,Y,Z."},
+    NoteGuide{placement_not_stored,
+              "The format of the written file cannot store the placement: the spacing and origin of a field, the side "
+              "of a level set, or the box and the unit of particles.",
+              "When you read the file, give the values in the note: --spacing, --origin, --inside below, --box, "
+              "--periodic, --unit. Or write a field as .nrrd or .vti, which store its placement, or as .vdb, which "
+              "stores the side as well."},
     NoteGuide{renamed_meshes,
               "The name of a mesh is not UTF-8, which glTF requires, so the writer replaces the invalid bytes.", ""},
     NoteGuide{rounded_positions,
@@ -265,8 +275,8 @@ constexpr std::array kGuide{
               "For particles in the nozzle simulate more frames. For water that does not come to rest raise --flow-div "
               "or --friction."},
     NoteGuide{up_axis,
-              "The program that wrote the file has another up axis than isoextract assumes, or the output has "
-              "another one than its format prescribes.",
+              "The program that wrote the file has another up axis than isoextract assumes, or the output has another "
+              "one than its format prescribes.",
               "Give the up axis of the input with --up, or leave --up-out out."},
 };
 

@@ -41,7 +41,8 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
   const auto record = convert::parse_placement_record(file.placement);
   if (!record && !file.placement.empty()) {
     events.note({NoteId::placement_unknown,
-                 fmt::format("{}: the placement record is not readable; render ignores it", files::input_label(path))});
+                 fmt::format("{}: the file has no readable placement record, so render assumes the default placement",
+                             files::input_label(path))});
   }
   const bool in_voxels = record && record->placement.space == convert::Space::index;
   const bool has_volume = plan.pictures.front().input.has_value();

@@ -209,7 +209,8 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     const auto record = plan.is_placed ? std::nullopt : convert::parse_placement_record(file->placement);
     if (!record && !plan.is_placed && !file->placement.empty()) {
       notes.note({NoteId::placement_unknown,
-                  fmt::format("{}: the placement record is not readable; verify ignores it", *plan.mesh)});
+                  fmt::format("{}: the file has no readable placement record, so verify assumes the default placement",
+                              *plan.mesh)});
     }
     if (record) {
       const std::string text = convert::placement_text(*record);

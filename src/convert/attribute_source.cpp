@@ -226,7 +226,7 @@ Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContex
                               {Key::outside, one.outside},
                               {Key::not_finite, one.not_finite},
                               {Key::out_of_reach, one.vertices_beyond_kernels}});
-    const std::string start = fmt::format("{} iso {}: ", stage.source.label, surface.id.text());
+    const std::string start = report.subject + ": ";
     if (one.outside > 0) {
       report.notes.push_back(
           {NoteId::attribute_outside,

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "base/parallel.hpp"
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
@@ -331,14 +332,14 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
                               ? fmt::format("{} and {} more", masks.grid_.source, masks.paths_.size() - 1)
                               : masks.grid_.source;
   if (!masks.empty_.empty()) {
-    events.note({NoteId::labels_empty, fmt::format("{}: no mesh for {} of {} masks, which have no voxels: {}", all,
+    events.note({NoteId::labels_empty, fmt::format("{}: no mesh for masks without voxels, {} of {}: {}", all,
                                                    masks.empty_.size(), masks.paths_.size(), list_text(masks.empty_))});
   }
   if (shared > 0) {
     events.note({NoteId::masks_overlap,
                  fmt::format("{}: {} voxels of masks are in earlier masks, too; each mask keeps all its voxels, so the "
-                             "meshes of {} overlap others, and do not share faces with them: {}",
-                             all, shared, apart.size(), list_text(apart))});
+                             "meshes of {} overlap others and share no faces with them: {}",
+                             all, shared, counted(apart.size(), "mask"), list_text(apart))});
   }
   masks.grid_.source = all;
   masks.grid_.name = "masks";

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/parallel.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "mesh/half_space.hpp"
@@ -74,9 +75,8 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   report.lines.push_back({line_of(facts, surface.id.place())});
   if (facts.without_volume > 0) {
     report.notes.push_back(
-        {NoteId::open_components_kept,
-         fmt::format("{}: kept {} open components, because an open component has no volume to compare", report.subject,
-                     facts.without_volume)});
+        {NoteId::open_components_kept, fmt::format("{}: kept {}, because an open component has no volume to compare",
+                                                   report.subject, counted(facts.without_volume, "open component"))});
   }
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,

@@ -73,7 +73,7 @@ Result<void> give_element_radii(particle_io::ParticleFile& file, const SourceOpt
   if (!unit) {
     file.notes.push_back(
         {NoteId::element_radii,
-         fmt::format("{}: the radii of the elements are in angstrom, because the file states no unit of length",
+         fmt::format("{}: the radii of the elements are in angstrom, because the file states no known unit of length",
                      label)});
   }
   return {};

@@ -147,9 +147,9 @@ Result<points::ParticleField> make_particle_field(points::ParticleSet& particles
     const bool takes_median = options.method == points::Method::weight || options.method == points::Method::anisotropic;
     made.field.notes.push_back(
         {NoteId::particle_radius,
-         takes_median ? fmt::format("all particles have the radius {:.6g}, the median of the attribute '{}'",
+         takes_median ? fmt::format("all particles have the radius {:.6g}, the median of the radii ('{}')",
                                     figures.radius, printable(figures.radius_attribute))
-                      : fmt::format("the attribute '{}' gives the radius of each particle; the median radius is {:.6g}",
+                      : fmt::format("each particle has its own radius ('{}'); the median radius is {:.6g}",
                                     printable(figures.radius_attribute), figures.radius)});
   }
   if (!of_spheres && figures.particles_too_small > 0) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "convert/detail/lost_labels.hpp"
 #include "convert/detail/mesh_source.hpp"
@@ -263,8 +264,9 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   }
   if (figures.particles_dropped > 0) {
     events.note({NoteId::particles_left_out,
-                 fmt::format("{}: the conversion left out {} particles whose positions are not finite",
-                             printable(file.particles.label), figures.particles_dropped)});
+                 fmt::format("{}: the conversion left out {}", printable(file.particles.label),
+                             counted(figures.particles_dropped, "particle whose position is not finite",
+                                     "particles whose positions are not finite"))});
   }
   const bool tells_periods = figures.particles > 0 && !options.particles.simulation_box.periodic;
   if (tells_periods && file.particles.box && file.particles.box->is_periodic()) {

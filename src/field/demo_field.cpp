@@ -118,7 +118,7 @@ constexpr std::array kDemos{
          moved_sphere},
     Demo{{"torus", "radii 0.6 and 0.25 around the z axis", 0, ""}, pointwise<formulas::Torus>, nullptr},
     Demo{{"gyroid", "sin x cos y + sin y cos z + sin z cos x, four periods; leaves the data", 0,
-          "flows along x by one of its periods"},
+          "moves along x by one period"},
          gyroid,
          moved_gyroid},
     Demo{{"marschner-lobb", "the resampling test signal of 1994 (f = 6, alpha = 0.25); leaves the data", 0.5, ""},

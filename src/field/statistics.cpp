@@ -376,7 +376,7 @@ std::optional<DefaultIso> default_iso(const ScalarField& field) {
   if (field.kind == FieldKind::level_set) return DefaultIso{0, "the zero of the level set"};
   for (const DemoDescription& demo : demo_fields()) {
     if (field.source.starts_with(kDemoPrefix) && field.name == demo.name) {
-      return DefaultIso{demo.iso, "the demo field's own"};
+      return DefaultIso{demo.iso, "the iso value of the demo field"};
     }
   }
   return std::nullopt;

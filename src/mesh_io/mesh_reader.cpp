@@ -242,10 +242,10 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   if (surface.is_by_isoextract)
     result.placement = surface.placement.substr(0, kMaxPlacement);  // isoextract never writes a longer one
   if (options.scene && !surface.left_out.empty()) {
-    result.notes.push_back({NoteId::data_left_out, fmt::format("{}: the conversion leaves out {}, which it does not "
-                                                               "read; it keeps positions, triangles, names, colors "
-                                                               "and attributes",
-                                                               file.name(), fmt::join(surface.left_out, ", "))});
+    result.notes.push_back(
+        {NoteId::data_left_out,
+         fmt::format("{}: the reader leaves out {}; it keeps positions, triangles, names, colors and attributes",
+                     file.name(), fmt::join(surface.left_out, ", "))});
   }
   for (const Note& note : surface.notes) result.notes.push_back(prefixed(file.name() + ": ", note));
   return result;

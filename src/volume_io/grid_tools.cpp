@@ -267,7 +267,7 @@ Result<SphereField> rasterize_spheres(const points::ParticleSet& particles, cons
   if (left_out > 0) {
     field.notes.push_back(
         {NoteId::particles_left_out,
-         fmt::format("the surface leaves out {} of {} particles, whose radius is less than {:g} voxels", left_out,
+         fmt::format("the surface leaves out {} of {} particles, those with a radius below {:g} voxels", left_out,
                      particles.size() - options.images, options.least_radius)});
   }
   return SphereField{std::move(field), left_out};

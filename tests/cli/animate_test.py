@@ -52,8 +52,8 @@ class AnimateTest(ProgramTest):
         for name, times in (("even", (5, 7, 9, 11)), ("uneven", (5, 6, 9, 11)), ("none", (5, "x", 9, 11))):
             (self.folder / f"{name}.xyz").write_text("".join(frame.format(time) for time in times))
             run[name] = self.animate("-o", f"{name}.glb", "--fps", "10", inputs=(f"{name}.xyz", "--volume", "all", "--radius", "1"))
-        self.assertIn("note[animation-times]: uneven.glb: the frames start at their times in uneven.xyz, 5 to 11, of which a second of "
-                      "the animation shows 20; --fps 10 is the mean", run["uneven"].err)
+        self.assertIn("note[animation-times]: uneven.glb: the frames start at their times in uneven.xyz, 5 to 11; a second of the "
+                      "animation covers 20 of this time; --fps 10 is the mean", run["uneven"].err)
         for name, starts in (("even", (0, 0.1, 0.2, 0.3)), ("uneven", (0, 0.05, 0.2, 0.3)), ("none", (0, 0.1, 0.2, 0.3))):
             played = Animated(self.folder / f"{name}.glb")
             self.assertAlmostEqual(played.length, 0.4, places=6)

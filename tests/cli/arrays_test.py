@@ -249,7 +249,7 @@ class ArraysTest(ProgramTest):
 
     def test_parts_that_the_mesh_lost_are_told(self):
         run = self.convert(SPHERE, "--iso", "0", "--error", "-o", "a.ply", "--report", "r.json")
-        self.assertIn("the mesh has the only component", run.err)
+        self.assertIn("the mesh has the surface's only component", run.err)
         found = json.loads((self.folder / "r.json").read_bytes())["meshes"][0]["error"]["coverage"]
         self.assertEqual((found["components"], found["lost_components"]), (1, 0))
         self.assertTrue(1e-4 < found["distances"]["max"]["voxels"] <= found["max_at_most"]["voxels"] < 0.3, found)

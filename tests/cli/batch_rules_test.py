@@ -215,7 +215,7 @@ class BatchRulesTest(ProgramTest):
         run = self.run_batch("-o", "out/{}.ply", "--resume", "--table", "t.csv", code=5)
         self.assertEqual(self.names(), ["1.ply", "2.ply", "3.ply.old"])
         self.assertEqual((self.folder / "out/3.ply.old").read_bytes(), old)
-        self.assertIn("note[old-pieces]: this run renamed a mesh that an earlier run wrote for failed frames, to out/3.ply.old", run.err)
+        self.assertIn("note[old-pieces]: this run renamed the old mesh of a failed frame to out/3.ply.old", run.err)
         self.assertIn("the old mesh is now out/3.ply.old", self.table()[2]["error"])
         self.write_frames((3,))
         self.run_batch("-o", "out/{}.ply", "--resume")

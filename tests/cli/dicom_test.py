@@ -71,8 +71,8 @@ class SeriesTest(DicomTestCase):
         dicom.write_series(self.folder / "scan", VOLUME, PLACES, names=[f"IM{order[k]}" for k in range(SHAPE[0])])
         dicom.save(dicom.report(), self.folder / "scan" / "IMREPORT")
         (self.folder / "scan" / "notes.txt").write_text("no slice")
-        report = self.assert_field(["scan"], VOLUME, self.placement, "1 object without pixels passed over")
-        self.assertIn("1 file that is not DICOM passed over", json.dumps(report["notes"]))
+        report = self.assert_field(["scan"], VOLUME, self.placement, "the reader skips 1 object without pixels")
+        self.assertIn("the reader skips 1 file that is not DICOM", json.dumps(report["notes"]))
         # A file of the series stands for all of it, and a list of files for these.
         self.assert_field(["scan/IM3"], VOLUME, self.placement)
 
@@ -96,7 +96,7 @@ class SeriesTest(DicomTestCase):
         self.assert_fails(2, run, "found distances from 2 to 4 mm, usually 2 mm: 4 mm after slice 3", "1 slice is missing", "--resample")
         middle = (VOLUME[2].astype(float) + VOLUME[3]) / 2
         expected = numpy.concatenate([VOLUME[:3], [middle], VOLUME[3:]]).astype(numpy.float32)
-        self.assert_field(["scan", "--resample"], expected, [[0.75, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 2, 0]], "interpolated linearly at 7 slices")
+        self.assert_field(["scan", "--resample"], expected, [[0.75, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 2, 0]], "linearly, and makes 7 slices")
 
     def test_slopes(self):
         dicom.write_series(self.folder / "one", VOLUME, PLACES, slopes=[(2.5, -7)] * SHAPE[0])
@@ -115,7 +115,7 @@ class SeriesTest(DicomTestCase):
         self.assertEqual(names, ["1 TEST SERIES", "7 BONE"])
         run = self.run_program("scan", "--iso", "0", "-o", "a.ply")
         self.assert_fails(2, run, "7 BONE", "--grid")
-        self.assert_field(["scan", "--grid", "7 BONE"], VOLUME + 1, note="1 single image beside the volumes passed over")
+        self.assert_field(["scan", "--grid", "7 BONE"], VOLUME + 1, note="the reader skips 1 single image beside the volumes")
         # In one folder, a file chooses its series.
         for path in (self.folder / "scan" / "b").iterdir():
             shutil.copy(path, self.folder / "scan" / f"b_{path.name}")
@@ -144,7 +144,7 @@ class SeriesTest(DicomTestCase):
         dicom.write_series(self.folder / "scan", VOLUME, PLACES)
         shutil.copy(self.folder / "scan" / "slice_001.dcm", self.folder / "scan" / "copy.dcm")
         dicom.save(dicom.image(VOLUME[0], PLACES[2], instance=99), self.folder / "scan" / "again.dcm")
-        report = self.assert_field(["scan"], VOLUME, note="1 copy of the same image passed over")
+        report = self.assert_field(["scan"], VOLUME, note="the reader skips 1 copy of the same image")
         self.assertIn("1 slice at the position of another left out", json.dumps(report["notes"]))
 
     def test_a_description_with_the_patients_name(self):
@@ -172,7 +172,7 @@ class SeriesTest(DicomTestCase):
 
     def test_no_positions(self):
         dicom.write_series(self.folder / "scan", VOLUME, [None] * SHAPE[0], SliceThickness="3")
-        report = self.assert_field(["scan"], VOLUME, note="no positions in the headers")
+        report = self.assert_field(["scan"], VOLUME, note="the headers have no positions")
         self.assertEqual(report["input"]["index_to_world"][2], [0, 0, 3, 0])
         self.assertEqual(report["input"]["world_space"], "")
 
@@ -182,7 +182,7 @@ class SeriesTest(DicomTestCase):
         data.DirectoryRecordSequence = pydicom.Sequence(
             [dicom.item(DirectoryRecordType="IMAGE", ReferencedFileID=["IMAGES", f"IM{k}"]) for k in range(SHAPE[0] + 1)])
         dicom.save(data, self.folder / "disc" / "DICOMDIR")
-        self.assert_field(["disc/DICOMDIR"], VOLUME, self.placement, "1 file of the DICOM directory missing")
+        self.assert_field(["disc/DICOMDIR"], VOLUME, self.placement, "1 file of the DICOM directory is missing")
 
     def test_a_region_reads_its_slices_only(self):
         dicom.write_series(self.folder / "scan", numpy.repeat(VOLUME, 5, axis=0), [(0, 0, k) for k in range(30)])

@@ -86,7 +86,7 @@ class DocumentsTest(ProgramTest):
     def test_help_says_where_a_file_has_its_placement(self):
         """As docs/formats.md does, and as compare reads it: binary STL has it in its header."""
         coordinates = " ".join(self.text("help", "coordinates").split())
-        self.assertIn("binary stl has 80 bytes for them, stl as text has none", coordinates)
+        self.assertIn("except stl as text, and binary stl if its header of 80 bytes is too short", coordinates)
         self.convert(SOURCE / "samples" / "metaballs.vdb", "--iso", "0.5", "--scale", "2", "-o", "a.stl")
         self.assertIn(b"scale", (self.folder / "a.stl").read_bytes()[:80])
 

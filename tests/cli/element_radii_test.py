@@ -62,7 +62,7 @@ class ElementRadiiTest(ProgramTest):
 
     def test_the_unit_is_that_of_the_file_or_of_the_option(self):
         run = self.converted(self.write("a.xyz", xyz([("Fe", 0, 0, 0)])), "--radii", "element")
-        self.assertIn("note[element-radii]: a.xyz: the radii of the elements are in angstrom, because the file states no unit", run.err)
+        self.assertIn("note[element-radii]: a.xyz: the radii of the elements are in angstrom, because the file states no known unit", run.err)
         run = self.converted("a.xyz", "--radii", "element", "--unit", "nm", "--to-unit", "nm")
         self.assertNotIn("element-radii", run.err)
         self.assertAlmostEqual(self.report["particles"]["radius"], 0.244, delta=1e-6)

@@ -78,7 +78,7 @@ class SpheresTest(FieldsTest):
     def test_each_particle_has_its_own_radius(self):
         self.write_csv("a.csv", [(0, 0, 0, 1.0), (5, 0, 0, 0.5), (9, 0, 0, 1.0)], "x,y,z,pscale")
         report, run = self.report("a.csv", "--particles", "spheres", "--cell-size", "0.2", "-o", "a.ply")
-        self.assertIn("the attribute 'pscale' gives the radius of each particle; the median radius is 1", run.err)
+        self.assertIn("each particle has its own radius ('pscale'); the median radius is 1", run.err)
         self.assertEqual(report["particles"]["radius_attribute"], "pscale")
         self.assertEqual(report["particles"]["radius"], 1)
         self.assertAlmostEqual(self.mesh("a.ply").volume(), 4 / 3 * math.pi * 2.125, delta=0.3)
@@ -96,7 +96,7 @@ class SpheresTest(FieldsTest):
     def test_small_and_broken_particles_are_told(self):
         self.write_csv("a.csv", [(0, 0, 0, 1.0), (5, 0, 0, 0.01), (9, 0, 0, 1.0)], "x,y,z,radius")
         report, run = self.report("a.csv", "--particles", "spheres", "--explain", "-o", "a.ply")
-        self.assertIn("the surface leaves out 1 of 3 particles, whose radius is less than 1.5 voxels", run.err)
+        self.assertIn("the surface leaves out 1 of 3 particles, those with a radius below 1.5 voxels", run.err)
         self.assertIn("left out: 1 of 3 particles, whose radius is below 1.5 sample spacings", run.err)
         self.assertEqual((report["particles"]["particles"], report["particles"]["too_small"]), (2, 1))
         self.assertEqual(report["meshes"][0]["components"], 2)
@@ -107,7 +107,7 @@ class SpheresTest(FieldsTest):
             command = ("nan.csv", "--particles", method, "--radius", "1")
             self.assert_fails(2, self.run_program(*command, "-o", "n.ply"), "expected finite positions", "--nan outside")
             run = self.convert(*command, "--nan", "outside", "-o", "n.ply")
-            self.assertIn("the conversion left out 1 particles whose positions are not finite", run.err)
+            self.assertIn("the conversion left out 1 particle whose position is not finite", run.err)
             self.assertEqual(self.mesh("n.ply").open_edges(), 0)
         self.assertFalse((self.folder / "b.ply").exists())
 
@@ -420,7 +420,7 @@ print(json.dumps([a.shape, a.min(), a.max(), g.mean(), abs(a[0]).min(), int((a <
     @needs_plugin
     def test_what_is_interpolated_says_so(self):
         self.convert(*self.SPHERE, "-o", "own.vdb")
-        for options, why in ((("--voxel-size", "0.2", "--kernel", "cubic"), "because the options choose a kernel: its distances end 2.25 of the new voxels"),
+        for options, why in ((("--voxel-size", "0.2", "--kernel", "cubic"), "because the options choose a kernel: its narrow band ends 2.25 new voxels"),
                              (("--voxel-size", "0.2,0.1,0.2"), "because the new voxels are not cubic"),
                              (("--resolution", "20,20,21"), "because the new voxels are not cubic")):
             run = self.convert("own.vdb", *options, "-o", "other.vdb")

@@ -259,9 +259,9 @@ class FramesTest(ProgramTest):
         self.assertEqual(len((self.folder / "a.stl").read_bytes()), len((self.folder / "plain.stl").read_bytes()))
         self.convert(*self.raw(), "--unit", "mm", "--to-unit", "in", "--up-out", "y", "--center", "-o", "a.stl")
         run = self.convert("compare", "plain.stl", "a.stl")
-        self.assertIn("a.stl: the placement record is not readable", run.err)
+        self.assertIn("a.stl: the file has no readable placement record", run.err)
         run = self.run_program("verify", *self.raw(), "a.stl")
-        self.assertIn("a.stl: the placement record is not readable", run.err)
+        self.assertIn("a.stl: the file has no readable placement record", run.err)
         self.assertEqual(run.code, 6)
 
     def test_animations_say_it_too(self):
@@ -312,7 +312,7 @@ class FramesTest(ProgramTest):
             (self.folder / "a.obj").write_text(text)
             run = self.run_program("compare", "a.obj", "b.obj", "--json")
             self.assertEqual(run.code, 0, run.err)
-            self.assertIn("the placement record is not readable", run.err)
+            self.assertIn("the file has no readable placement record", run.err)
             self.assertGreater(json.loads(run.text)["hausdorff"][0], 10)
         # Nor is it looked for in files of others.
         (self.folder / "a.obj").write_text(good.replace("# isoextract", "# somebody"))

@@ -222,7 +222,7 @@ class ImagesTest(ProgramTest):
         (self.folder / "out").mkdir()
         run = self.convert(self.folder, "--iso", "100", "-o", "out/f_{}.ply")
         self.assertEqual(sorted(path.name for path in (self.folder / "out").glob("*.ply")), ["f_1.ply", "f_2.ply"])
-        self.assertIn("2 other files", run.err)
+        self.assertIn("the program skips 2 files", run.err)
 
     @needs_data("exr/headmr_stack/slice_0000.exr")
     def test_exr_stack_gives_the_mesh_of_the_same_raw_volume(self):

@@ -33,7 +33,7 @@ class JetTest(ProgramTest):
     def test_frames_hold_what_left_the_nozzle(self):
         run = self.simulate(*SCENE, "--frames", "21", "-o", "jet_{:04}.ply")
         self.assertEqual(self.files(), [f"jet_{frame:04}.ply" for frame in range(1, 22)])
-        self.assertRegex(run.err, r"1500 particles of radius 0\.5 in the tank; 21 frames of \d+ steps: [\d.]+ million "
+        self.assertRegex(run.err, r"1500 particles of radius 0\.5 in the tank; 21 frames in \d+ steps: [\d.]+ million "
                                   r"particles moved, [\d.]+ million per second")
         self.assertIn("-> jet_0001.ply to jet_0021.ply: 21 files", run.err)
         self.assertNotIn("not left the nozzle", run.err)

@@ -106,7 +106,7 @@ class LabelChoiceTest(ProgramTest):
         self.assertEqual(self.names("--labels", "?kull", *table)[0], ["Skull"])
         names, run = self.names("--labels", "1,Kidney*,30-40", *table)
         self.assertEqual(names, ["Hippocampus left"])
-        self.assertIn("note[labels-unmatched]: slabs.raw: no label is 'Kidney*' or '30-40'", run.err)
+        self.assertIn("note[labels-unmatched]: slabs.raw: no label matches 'Kidney*' or '30-40'", run.err)
         (self.folder / "more.txt").write_text(TABLE.replace("Skull", "Spleen").replace("a/b", "Skull"))
         run = self.run_program(*self.map, "--roi", "0,0,0,4,3,2", "--labels", "1,Skull", "--label-names", "more.txt", "-o", "x.glb")
         self.assert_fails(2, run, "slabs.raw: no sample has the label 'Skull'", "--empty skip")
@@ -116,7 +116,7 @@ class LabelChoiceTest(ProgramTest):
             self.assert_fails(2, run, f"slabs.raw: no label is '{wrong}'", hint, "--empty skip")
             names, run = self.names("--labels", f"1,{wrong}", *table, "--empty", "skip")
             self.assertEqual(names, ["Hippocampus left"])
-            self.assertIn(f"note[labels-unmatched]: slabs.raw: no label is '{wrong}'", run.err)
+            self.assertIn(f"note[labels-unmatched]: slabs.raw: no label matches '{wrong}'", run.err)
         self.assert_fails(2, self.run_program(*self.map, "--labels", "Kidney*", "-o", "x.glb"),
                           "the choice includes none of the 6 labels in the file")
         for wrong in ("1,", "!", "4-2", ""):

@@ -61,7 +61,7 @@ class LabelSequencesTest(ProgramTest):
         self.assertEqual(run.code, 5, run.err)
         self.assertEqual(self.meshes(),
                          ["1_1.stl", "1_2.stl", "2_1.stl.old", "2_3.stl.old", "2_9.stl", "3_1.stl", "3_4.stl"])
-        self.assertIn("note[old-pieces]: this run renamed 2 meshes that an earlier run wrote for failed frames", run.err)
+        self.assertIn("note[old-pieces]: this run renamed 2 old meshes of failed frames", run.err)
 
     def test_a_second_batch_replaces_the_labels_of_a_shard(self):
         self.assertEqual(self.batch("--shard", "1/2").code, 0)

@@ -275,7 +275,7 @@ class LabelsTest(ProgramTest):
     def test_notes_say_what_does_not_apply(self):
         run = self.convert(*self.map, "--labels", "1", "--cap", "--error", "-o", "x.ply")
         self.assertIn("--cap changes nothing: the surface of surface nets is closed everywhere", run.err)
-        self.assertIn("the error is not measured: labels have no isosurface between the samples", run.err)
+        self.assertIn("the program cannot measure the error of labels: they have no isosurface between the samples", run.err)
 
     def test_a_table_that_changes_makes_frames_anew(self):
         for frame in (1, 2):

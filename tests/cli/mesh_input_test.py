@@ -320,7 +320,7 @@ class MeshInputTest(ProgramTest):
     def test_a_scene_keeps_names_materials_and_places(self):
         self.scene("a.glb")
         run = self.convert("a.glb", "-o", "b.glb")
-        self.assertIn("note[data-left-out]: a.glb: the conversion leaves out cameras, metalness, roughness and light of "
+        self.assertIn("note[data-left-out]: a.glb: the reader leaves out cameras, metalness, roughness and light of "
                       "materials, texture coordinates", run.err)
         self.assertIn("a.glb (4 meshes) -> b.glb: 36 triangles", run.err)
         meshes = read_glb((self.folder / "b.glb").read_bytes())

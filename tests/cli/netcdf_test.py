@@ -97,7 +97,7 @@ np.save('u.npy', out)""")
         self.assert_fails(2, run, "its axis z has uneven distances: expected equal ones, found 5 to 20 m", "--resample")
         report, run = self.report("u.nc", "--resample", "--nan", "hole", "--iso", 0.5, "-o", "u.ply")
         self.assertEqual(report["input"]["index_to_world"][2], [0, 0, -5, 0])
-        self.assertIn("resampled axis z linearly from 4 samples, 5 to 20 m apart, to 8, 5 apart", run.err)
+        self.assertIn("the reader resamples axis z linearly from 4 samples, 5 to 20 m apart, to 8 samples, 5 apart", run.err)
         self.convert("u.nc", "--resample", "-o", "read.npy")
         self.assert_same_samples([("read.npy", "u.npy")])
 

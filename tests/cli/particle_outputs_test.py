@@ -190,7 +190,7 @@ class ParticleOutputsTest(ProgramTest):
         (self.folder / "nan.csv").write_text("x,y,z,T\n0,0,0,1\nnan,0,0,2\n2,0,0,3\n")
         self.assert_fails(2, self.run_program("nan.csv", "-o", "out.xyz"), "expected finite positions", "--nan")
         run = self.written("nan.csv", "--nan", "outside", "-o", "out.xyz")
-        self.assertIn("left out 1 particles whose positions are not finite", run.err)
+        self.assertIn("left out 1 particle whose position is not finite", run.err)
         ((_, data),) = read_xyz(self.folder / "out.xyz")
         self.assertEqual(data["T"], [(1,), (3,)])
 

@@ -31,7 +31,7 @@ class ParticleRadiiTest(ProgramTest):
             self.assertEqual(report["meshes"][0]["components"], 1)
             self.assertEqual((report["particles"]["radius_attribute"], report["particles"]["radius"]), (attribute, 0.125))
             self.assertFalse(report["particles"]["radius_suggested"])
-            self.assertIn(f"the attribute '{attribute}' gives the radius of each particle; the median radius is 0.125", run.err)
+            self.assertIn(f"each particle has its own radius ('{attribute}'); the median radius is 0.125", run.err)
             self.assertIn("of radius 0.125, the median of their radii", run.err)
         # One radius for all: the coarse block falls apart.
         report, run = self.report("two.csv", "--radius", "0.125")
@@ -47,7 +47,7 @@ class ParticleRadiiTest(ProgramTest):
         for method in ("anisotropic", "weight"):
             report, run = self.report("two.csv", "--particles", method)
             self.assertEqual(report["particles"]["radius"], 0.125)
-            self.assertIn("all particles have the radius 0.125, the median of the attribute 'pscale'", run.err)
+            self.assertIn("all particles have the radius 0.125, the median of the radii ('pscale')", run.err)
 
     def test_equal_radii_give_the_bytes_of_one_radius(self):
         self.write("equal.csv", [(*row[:3], 0.25) for row in lattices()])

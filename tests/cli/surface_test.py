@@ -108,7 +108,7 @@ class SurfaceTest(ProgramTest):
 
     def test_an_empty_surface_is_an_error_with_advice(self):
         run = self.run_program(SPHERE, "--iso", "9", "-o", "out.ply")
-        self.assert_fails(2, run, "no surface at iso 9", "range from -1.03", "to 0.6", "try --iso 0 (the demo field's own)")
+        self.assert_fails(2, run, "no surface at iso 9", "range from -1.03", "to 0.6", "try --iso 0 (the iso value of the demo field)")
         self.assertEqual(self.files(), [])
 
     def test_an_empty_surface_can_be_skipped(self):

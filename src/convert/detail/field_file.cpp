@@ -143,7 +143,7 @@ Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJ
   }
   if (!source.of_particles && job.surface.nan != extract::NanPolicy::error) {
     events.note(
-        {NoteId::nan_samples, fmt::format("{}: the file stores samples that are not numbers unchanged", source.label)});
+        {NoteId::nan_samples, fmt::format("{}: NaN samples, if there are any, stay NaN in the file", source.label)});
   }
   events.end(report);
   return mesh_io::WrittenFile{output.path, written.bytes};

@@ -66,7 +66,7 @@ Result<void> select(const std::string& text, const LabelAppearance& looks, Empty
   }
   if (terms.empty()) return {};
   chosen.notes.push_back(
-      {NoteId::labels_unmatched, fmt::format("{}: no label is {}", source, fmt::join(terms, " or "))});
+      {NoteId::labels_unmatched, fmt::format("{}: no label matches {}", source, fmt::join(terms, " or "))});
   return {};
 }
 

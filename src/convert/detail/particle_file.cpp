@@ -91,9 +91,10 @@ std::optional<Note> missing_facts_note(const std::string& path, const particle_i
 void tell_choice(const ChosenParticles& chosen, const ConversionJob& job, Events& events) {
   const std::string label = printable(chosen.file.particles.label);
   if (chosen.not_finite > 0) {
-    events.note({NoteId::particles_left_out,
-                 fmt::format("{}: the conversion left out {} particles whose positions are not finite", label,
-                             chosen.not_finite)});
+    events.note(
+        {NoteId::particles_left_out, fmt::format("{}: the conversion left out {}", label,
+                                                 counted(chosen.not_finite, "particle whose position is not finite",
+                                                         "particles whose positions are not finite"))});
   }
   StageReport report = report_on(StageName::choose_particles, label);
   const points::ParticleSet& particles = chosen.file.particles;

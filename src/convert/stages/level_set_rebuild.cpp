@@ -70,11 +70,10 @@ Result<std::optional<field::ScalarField>> rebuild_level_set(const SourceOptions&
   const glm::dvec3 edges = edges_of(field.index_to_world.after(lattice));
   const std::string label = field_label(field);
   if (const std::string why = why_interpolated(options, format, field.index_to_world, edges); !why.empty()) {
-    events.note(
-        {NoteId::level_set_interpolated,
-         fmt::format("{}: resampling interpolates the level set, because {}: its distances end {:.3g} of the new "
-                     "voxels from the surface",
-                     label, why, sparse->background / std::max({edges.x, edges.y, edges.z}))});
+    events.note({NoteId::level_set_interpolated,
+                 fmt::format("{}: resampling interpolates the level set, because {}: its narrow band ends {:.3g} new "
+                             "voxels from the surface",
+                             label, why, sparse->background / std::max({edges.x, edges.y, edges.z}))});
     return {};
   }
   if (is_close(lattice.linear[0].x, 1) && is_close(lattice.linear[1].y, 1) && is_close(lattice.linear[2].z, 1)) {

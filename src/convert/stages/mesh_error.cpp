@@ -136,7 +136,7 @@ std::string coverage_text(double iso, const accuracy::SurfaceCoverage& coverage)
   return fmt::format(
       "error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,
       coverage.lost == 0
-          ? coverage.components == 1 ? "the mesh has the only component"
+          ? coverage.components == 1 ? "the mesh has the surface's only component"
                                      : fmt::format("the mesh has all {} components", coverage.components)
           : fmt::format("the mesh lacks {} of {}", coverage.lost, counted(coverage.components, "component")));
 }
@@ -173,7 +173,8 @@ std::vector<std::string> details_of(const MeshError& error) {
   }
   if (field.interior.corrected > 0) {
     lines.push_back(
-        fmt::format("  {} of these points have a gradient so uneven that |f - iso| / |grad f| alone is off by half",
+        fmt::format("  at {} of these points the gradient is uneven: the distance differs from |f - iso| / |grad f| by "
+                    "more than half",
                     field.interior.corrected));
   }
   if (field.cap_triangles > 0) {
@@ -232,7 +233,8 @@ Result<StageReport> measure_error(Surface& surface, const StageContext& stage) {
   StageReport report = stage.report_on(StageName::error, surface);
   if (surface.id.is_label()) {
     report.notes.push_back(
-        {NoteId::error_not_measured, "the error is not measured: labels have no isosurface between the samples"});
+        {NoteId::error_not_measured,
+         "the program cannot measure the error of labels: they have no isosurface between the samples"});
     return report;
   }
   const Stopwatch watch;

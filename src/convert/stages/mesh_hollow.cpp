@@ -123,9 +123,9 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
       "difference {:.2g} (cells of {:.4g})",
       surface.id.place(), thickness, counted(facts.cavities, "cavity", "cavities"), cavity_volume, triangles,
       facts.thinnest, facts.thickest, facts.rms_difference, cell);
-  if (facts.loose_walls == 1) text += "; 1 wall around a cavity of the surface is loose in it";
+  if (facts.loose_walls == 1) text += "; 1 wall around a cavity of the surface does not touch the outer wall";
   if (facts.loose_walls > 1) {
-    text += fmt::format("; {} walls around cavities of the surface are loose in it", facts.loose_walls);
+    text += fmt::format("; {} walls around cavities of the surface do not touch the outer wall", facts.loose_walls);
   }
   report.lines.push_back({text + fmt::format("; {:.2f} s", watch.elapsed().wall_seconds)});
   return report;

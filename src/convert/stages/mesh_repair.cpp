@@ -43,7 +43,8 @@ std::string steps_text(const edit::RepairFigures& facts, const RepairChoice& cho
                                                             facts.holes_too_long, choice.most_hole_edges));
   }
   if (facts.contradictions > 0) {
-    steps.push_back(fmt::format("{} of one-sided patches stay", counted(facts.contradictions, "edge")));
+    steps.push_back(fmt::format("{} in one-sided patches", counted(facts.contradictions, "edge keeps opposite windings",
+                                                                   "edges keep opposite windings")));
   }
   return fmt::format("{}", fmt::join(steps, ", "));
 }

@@ -179,18 +179,16 @@ Notes notes_of(const Simplified& done, const std::string& surface) {
   if (done.turned > 0) {
     notes.push_back(
         {NoteId::simplified_shells,
-         fmt::format(
-             "{}: simplification turned {} of {} components inside out, because they are thinner than the allowed "
-             "distance; set a smaller distance or more triangles, or remove the smallest components",
-             surface, done.turned, done.components)});
+         fmt::format("{}: simplification turned {} of {} components inside out, because they are too thin for the "
+                     "simplification; set a smaller distance or more triangles, or remove the smallest components",
+                     surface, done.turned, done.components)});
   }
   if (done.left_bodies > 0) {
     notes.push_back(
         {NoteId::simplified_shells,
          fmt::format(
-             "{}: simplification moved {} out of the surrounding body, because the wall between them is thinner "
-             "than the allowed distance; set a "
-             "smaller distance or more triangles, or fill cavities",
+             "{}: simplification moved {} out of the surrounding body, because the wall between them is too thin "
+             "for the simplification; set a smaller distance or more triangles, or fill cavities",
              surface, counted(done.left_bodies, "cavity", "cavities"))});
   }
   // A closed component has at least four triangles.
@@ -405,9 +403,10 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
   if (are_closed) reports.front().lines.push_back(line_of_volumes(labels, volumes_before));
   if (!is_one) {
     reports.front().lines.push_back(
-        {fmt::format("simplified {} as one net of {} sheets, each between two labels or a label and none; all meshes "
-                     "were in memory together, and triangles of two labels count once",
-                     name, sheets),
+        {fmt::format(
+             "simplified {} as one net of {} sheets, each between two labels or a label and no label; all meshes "
+             "were in memory together, and triangles of two labels count once",
+             name, sheets),
          true});
   }
   for (std::size_t i = 0; i < labels.size(); ++i) TRY(tell(reports[i], *labels[i].events));

@@ -102,8 +102,7 @@ std::optional<std::string> note_of_touching(std::span<const StageReport> reports
   if (touching == 0) return std::nullopt;
   std::string text = fmt::format(
       "sheets of {} touch at edges or vertices; {} of the {} vertices there moved apart, by at most {:.3g} in the "
-      "mesh's "
-      "units. Programs that weld vertices by position now keep the sheets apart",
+      "mesh's units. Programs that weld vertices by position keep the sheets apart at the moved vertices",
       counted(surfaces, "surface"), moved, touching, move);
   if (change > 0) text += fmt::format("; volumes changed by at most {:.2g} %", 100 * change);
   return text;

@@ -164,8 +164,7 @@ Frame frame_of(const NiftiHeader& header, Notes& notes) {
   if (header.qform_code <= 0) {
     affine = field::scaling({header.pixdim[1], header.pixdim[2], header.pixdim[3]});
     notes.push_back(
-        {NoteId::placement_assumed,
-         "the header has no sform or qform: its spacings alone place the volume, with unknown orientation"});
+        {NoteId::placement_assumed, "the header has no sform or qform: it states spacings but no orientation"});
     return frame;
   }
   if (!all_finite(header.quaternion) || !all_finite(header.offset)) {

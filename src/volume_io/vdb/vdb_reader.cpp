@@ -223,8 +223,9 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     field->grid = grids[chosen].label;
     field->creator = grids[chosen].creator;
     if (!options.grid && grids.size() > 1) {
-      field->notes.push_back({NoteId::grid_chosen, fmt::format("the reader takes grid '{}' of {}, the only scalar one",
-                                                               grids[chosen].label, grids.size())});
+      field->notes.push_back(
+          {NoteId::grid_chosen, fmt::format("the reader takes grid '{}', the only scalar one of {} grids",
+                                            grids[chosen].label, grids.size())});
     }
     if (header.file_version > kNewestVdbVersion) {
       field->notes.push_back(

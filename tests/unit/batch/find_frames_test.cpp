@@ -236,7 +236,7 @@ TEST_F(FindFrames, FindsSequenceInFolder) {
   EXPECT_EQ(found({"d"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
   EXPECT_EQ(found({"d/"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
   EXPECT_EQ(find({"d"})->notes,
-            (Notes{{NoteId::other_files, "d: 2 other files lack the extension of a volume format"}}));
+            (Notes{{NoteId::other_files, "d: the program skips 2 files that lack the extension of a volume format"}}));
   EXPECT_EQ(found({"d"}, "1-9x8"), "9=d/f_9.vdb | gaps 1");
 }
 
@@ -281,14 +281,15 @@ TEST_F(FindFrames, ListsSeveralSequencesInFolder) {
 TEST_F(FindFrames, FindsParticlesInFolderWithoutVolumes) {
   make({"d/drops_1.ply", "d/drops_2.ply", "d/readme.txt"});
   EXPECT_EQ(found({"d"}), "1=d/drops_1.ply 2=d/drops_2.ply");
-  EXPECT_EQ(find({"d"})->notes,
-            (Notes{{NoteId::other_files, "d: 1 other file lacks the extension of a particle format"}}));
+  EXPECT_EQ(
+      find({"d"})->notes,
+      (Notes{{NoteId::other_files, "d: the program skips 1 file that lacks the extension of a particle format"}}));
   make({"packed/peri_0.csv.gz", "packed/peri_100.csv.gz"});
   EXPECT_EQ(found({"packed"}), "0=packed/peri_0.csv.gz 100=packed/peri_100.csv.gz");
   make({"d/smoke_7.vdb"});
   EXPECT_EQ(found({"d"}), "7=d/smoke_7.vdb");
   EXPECT_EQ(find({"d"})->notes,
-            (Notes{{NoteId::other_files, "d: 3 other files lack the extension of a volume format"}}));
+            (Notes{{NoteId::other_files, "d: the program skips 3 files that lack the extension of a volume format"}}));
 }
 
 TEST_F(FindFrames, FailsForFolderOfOtherFiles) {
@@ -299,7 +300,8 @@ TEST_F(FindFrames, FailsForFolderOfOtherFiles) {
 TEST_F(FindFrames, FindsMeshesOfFolderWithoutVolumes) {
   make({"d/scan_1.stl", "d/scan_2.stl", "d/readme.txt"});
   EXPECT_EQ(found({"d"}), "1=d/scan_1.stl 2=d/scan_2.stl");
-  EXPECT_EQ(find({"d"})->notes, (Notes{{NoteId::other_files, "d: 1 other file lacks the extension of a mesh format"}}));
+  EXPECT_EQ(find({"d"})->notes,
+            (Notes{{NoteId::other_files, "d: the program skips 1 file that lacks the extension of a mesh format"}}));
 }
 
 TEST_F(FindFrames, TreatsSingleInputAsFrame) {

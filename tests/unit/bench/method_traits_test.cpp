@@ -268,7 +268,8 @@ TEST(NotApplicable, BenchSkipsBackendsWithoutMethod) {
       bench_demo("torus", {16}, bench_of(methods, {"half", std::make_shared<Without>(), {}}), Context()).value();
   ASSERT_EQ(result.rows.size(), 1U);
   EXPECT_EQ(result.rows[0].method, extract::Method::mc);
-  EXPECT_EQ(std::ranges::count(result.notes, "not applicable: half does not have marching tetrahedra"), 1);
+  EXPECT_EQ(
+      std::ranges::count(result.notes, "the backend half does not have marching tetrahedra, so the table omits it"), 1);
 
   const field::ScalarField torus = field::make_demo_field("demo:torus?size=16", Context()).value();
   const auto refused = Without().extract(torus, placed(torus, extract::Method::mt), Context());

@@ -186,7 +186,7 @@ TEST(OpenVdbTools, KeepsTheVolumeOfSpheres) {
     EXPECT_EQ(samples_of(field->field).background, 0.375);
     EXPECT_NEAR(inner_volume(field->field, 2), 4.0 / 3 * std::numbers::pi, 0.03);
     EXPECT_NEAR(sparse_value<float>(samples_of(field->field), {10, 2, 1}), std::hypot(0.95, 0.05, 0.025) - 1, 1e-6);
-    EXPECT_TRUE(has_note(field->field, "leaves out 1 of 2 particles, whose radius is less than 1.5 voxels"));
+    EXPECT_TRUE(has_note(field->field, "leaves out 1 of 2 particles, those with a radius below 1.5 voxels"));
     EXPECT_EQ(field->left_out, 1U);
     EXPECT_GT(context.memory().reserved(), 0U);
     options.radii = {};
