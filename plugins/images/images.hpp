@@ -14,8 +14,9 @@ namespace isoextract_plugin {
 
 [[nodiscard]] std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const isoextract_plugin_host& host);
 
-// Decides whether an OpenEXR file of the channels R, G, B (and A) is one gray image, which is listed as channel R:
-// `equal` if it is set; else if R, G and B are equal and A is 1, in the file and in the stack's files `compared`.
+// Decides whether an OpenEXR file of the channels R, G, B (and A) is one gray image, which is listed as channel R.
+// `equal` decides if it is set. Else the image is gray if R, G and B are equal and A is 1, in the file and in the
+// stack's files `compared`.
 struct RgbRule {
   std::vector<std::string> compared;
   std::optional<bool> equal;

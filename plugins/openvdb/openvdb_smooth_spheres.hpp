@@ -231,7 +231,7 @@ class UnfoundedBodies {
   using Leaf = Tree::LeafNodeType;
   using Mask = Leaf::NodeMaskType;
 
-  // In `tree`, only the samples inside the surface but outside all spheres are active.
+  // Expects a tree in which only the samples inside the surface but outside all spheres are active.
   explicit UnfoundedBodies(Tree& tree) : tree_(tree), leaves_(tree), in_doubt_(leaves_.leafCount()) {}
 
   // Negates the values of these bodies' samples, which puts them outside.

@@ -19,8 +19,8 @@ namespace isoextract::accuracy {
 struct SurfaceCoverage {
   // From points on the isosurface to the mesh, weighted by area; no points if the isosurface or the mesh is empty.
   ErrorStatistics distances;
-  // Estimated upper bound of the distance from any isosurface point to the mesh: the true bound for the small triangles
-  // that approximate the isosurface, plus an estimate of how far the isosurface bulges out of these triangles.
+  // Estimated upper bound of the distance from any isosurface point to the mesh. It is the true bound for the small
+  // triangles that approximate the isosurface, plus an estimate of how far the isosurface bulges out of them.
   // distances.max is the largest distance of the measured points only.
   Length max_at_most;
   std::uint64_t components = 0;  // components of the isosurface

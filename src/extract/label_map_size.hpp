@@ -18,9 +18,9 @@ struct LabelMapSize {
   std::uint64_t largest_sides = 0;  // of the label with the most
 };
 
-// Estimates sizes for the arguments of LabelVoxels::find(). Counts the labels of each chunk of 64x8x8 samples if there
-// are at most 8,192 chunks, else of about 8,192 of them, in whole rows of chunks along x; the rest is taken to be
-// alike. Counts samples that are no labels as background. Fails as LabelVoxels::find() does for the region, with
+// Estimates sizes for the arguments of LabelVoxels::find(). Counts the labels in up to 8,192 chunks of 64x8x8 samples.
+// If there are more chunks, counts evenly spread rows of chunks along x, and assumes that the others have as many.
+// Counts samples that are no labels as background. Fails as LabelVoxels::find() does for the region, with
 // ErrorCode::out_of_memory or cancelled.
 [[nodiscard]] Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const ExtractOptions& options,
                                                       const LabelChoice& choice, const Context& context);

@@ -3,9 +3,9 @@
 // The given triangle is cut into convex polygons. The distance to a triangle b of the surface is a convex function, so
 // over a polygon it is greatest at a corner. No point of the polygon is therefore farther from the surface than the
 // polygon's farthest corner is from b. If the bound is too wide, the polygon is cut along a side of b (a plane through
-// an edge of b, perpendicular to b), so that each part lies over one triangle; if it lies over b already, it is halved:
-// branch and bound. Compare Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models.
-// ACM Trans. Graph. 28(3), 2009, who use the same convexity and split at midpoints.
+// an edge of b, perpendicular to b), so that each part lies over one triangle. A polygon that lies over b already is
+// halved. This is branch and bound. Compare Tang, Lee, Kim: Interactive Hausdorff distance computation for general
+// polygonal models. ACM Trans. Graph. 28(3), 2009. They use the same convexity and split at midpoints.
 #pragma once
 
 #include <array>

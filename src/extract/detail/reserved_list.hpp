@@ -55,7 +55,7 @@ class ReservedList {
 template <class T>
 class ReservedBlocks {
  public:
-  // As those of ReservedList.
+  // Takes the arguments of a ReservedList.
   ReservedBlocks(const Context& context, const std::string& what) : context_(&context), what_(&what) {}
 
   bool add(const T& value) {

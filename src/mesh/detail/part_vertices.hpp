@@ -18,7 +18,7 @@ namespace isoextract::mesh {
 // then, if the part is a cap, all far vertices (MeshShape::far_vertices).
 class PartVertices {
  public:
-  // The caller reserves bytes(). `far` must outlive the object. Throws std::bad_alloc.
+  // Expects that the caller has reserved bytes(). `far` must outlive the object. Throws std::bad_alloc.
   PartVertices(std::span<const glm::uvec3> triangles, std::uint64_t first_vertex, std::span<const std::uint32_t> far)
       : first_(first_vertex), far_(far), triangles_(triangles.size()) {
     struct Range {

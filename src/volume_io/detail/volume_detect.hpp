@@ -31,8 +31,9 @@ struct DetectedFormat {
 // Returns whether a format recognizes the content of the file or folder, or the input is a stack of slices.
 [[nodiscard]] Result<bool> has_volume_content(const std::string& input, const Context& context);
 
-// Returns the path under which formats find the input: another one if it is compressed as a whole or an archive
-// (plugin_host/unpacked_input.hpp); the only file with the name of a volume if the archive's folder is not an input.
+// Returns the path under which formats find the input. It is another one if the input is compressed as a whole or an
+// archive (plugin_host/unpacked_input.hpp). If the archive's folder is not an input itself, it is the only file in it
+// with the name of a volume.
 // Keeps a gzip file if a format decompresses it itself, or if no format claims its content and the options give neither
 // a format nor a raw layout. Always unpacks gzip tar archives.
 [[nodiscard]] Result<std::string> unpack_for_volumes(const std::string& input, const ReadOptions& options,
