@@ -36,7 +36,7 @@ class Tiff {
     void operator()(TIFF* tiff) const { TIFFClose(tiff); }
   };
   std::unique_ptr<std::string> problem_ = std::make_unique<std::string>();  // libtiff keeps the string's address
-  std::unique_ptr<std::string> lost_ = std::make_unique<std::string>();     // for check_tags(); libtiff keeps its address, too
+  std::unique_ptr<std::string> lost_ = std::make_unique<std::string>();     // for check_tags(); at a fixed address, too
   std::uint64_t size_ = 0;
   std::unique_ptr<TIFF, Close> tiff_;
 };
