@@ -99,12 +99,18 @@ enum class Setting {
   cell_size,
   simulation_box,
   periodic_edges,
+  columns,     // of x, y and z in a table
+  selection,   // a condition that chooses particles
+  unwrapping,  // by image flags
   // The surface
   iso,
   region,
   parts,  // one region after another in place of the whole grid
   clip,
+  cuts,  // clip planes and the faces of the region
   cap,
+  labels,
+  resampling,  // to another grid
   nan_policy,
   empty_policy,
   level_set_filter,
@@ -114,11 +120,16 @@ enum class Setting {
   resolutions,   // the resolutions of a benchmark
   repair,        // of mesh files
   hole_edges,    // edges of the longest hole that repair fills
+  smoothing,
+  hollow,
+  fewer_bodies,
+  split_bodies,  // a mesh for each body
   // The output
   mesh_format,
   half_floats,
   output_name,
   animation,
+  frame_rate,
   masks,  // one output for several mask files of one grid
   unit,
   scale,     // all options that scale the mesh

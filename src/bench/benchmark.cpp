@@ -165,12 +165,14 @@ tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bo
   if (statistics.samples == 0) {
     return fail(ErrorCode::input, fmt::format("{}: no surface: the grid stores no finite sample", field.source));
   }
+  const field::IsoSuggestion other = field::suggest_iso(field, statistics);
   return fail(
       ErrorCode::input,
       fmt::format("{}: no surface at iso {} with {} samples along an axis; the values range from {:.6g} to {:.6g}",
                   field.source, iso, size_text(field), statistics.min, statistics.max),
       in_finer ? Hint{{Remedy::change, Setting::resolutions, "without the coarsest"}, {Remedy::change, Setting::iso}}
-               : Hint(Remedy::try_value, Setting::iso, fmt::format("{}", field::suggest_iso(field, statistics).iso)));
+      : other.separates ? Hint(Remedy::try_value, Setting::iso, fmt::format("{}", other.iso))
+                        : Hint("try another input: no iso value separates these samples into two groups"));
 }
 
 // Sets all errors except `rounding`; `number` is the number of the contestant.

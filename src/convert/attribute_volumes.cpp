@@ -233,7 +233,7 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
     return fail(ErrorCode::input,
                 fmt::format("{}: expected a file with grids, to read the attribute from its grid '{}', found {}",
                             input.source, printable(choice.from), input.format),
-                "name the file that has the attribute");
+                "name the file that has the attribute: NAME=FILE");
   }
   auto reading = TRY(reading_of(options, choice, place, input, context));
   const auto vectors = TRY(vector_grids(reading, context));

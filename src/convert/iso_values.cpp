@@ -61,8 +61,7 @@ Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& f
   }
   return fail(
       ErrorCode::usage,
-      fmt::format("{}: expected an iso value for a density, found none; only a level set has a default iso value, 0",
-                  field_label(field)),
+      fmt::format("{}: expected an iso value, found none; a density has no default iso value", field_label(field)),
       suggested_by_info());
 }
 

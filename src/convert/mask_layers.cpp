@@ -185,7 +185,7 @@ Result<Mask> read_mask(const std::string& path, const volume_io::ReadOptions& op
   if (!std::holds_alternative<field::DenseSamples>(mask.field.samples)) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected the samples of a box for a mask, found a sparse grid", label),
-                "write it as .nrrd or .npy first");
+                "write the grid to a .nrrd or .npy file first: isoextract FILE -o NAME.nrrd");
   }
   if (mask.field.scale.intercept != 0) {
     return fail(ErrorCode::input, fmt::format("{}: expected a mask, with 0 and one other value, found scaled samples: "

@@ -56,7 +56,7 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
                               "spacing of {:.6g}), found {} particles, all smaller",
                               particles.label, points::kMinSphereRadius, points::kMinSphereRadius * figures.spacing,
                               figures.spacing, field->left_out),
-                  {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
+                  {Remedy::lower, Setting::cell_size});
     }
   }
   made.field.name = particles.label;

@@ -188,7 +188,7 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
           fmt::format("{}: the attribute '{}' has a setting for volumes (spacing, origin, no-data value, volume or "
                       "component), but the input has particles",
                       particles.label, printable(choice.name)),
-          "leave settings for volumes out");
+          "leave ':spacing=', ':origin=', ':nodata=', ':volume=' and ':component=' out");
     }
     const std::string& name = choice.from;
     const auto at = std::ranges::find(particles.attributes, name, &points::ParticleAttribute::name);

@@ -285,8 +285,8 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
       placement.space == Space::index ? field.index_to_file : placed_after(field.index_to_world, resolved);
   if (field.index_to_world.is_invertible() && !placed.output_from_index.is_invertible()) {
     return fail(ErrorCode::usage,
-                fmt::format("{}: with the scale {}, coordinates leave the range of 64-bit floats", field_label(field),
-                            resolved.placement.scale),
+                fmt::format("{}: with the scale {}, coordinates or voxel volumes leave the range of 64-bit floats",
+                            field_label(field), resolved.placement.scale),
                 {Remedy::change, Setting::scale});
   }
   const field::IndexBox samples = field.extents();

@@ -53,7 +53,8 @@ Result<void> unwrap(points::ParticleSet& particles) {
       return fail(ErrorCode::input,
                   fmt::format("{}: expected the image flags ix, iy and iz to unwrap the positions, found no {}",
                               particles.label, kImageFlags[edge]),
-                  "write ix, iy and iz in the simulation, or convert the particles as they are");
+                  {"write ix, iy and iz in the simulation",
+                   {Remedy::leave_out, Setting::unwrapping, "the particles then stay where they are"}});
     }
     flags[edge] = *flag;
   }
@@ -73,7 +74,7 @@ Result<void> unwrap(points::ParticleSet& particles) {
             fmt::format("{}: expected positions in the box to unwrap, found particle {} outside of it at "
                         "({:.6g}, {:.6g}, {:.6g}) with the image flag {} = {}: the file has unwrapped positions",
                         particles.label, i, p.x, p.y, p.z, kImageFlags[edge], crossings),
-            "convert the particles as they are");
+            {Remedy::leave_out, Setting::unwrapping});
       }
       p += crossings * box.edges[k];
     }

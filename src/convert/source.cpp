@@ -224,7 +224,8 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
         ErrorCode::usage,
         fmt::format("{}: a periodic box does not allow resampling, because a whole number of cells has to fill the box",
                     printable(file.particles.label)),
-        {{Remedy::change, Setting::cell_size},
+        {{Remedy::leave_out, Setting::resampling, "the cell size is the distance between samples"},
+         {Remedy::change, Setting::cell_size},
          {Remedy::set, Setting::periodic_edges, "none to convert the particles without periods"}});
   }
   source.period = made.region;
@@ -414,7 +415,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
         fmt::format("{}: weighted smoothing needs particles and a method with kernels or averaged positions, found {}",
                     printable(files::input_label(options.input)),
                     of_particles ? points::method_info(options.particles.method).title : "a volume"),
-        "smooth by another filter, such as taubin");
+        {Remedy::set, Setting::smoothing, "N:taubin or N:sinc, which work for all surfaces"});
   }
   TRY(of_particles ? read_particle_field(options, use, context, events, source)
                    : read_volume_field(options, use, context, events, source));

@@ -348,7 +348,8 @@ Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const
     return fail(ErrorCode::input,
                 fmt::format("{}: the surface has {} bodies, and each needs a mesh of its own; expected at most {}",
                             mesh.name, bodies.size(), most),
-                "keep fewer bodies, or write all of them as one mesh");
+                {{Remedy::use, Setting::fewer_bodies},
+                 {Remedy::leave_out, Setting::split_bodies, "one mesh then holds all bodies"}});
   }
   if (bodies.size() <= 1) {
     std::vector<mesh::Mesh> one;

@@ -332,7 +332,7 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
         fmt::format("{}: a wall of {:.4g} is too thin for a surface of {:.4g} x {:.4g} x {:.4g}: the grid of distances "
                     "to the surface would have more than 2^24 cells along an axis",
                     outer.name, options.thickness, extent.x, extent.y, extent.z),
-        "choose a thicker wall");
+        {Remedy::raise, Setting::hollow});
   }
   // A line through a point of the material meets the surface on both sides within the box.
   if (2 * options.thickness > std::min({extent.x, extent.y, extent.z})) return InnerWall();

@@ -46,7 +46,8 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
       fmt::format(
           "{}: the region contains no cell of the field; the samples have the indices ({}, {}, {}) to ({}, {}, {})",
           field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
-      {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
+      {{Remedy::check, Setting::region, "it has to overlap the box of the data, which 'isoextract info' prints"},
+       {Remedy::leave_out, Setting::region}});
 }
 
 Result<void> check_placement(const field::ScalarField& field, const OutputPlacement& placement) {

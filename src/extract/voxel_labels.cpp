@@ -86,10 +86,11 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
   if (auto whole = check_constants(field, *sparse, nan); !whole || choice.all) return whole;
   const auto around = label_around(sparse);
   if (!around || std::ranges::find(choice.values, *around) == choice.values.end()) return {};
-  return fail(ErrorCode::usage,
-              fmt::format("{}: label {} is the background value of the sparse grid, so its region is unbounded",
-                          field.source, *around),
-              "choose the other labels, without this one");
+  return fail(
+      ErrorCode::usage,
+      fmt::format("{}: label {} is the background value of the sparse grid, so the region of this label is unbounded",
+                  field.source, *around),
+      {Remedy::set, Setting::labels, "with the other labels only"});
 }
 
 // Releases the pages of each layer of chunks in a large mapped file as soon as all of its chunks are read.

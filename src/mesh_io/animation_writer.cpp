@@ -148,7 +148,7 @@ Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
               fmt::format("{}: frame {} is at {} seconds; at {} frames per second, float32 cannot separate it from a "
                           "neighbor frame",
                           path.string(), frame, time, frames_per_second),
-              "number the frames consecutively, and use a rate such as 24 frames per second");
+              {"number the frames consecutively", {Remedy::set, Setting::frame_rate, "24 or another usual rate"}});
 }
 
 Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const mesh::Mesh> surfaces,

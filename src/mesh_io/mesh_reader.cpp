@@ -149,8 +149,9 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
     const glm::uvec3& corners = mesh.triangles[t];
     const std::uint32_t greatest = std::max({corners.x, corners.y, corners.z});
     if (greatest >= mesh.positions.size()) {
-      throw DamagedMesh(fmt::format("expected indices below {}, the number of vertices, found {} in triangle {}",
-                                    mesh.positions.size(), greatest, t));
+      throw DamagedMesh(fmt::format(
+          "expected indices below {}, the number of vertices, found {} in triangle {} (both counted from 0)",
+          mesh.positions.size(), greatest, t));
     }
   }
   return mesh;
@@ -187,8 +188,8 @@ FileNormals normals_of(const FileSurface& surface) {
   for (const glm::uvec3& t : normals.numbers) {
     for (int c = 0; c < 3; ++c) {
       if (t[c] < values.size() || t[c] == FileNormals::kNone) continue;
-      throw DamagedMesh(
-          fmt::format("expected normal indices below {}, the number of normals, found {}", values.size(), t[c]));
+      throw DamagedMesh(fmt::format(
+          "expected normal indices below {}, the number of normals, found {} (counted from 0)", values.size(), t[c]));
     }
   }
   return normals;

@@ -185,11 +185,12 @@ Result<std::string> set_element_radii(ParticleSet& particles, ElementRadii radii
     const UnknownElements unknown = write_radii(*source, radii, values.span());
     if (unknown.count > 0) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: expected elements with {} in the attribute '{}', found '{}' at particle {}, and "
-                              "{} of {} particles without such an element",
+                  fmt::format("{}: expected elements with {} in the attribute '{}', found '{}' at particle {}; "
+                              "{} of {} particles have no such element",
                               particles.label, kind_name(radii), printable(stated), unknown.found, unknown.first,
                               unknown.count, particles.size()),
-                  {"leave such particles out by a condition", {Remedy::give, Setting::radius}});
+                  {{Remedy::set, Setting::selection, "CONDITION to leave such particles out"},
+                   {Remedy::give, Setting::radius}});
     }
   }
   for (float& value : values) value = static_cast<float>(static_cast<double>(value) * angstrom);

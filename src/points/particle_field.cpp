@@ -51,9 +51,10 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
   // Two bricks of margin for rounding to bricks and for the reach of kernels.
   if (!(half_size / spacing + reach + 2 * kBrickSide < field::kMaxSparseIndex)) {
     return fail(ErrorCode::input,
-                fmt::format("{}: the particles extend over {} units, more than {} samples at a spacing of {}",
+                fmt::format("{}: the particles extend over {:.6g} units, more than {} samples at a spacing of {:.6g}",
                             particles.label, 2 * half_size, 2LL * field::kMaxSparseIndex, spacing),
-                Hint("use a larger radius or spacing, or remove stray particles"));
+                {{Remedy::set, Setting::selection, "CONDITION to leave stray particles out"},
+                 {Remedy::raise, Setting::cell_size}});
   }
   // Sample positions are rounded to double; the error must stay below a hundredth of the spacing.
   if (!(farthest * std::numeric_limits<double>::epsilon() < spacing / 100)) {
@@ -87,15 +88,13 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   if (bound && *bound <= kMaxNeighbors) return {};
   if (count_neighbor_pairs(grid, widening * support, most) <= most) return {};
   const std::optional<double> usual = TRY(suggest_radius(particles, context));
-  return fail(
-      ErrorCode::input,
-      fmt::format(
-          "{}: expected at most {} particles on average in the grid cells around a particle, found more ({} particles "
-          "with a radius of {:.6g}, neighbors up to {:.6g} away, in cubes of edge {:.6g})",
-          particles.label, kMaxNeighbors, figures.particles, figures.radius, widening * support * figures.spacing,
-          static_cast<double>(side) * grid.side() * figures.spacing),
-      Hint(Remedy::give, Setting::radius,
-           usual ? fmt::format("{:.6g} fits the density of the particles", *usual) : ""));
+  return fail(ErrorCode::input,
+              fmt::format("{}: neighborhoods with a reach of {:.6g} hold too many of the {} particles: expected at "
+                          "most {} on average in a cube of edge {:.6g} around a particle, found more",
+                          particles.label, widening * support * figures.spacing, figures.particles, kMaxNeighbors,
+                          static_cast<double>(side) * grid.side() * figures.spacing),
+              Hint(Remedy::give, Setting::radius,
+                   usual ? fmt::format("{:.6g} fits the density of the particles", *usual) : ""));
 }
 
 // The particles that make the field.

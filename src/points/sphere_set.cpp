@@ -51,7 +51,7 @@ Result<void> SphereSet::repeat(const SimulationBox& box, const FieldOptions& opt
     return fail(ErrorCode::input,
                 fmt::format("{}: the method {} needs a periodic box with {}; found the box {}, periodic along {}",
                             label, method_info(options.method).title, expected, box_text(box), periodic_text(box)),
-                {{"choose another method"},
+                {{Remedy::set, Setting::particle_method, "sph, which works in every periodic box"},
                  {Remedy::set, Setting::periodic_edges, "none to convert the particles without periods"}});
   };
   if (!box.is_upright() || box.edges[0].x < 0 || box.edges[1].y < 0 || box.edges[2].z < 0) {

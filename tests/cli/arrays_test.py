@@ -212,7 +212,7 @@ class ArraysTest(ProgramTest):
                    for z in range(size) for y in range(size) for x in range(size)]
         (self.folder / "h.npy").write_bytes(npy("<f4", (size,) * 3, struct.pack(f"<{size ** 3}f", *samples)))
         raw = ("h.npy", "--axis-order", "zyx", "--iso", "3.2", "--nan", "hole", "--cap", "-o", "a.ply")
-        self.assert_fails(2, self.run_program(*raw, "--clip", "0,0,1,4.1"), "h.npy", "cannot cap the clip plane")
+        self.assert_fails(2, self.run_program(*raw, "--clip", "0,0,1,4.1"), "h.npy", "cannot cap the cut")
         self.assertFalse((self.folder / "a.ply").exists())
         self.convert(*raw, "--clip", "-1,0,0,-4")
 

@@ -108,7 +108,7 @@ class ElementRadiiTest(ProgramTest):
         self.write("a.xyz", xyz([("O", 0, 0, 0), ("Qq", 2, 0, 0), ("M", 3, 0, 0)]))
         run = self.run_program("a.xyz", "--radii", "element", "-o", "out.ply")
         self.assert_fails(2, run, "expected elements with a van der Waals radius in the attribute 'species', found 'Qq' at "
-                          "particle 1, and 2 of 3 particles without such an element", "--radius")
+                          "particle 1; 2 of 3 particles have no such element", "--radius")
         self.convert("a.xyz", "--radii", "element", "--species", "O", "-o", "out.ply")
         self.write("a.csv", "x,y,z\n0,0,0\n1,0,0\n")
         self.assert_fails(2, self.run_program("a.csv", "--radii", "element", "-o", "out.ply"), "expected an attribute 'species', 'element' or 'symbol'")

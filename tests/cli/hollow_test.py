@@ -144,7 +144,7 @@ class HollowTest(ProgramTest):
         self.convert(*cut, "--cap", "-o", "cut.ply")
         self.is_printable("cut.ply")
         self.assert_fails(1, self.run_program(*source, "--hollow", "2", "-o", "x.ply"), "with its unit")
-        self.assert_fails(2, self.run_program(*source, "--hollow", "2mm", "-o", "x.ply"), "which nothing states")
+        self.assert_fails(2, self.run_program(*source, "--hollow", "2mm", "-o", "x.ply"), "neither the file nor an option states")
         self.assert_fails(1, self.run_program(*source, "--hollow", "1world", "--error", "-o", "x.ply"), "--error")
         self.assertNotIn("x.ply", self.files())
 

@@ -128,8 +128,8 @@ class IsoTest(ProgramTest):
         run = self.convert("f{}.raw", *DIMS, "--inside", "below", "-o", "out_{}.ply")
         self.assertEqual(self.bytes_of("out_1.ply"), self.bytes_of("a.ply"))
         self.assertNotIn("jump", run.err)
-        self.assert_fails(1, self.run_program("ls.raw", *DIMS, "-o", "c.ply"), "ls.raw: expected an iso value for a density",
-                          "only a level set has a default iso value", "try --iso auto", "isoextract info")
+        self.assert_fails(1, self.run_program("ls.raw", *DIMS, "-o", "c.ply"), "ls.raw: expected an iso value, found none",
+                          "a density has no default iso value", "try --iso auto", "isoextract info")
         self.assertNotIn("c.ply", self.files())
 
     def test_zero_is_for_level_sets(self):

@@ -412,7 +412,7 @@ class LabelsTest(ProgramTest):
         # Without integers, an iso value is needed.
         self.write_raw("density.raw", (8, 8, 8), lambda x, y, z: x / 8)
         refused = self.run_program("density.raw", "--dims", "8,8,8", "--dtype", "f32", "--method", "surface-nets", "-o", "a.ply")
-        self.assert_fails(1, refused, "expected an iso value for a density")
+        self.assert_fails(1, refused, "a density has no default iso value")
 
     def test_work_grows_with_the_labels_and_not_with_its_cube(self):
         """Cubes of 2 voxels, each with a label of its own: 8000 in 40 voxels along an axis."""

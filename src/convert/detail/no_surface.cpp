@@ -18,7 +18,7 @@ Hint or_allow_empty(Step step) { return {std::move(step), {Remedy::use, Setting:
 Error empty_source(const Source& source) {
   return {ErrorCode::empty_grid, fmt::format("{}: {}", source.label, source.why_empty()),
           source.region_is_empty
-              ? or_allow_empty({Remedy::check, Setting::region, "it is in the coordinates of the file"})
+              ? or_allow_empty({Remedy::check, Setting::region, "the region is in the coordinates of the file"})
               : Hint(Remedy::use, Setting::empty_policy)};
 }
 

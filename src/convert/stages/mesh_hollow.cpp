@@ -29,10 +29,14 @@ Result<double> thickness_of(const HollowChoice& choice, const Source& source) {
   const auto asked = find_length_unit(choice.unit);
   const auto unit = find_length_unit(unit_of_lengths(source.placement.placement, source.field));
   if (asked && unit) return choice.thickness * unit_ratio(*asked, *unit);
-  return fail(ErrorCode::input,
-              fmt::format("{}: a wall of {:.6g} {} needs the unit of the mesh, which nothing states", source.label,
-                          choice.thickness, choice.unit),
-              {{Remedy::give, Setting::unit}, "give the thickness in the units of the mesh"});
+  return fail(
+      ErrorCode::input,
+      fmt::format("{}: a wall of {:.6g} {} needs the unit of the mesh, but neither the file nor an option states "
+                  "the unit",
+                  source.label, choice.thickness, choice.unit),
+      {{Remedy::give, Setting::unit},
+       {Remedy::set, Setting::hollow,
+        fmt::format("{:.6g}world for a thickness in the units of the mesh", choice.thickness)}});
 }
 
 // Appends the wall to the surface, whose own vertices and triangles stay.

@@ -239,11 +239,11 @@ Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, dou
   const auto memory = TRY(context.reserve(edges.boundary.size() * 192 + edges.others.size() * 16, what));
   const auto next = loops_of(edges.boundary);
   if (!next) {
-    return fail(
-        ErrorCode::input,
-        "the program cannot cap the clip plane: the surface has a boundary edge or a hole there, so the cut line "
-        "is not closed",
-        "move the plane away from the hole, or leave the cut open");
+    return fail(ErrorCode::input,
+                "the program cannot cap the cut: the surface has a boundary edge or a hole there, so the cut line "
+                "is not closed",
+                {{Remedy::change, Setting::cuts, "away from the hole"},
+                 {Remedy::leave_out, Setting::cap, "the cut then stays open"}});
   }
   std::vector<glm::dvec2> points;
   points.reserve(edges.boundary.size());

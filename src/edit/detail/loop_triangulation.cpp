@@ -188,8 +188,9 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   for (const std::uint32_t polygon : loops.polygons) {
     TRY(context.check());
     if (clip_ears(points, loops.nodes, polygon, ears, rounding)) continue;
-    return fail(ErrorCode::input, "the program cannot cap the clip plane: a cut line encloses no area",
-                "move the plane a little, or leave the cut open");
+    return fail(ErrorCode::input, "the program cannot cap the cut: a cut line encloses no area",
+                {{Remedy::change, Setting::cuts, "a little away from this cut"},
+                 {Remedy::leave_out, Setting::cap, "the cut then stays open"}});
   }
   for (const auto& [there, back] : loops.bridges) {
     ears.twins[ears.of_node[there]] = ears.of_node[back];

@@ -47,7 +47,8 @@ Result<field::IndexBox> voxel_region(const field::ScalarField& field, const fiel
       fmt::format(
           "{}: the region contains no sample of the field; the samples have the indices ({}, {}, {}) to ({}, {}, {})",
           field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
-      {{Remedy::raise, Setting::region}, {Remedy::leave_out, Setting::region}});
+      {{Remedy::check, Setting::region, "it has to overlap the box of the data, which 'isoextract info' prints"},
+       {Remedy::leave_out, Setting::region}});
 }
 
 OutputPlacement voxel_placement(const field::ScalarField& field, const ExtractOptions& options,

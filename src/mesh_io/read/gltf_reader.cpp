@@ -450,8 +450,8 @@ FileSurface read_glb(const MeshSource& source) {
     const std::uint64_t left = size - at;
     const std::uint64_t bytes = left < kChunkHeaderBytes ? left : word(at);
     if (left < kChunkHeaderBytes || bytes > left - kChunkHeaderBytes) {
-      throw DamagedMesh(fmt::format("expected a chunk of {} bytes at byte {}, found {} bytes up to the end of the file",
-                                    bytes, at, left));
+      throw DamagedMesh(fmt::format(
+          "expected a chunk of 8 + {} bytes at byte {}, found {} bytes up to the end of the file", bytes, at, left));
     }
     const auto chunk = source.content.subspan(at + kChunkHeaderBytes, bytes);
     const std::string_view type = source.text().substr(at + 4, 4);

@@ -20,7 +20,7 @@ std::uint32_t index_of(const TextScanner& scanner, std::string_view word, std::s
   const std::int64_t index = number > 0 ? number - 1 : count + number;
   // Whether the element exists is checked at the end, since a file may refer to vertices that come later.
   if (number == 0 || index < 0 || index > std::numeric_limits<std::uint32_t>::max()) {
-    scanner.expected(fmt::format("a valid {} index, with {} in the file so far", what, so_far), corner);
+    scanner.expected(fmt::format("a {} index from 1 on, or a negative one down to -{}", what, so_far), corner);
   }
   return static_cast<std::uint32_t>(index);
 }

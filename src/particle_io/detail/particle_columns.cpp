@@ -120,7 +120,7 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
     if (found == table.columns.end()) {
       throw InvalidParticleFile(
           fmt::format("expected columns x, y and z, found {} columns: {}", table.columns.size(), column_list(table)),
-          "say which columns are x, y and z");
+          {Remedy::give, Setting::columns});
     }
     position[axis] = static_cast<std::size_t>(found - table.columns.begin());
   }

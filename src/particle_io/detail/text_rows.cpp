@@ -119,7 +119,7 @@ void words_of_row(const ContentReader& content, std::string_view line, std::size
                   std::vector<std::string_view>& words) {
   split_words(line, words);
   if (words.size() != count) {
-    content.expected(fmt::format("{} values of a particle, not {}", count, words.size()), line);
+    content.expected(fmt::format("{} values of a particle (not {})", count, words.size()), line);
   }
 }
 

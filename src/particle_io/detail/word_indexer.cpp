@@ -23,8 +23,8 @@ void WordIndexer::put(std::size_t particle, std::string_view word) {
 void WordIndexer::give_up() {
   if (wanted_) {
     throw InvalidParticleFile(
-        fmt::format("expected at most {} different words of {} bytes together in '{}', found more", kMaxDistinctWords,
-                    kMaxWordBytes, printable(to_.name, 80)));
+        fmt::format("expected at most {} different words with at most {} bytes in all in '{}', found more",
+                    kMaxDistinctWords, kMaxWordBytes, printable(to_.name, 80)));
   }
   to_.too_many = true;
   to_.words.clear();

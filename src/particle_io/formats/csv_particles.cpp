@@ -257,7 +257,7 @@ bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const C
     // A delimiter at the end of a line adds an empty field.
     const bool ends_with_one = fields.size() == columns + 1 && fields.back().empty();
     if (fields.size() != columns && !ends_with_one) {
-      content.expected(fmt::format("{} fields, not {}", columns, fields.size()), line);
+      content.expected(fmt::format("{} fields (not {})", columns, fields.size()), line);
     }
     deliver_row(content, csv.table, fields, static_cast<std::size_t>(row), sinks, commas);
     ++row;

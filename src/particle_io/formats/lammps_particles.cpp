@@ -221,7 +221,7 @@ void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std:
     for (const std::size_t column : columns) names += ' ' + printable(frame.table.columns[column].name, 80);
     throw InvalidParticleFile(
         fmt::format("expected fractions of all three edges of the triclinic box as x, y and z, found{}", names),
-        "choose xs, ys and zs, each once, or three columns of lengths");
+        Hint(Remedy::set, Setting::columns, "x=xs,y=ys,z=zs, or three columns of lengths"));
   }
   for (glm::dvec3& p : positions) {
     for (glm::length_t k = 0; k < 3; ++k) {

@@ -253,7 +253,8 @@ class NpyParticles final : public ParticleFormat {
     const NpyParticleFile npy = open_npy_particles(file);
     const std::uint64_t frame = wanted_npy_frame(npy, options);
     const ColumnChoice choice = choose_columns(npy.table, options);
-    check_numbers(npy.table, choice.position, "x, y and z", "say which columns of numbers are x, y and z");
+    check_numbers(npy.table, choice.position, "x, y and z",
+                  {Remedy::give, Setting::columns, "choose columns of numbers"});
     ContentReader content(file);
     content.go_to({.position = npy.header.data_offset + frame * npy.frame_bytes, .number = 0, .line_end = '\n'},
                   npy.frame_bytes);

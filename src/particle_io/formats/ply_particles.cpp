@@ -217,7 +217,7 @@ void remove_list_words(const ContentReader& content, const PlyElement& vertex, s
     ++from;
   }
   if (from != words.size())
-    content.expected(fmt::format("{} values of a vertex, not {}", from, words.size()), words[0]);
+    content.expected(fmt::format("{} values of a vertex (not {})", from, words.size()), words[0]);
   words = std::move(numbers);
 }
 

@@ -33,8 +33,8 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
     if (!radius) {
       return fail(
           ErrorCode::input,
-          fmt::format("{}: expected a particle radius, or particles at two or more positions to derive it from; "
-                      "found {} particles at one position",
+          fmt::format("{}: expected a particle radius, or particles at two or more positions to derive the radius "
+                      "from; found {} particles at one position",
                       particles.label, figures.particles),
           {Remedy::give, Setting::radius});
     }
@@ -68,7 +68,7 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
         fmt::format("{}: expected a sample spacing of at most the reach of a kernel, {:.6g}; found a spacing of "
                     "{:.6g}",
                     particles.label, figures.support, figures.spacing),
-        {{Remedy::lower, Setting::cell_size}, {Remedy::raise, Setting::radius}});
+        {Remedy::lower, Setting::cell_size});
   }
   return {};
 }

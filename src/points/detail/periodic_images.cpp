@@ -64,12 +64,12 @@ Result<ParticleImages> with_images(std::span<const glm::dvec3> positions, const 
     if (!is_finite(p)) continue;
     const glm::dvec3 index = box.wrapped_index(p);
     if (!(std::max({std::abs(index.x), std::abs(index.y), std::abs(index.z)}) < field::kMaxSparseIndex / 2.0)) {
-      return fail(
-          ErrorCode::input,
-          fmt::format("{}: a particle at ({:.6g}, {:.6g}, {:.6g}) is more than {} samples away from the periodic "
-                      "box",
-                      label, p.x, p.y, p.z, field::kMaxSparseIndex / 2),
-          {"use a larger radius or spacing, or remove stray particles"});
+      return fail(ErrorCode::input,
+                  fmt::format("{}: a particle at ({:.6g}, {:.6g}, {:.6g}) is more than {} samples away from the "
+                              "origin of the periodic box",
+                              label, p.x, p.y, p.z, field::kMaxSparseIndex / 2),
+                  {{Remedy::set, Setting::selection, "CONDITION to leave stray particles out"},
+                   {Remedy::raise, Setting::cell_size}});
     }
     images += box.count_images(index, reach) - 1;
   }

@@ -176,8 +176,10 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
   counts.bricks_stored = list.size();
   counts.inside_tiles = deep ? deep->values.size() : 0;
   if (list.size() > std::size_t{std::numeric_limits<std::int32_t>::max()}) {
-    return fail(ErrorCode::input, fmt::format("{}: {} bricks of 8^3 samples are more than the limit of 2^31 - 1 bricks",
-                                              label, list.size()));
+    return fail(
+        ErrorCode::input,
+        fmt::format("{}: {} bricks of 8^3 samples are more than the limit of 2^31 - 1 bricks", label, list.size()),
+        {Remedy::raise, Setting::cell_size});
   }
 
   auto marks =

@@ -113,7 +113,7 @@ TEST(ResolveIsos, TellsGivenZeroFromDefault) {
             "flat.raw: the iso value 'zero' is for level sets: expected a level set, found a density");
   const auto none = resolve_isos(std::vector{IsoChoice::zero_by_default()}, field, false, Context());
   ASSERT_FALSE(none);
-  EXPECT_NE(none.error().message.find("expected an iso value for a density, found none"), std::string::npos);
+  EXPECT_NE(none.error().message.find("a density has no default iso value"), std::string::npos);
   field.kind = field::FieldKind::level_set;
   const auto both = resolve_isos(std::vector{choice("zero"), IsoChoice::zero_by_default()}, field, false, Context());
   ASSERT_TRUE(both) << both.error().message;

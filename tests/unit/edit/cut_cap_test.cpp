@@ -177,7 +177,7 @@ TEST(CutCap, RejectsCutsThatEndAtOpenBorder) {
   const auto refused = clip_to_half_spaces(open, kept, {CutClosing::capped}, Context());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::input);
-  EXPECT_NE(refused.error().message.find("cannot cap the clip plane"), std::string::npos);
+  EXPECT_NE(refused.error().message.find("cannot cap the cut"), std::string::npos);
 }
 
 TEST(CutCap, IsIndependentOfThreadsAndReservesMemory) {

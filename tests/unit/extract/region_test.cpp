@@ -130,7 +130,7 @@ TEST_P(Region, FailsOutsideData) {
     }
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::input);
-    EXPECT_TRUE(test::has_step(result.error().hint, Remedy::raise, Setting::region));
+    EXPECT_TRUE(test::has_step(result.error().hint, Remedy::check, Setting::region));
   }
 }
 

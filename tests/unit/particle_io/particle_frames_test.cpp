@@ -303,7 +303,7 @@ TEST(ParticleFrames, OfInvalidNumPyArrays) {
   expect_in(message("(4, 2, 3)", data, true), "found an array in Fortran order");
   expect_in(message("(4, 2, 3)", data + "x"), "found 1 more bytes");
   expect_in(message("(0, 2, 3)", ""), "found an array without frames");
-  expect_in(message("(4, 2, 3)", data.substr(0, 40)), "2 particles need at least 48 bytes");
+  expect_in(message("(4, 2, 3)", data.substr(0, 40)), "2 particles or entries need at least 48 bytes");
   expect_in(message("(4, 6148914691236517205, 3)", data), "2^64 bytes");
   const ParticleInput cut{"a.npy", npy_bytes("'<f8'", "(1152921504606846976, 2, 3)", data.substr(0, 3 * 48 - 1))};
   const particle_io::ParticleInfo info = must_inform(cut);

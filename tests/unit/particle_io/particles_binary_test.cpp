@@ -79,8 +79,9 @@ TEST(ParticlesPly, RejectsInvalidFiles) {
     std::string bytes;
     const char* message;
   } bad[]{
-      {header + body.substr(1), "3 particles need at least 87 bytes, at most 86 follow"},
-      {ply_header("binary_little_endian", {}, 4294967296) + body, "4294967296 particles need at least 124554051584"},
+      {header + body.substr(1), "3 particles or entries need at least 87 bytes, at most 86 follow"},
+      {ply_header("binary_little_endian", {}, 4294967296) + body,
+       "4294967296 particles or entries need at least 124554051584"},
       {ply_header("binary_little_endian", {}, 18446744073709551615U) + body, "need at least 2^64 bytes"},
       {ply_header("binary_middle_endian") + body, "line 2: expected ascii, binary_little_endian or"},
       {without(header, "format binary_little_endian 1.0\n") + body, "expected a line 'format ...'"},
@@ -94,7 +95,7 @@ TEST(ParticlesPly, RejectsInvalidFiles) {
       {"ply\nformat ascii 1.0\nwhat is this\n", "line 3: expected format, element, property or comment"},
       {ply_header("ascii") + "1 2 3 4 5 6 7\n1 x 3 4 5 6 7\n1 2 3 4 5 6 7\n",
        "line 14: expected a number as 'y', found 'x'"},
-      {ply_header("ascii") + "1 2 3 4 5 6 7\n1 2 3 4 5 6\n1 2 3 4 5 6 7\n", "expected 7 values of a particle, not 6"}};
+      {ply_header("ascii") + "1 2 3 4 5 6 7\n1 2 3 4 5 6\n1 2 3 4 5 6 7\n", "expected 7 values of a particle (not 6)"}};
   for (const auto& [bytes, message] : bad) {
     SCOPED_TRACE(message);
     expect_in(particle_refusal({"a.ply", bytes}).message, message);
@@ -133,10 +134,10 @@ TEST(ParticlesBgeo, RejectsInvalidClassicFiles) {
     const char* message;
   } bad[]{{changed(5, 6), "expected BGEO version 5, found 6"},
           {changed(9, -3), "expected the number of points (0 or more) before byte 13, found -3"},
-          {changed(9, 0x7fffffff), "2147483647 particles need at least 77309411292 bytes"},
-          {changed(25, 0x7fffffff), "particles need at least"},
+          {changed(9, 0x7fffffff), "2147483647 particles or entries need at least 77309411292 bytes"},
+          {changed(25, 0x7fffffff), "particles or entries need at least"},
           {odd_type, "found type 2"},
-          {good.substr(0, good.size() - 3), "3 particles need at least 108 bytes, at most 107 follow"},
+          {good.substr(0, good.size() - 3), "3 particles or entries need at least 108 bytes, at most 107 follow"},
           {good.substr(0, 30), "found 1"},
           {"scf1" + good, "blosc compression"},
           {"hello", "not BGEO: expected 'BgeoV'"},
@@ -425,9 +426,10 @@ TEST(ParticlesNpy, RejectsInvalidArrays) {
   const struct {
     std::string bytes;
     const char* message;
-  } bad[]{{npy_bytes("'<f8'", "(3, 3)", data.substr(1)), "3 particles need at least 72 bytes, at most 71 follow"},
+  } bad[]{{npy_bytes("'<f8'", "(3, 3)", data.substr(1)),
+           "3 particles or entries need at least 72 bytes, at most 71 follow"},
           {npy_bytes("'<f8'", "(3, 3)", data + "x"), "found 1 more bytes"},
-          {npy_bytes("'<f8'", "(4294967296, 3)", data), "4294967296 particles need at least"},
+          {npy_bytes("'<f8'", "(4294967296, 3)", data), "4294967296 particles or entries need at least"},
           {npy_bytes("'<f8'", "(18446744073709551615, 3)", data), "need at least 2^64 bytes"},
           {npy_bytes("'<f8'", "(3, 2)", data), "expected a row for each particle"},
           {npy_bytes("'<f8'", "(3, 3, 1)", data), "found shape (3, 3, 1)"},

@@ -140,8 +140,8 @@ TEST(ParticlesCsv, RejectsInvalidTables) {
   const struct {
     std::string text;
     const char* message;
-  } bad[]{{"x,y,z\n1,2,3\n4,5\n", "line 3: expected 3 fields, not 2, found '4,5'"},
-          {"x,y,z\n1,2,3\n4,5,6,7\n", "line 3: expected 3 fields, not 4"},
+  } bad[]{{"x,y,z\n1,2,3\n4,5\n", "line 3: expected 3 fields (not 2), found '4,5'"},
+          {"x,y,z\n1,2,3\n4,5,6,7\n", "line 3: expected 3 fields (not 4)"},
           {"x,y,z\n1,2,3\n4,a5,6\n", "line 3: expected a number as 'y', found 'a5'"},
           {"x;y;z\n1,5;2.5;3\n",
            "line 2: expected a number as 'y', with the same decimal mark as the numbers before, found '2.5'"},
@@ -222,22 +222,23 @@ TEST(ParticlesXyz, RejectsInvalidFrames) {
   const struct {
     const char* text;
     const char* message;
-  } bad[]{{"hello\n", "line 1: expected the number of atoms alone in a line, found 'hello'"},
-          {"-1\n\n", "expected the number of atoms"},
-          {"1.5 2 3\n", "expected the number of atoms"},
-          {"2\n\nH 1.000 2.000 3.000\n", "expected 2 lines of particles, found 1"},
-          {"4000000000\n\nH 1 2 3\n", "4000000000 particles need at least 28000000000 bytes, at most 8 follow"},
-          {"18446744073709551615\n\nH 1 2 3\n", "18446744073709551615 particles need at least 2^64 bytes"},
-          {"99999999999999999999\n\nH 1 2 3\n", "expected the number of atoms"},
-          {"1\n\nH 1 2\n", "line 3: expected a number as 'x', found 'H'"},
-          {"1\n\nH 1\n", "line 3: expected x, y and z, with or without the name of an element"},
-          {"2\n\nH 1 2 3\nH 1 2 3 4\n", "line 4: expected 4 values of a particle, not 5"},
-          {"1\nProperties=pos:R:0\n1 2 3\n", "a number of columns in Properties"},
-          {"1\nProperties=pos:Q:3\n1 2 3\n", "expected R, I, S or L"},
-          {"1\nProperties=pos:R:99999999999\n1 2 3\n", "a number of columns in Properties"},
-          {"1\nProperties=pos:R\n1 2 3\n", "in Properties"},
-          {"1\nProperties=force:R:3\n1 2 3\n", "expected columns x, y and z"},
-          {"1", "expected a comment"}};
+  } bad[]{
+      {"hello\n", "line 1: expected the number of atoms alone in a line, found 'hello'"},
+      {"-1\n\n", "expected the number of atoms"},
+      {"1.5 2 3\n", "expected the number of atoms"},
+      {"2\n\nH 1.000 2.000 3.000\n", "expected 2 lines of particles, found 1"},
+      {"4000000000\n\nH 1 2 3\n", "4000000000 particles or entries need at least 28000000000 bytes, at most 8 follow"},
+      {"18446744073709551615\n\nH 1 2 3\n", "18446744073709551615 particles or entries need at least 2^64 bytes"},
+      {"99999999999999999999\n\nH 1 2 3\n", "expected the number of atoms"},
+      {"1\n\nH 1 2\n", "line 3: expected a number as 'x', found 'H'"},
+      {"1\n\nH 1\n", "line 3: expected x, y and z, with or without the name of an element"},
+      {"2\n\nH 1 2 3\nH 1 2 3 4\n", "line 4: expected 4 values of a particle (not 5)"},
+      {"1\nProperties=pos:R:0\n1 2 3\n", "a number of columns in Properties"},
+      {"1\nProperties=pos:Q:3\n1 2 3\n", "expected R, I, S or L"},
+      {"1\nProperties=pos:R:99999999999\n1 2 3\n", "a number of columns in Properties"},
+      {"1\nProperties=pos:R\n1 2 3\n", "in Properties"},
+      {"1\nProperties=force:R:3\n1 2 3\n", "expected columns x, y and z"},
+      {"1", "expected a comment"}};
   for (const auto& [text, message] : bad) {
     SCOPED_TRACE(text);
     expect_in(particle_refusal({"a.xyz", text}).message, message);
@@ -357,7 +358,8 @@ TEST(ParticlesLammps, RejectsInvalidDumps) {
           {head + "1\nITEM: ATOMS xs ys zs\n1 2 3\n", "expected 'ITEM: BOX BOUNDS'"},
           {head + "1\nITEM: ATOMS\n", "expected the names of columns"},
           {head + "2\nITEM: ATOMS x y z\n1.00 2.00 3.00\n", "found 1 before the end of the file"},
-          {head + "4294967296\nITEM: ATOMS x y z\n1 2 3\n", "4294967296 particles need at least 21474836480 bytes"},
+          {head + "4294967296\nITEM: ATOMS x y z\n1 2 3\n",
+           "4294967296 particles or entries need at least 21474836480 bytes"},
           {head + "1\nITEM: BOX BOUNDS pp pp pp\n0 a\n", "expected a number among the bounds of the box, found 'a'"},
           {"ITEM: TIMESTEP\n7\nITEM: ATOMS x y z\n1 2 3\n", "expected 'ITEM: NUMBER OF ATOMS'"},
           {"ITEM: TIMESTEP\n", "expected a time step, found the end of the file"},

@@ -108,8 +108,8 @@ TEST(ElementRadii, OfUnknownWordsAreAnError) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_EQ(refused.error().message,
-            "test.ply: expected elements with a covalent radius in the attribute 'element', found 'Xx' at particle 1, "
-            "and 2 of 4 particles without such an element");
+            "test.ply: expected elements with a covalent radius in the attribute 'element', found 'Xx' at particle 1; "
+            "2 of 4 particles have no such element");
   EXPECT_TRUE(radii_in(set).empty());
   ParticleSet without = particles_at({glm::dvec3(0)});
   EXPECT_EQ(set_element_radii(without, ElementRadii::covalent, 1, Context()).error().code, ErrorCode::input);
