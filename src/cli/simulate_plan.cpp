@@ -59,7 +59,7 @@ Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const
                     steps, every, flags.every ? "" : " by default"),
         fmt::format("for example --steps {}", steps + every - steps % every));
   }
-  if (steps / every >= batch::kMaxFrames) {
+  if (steps / every + 1 - kind.first > batch::kMaxFrames) {
     return refuse_usage(
         fmt::format("--steps {} --every {}: expected at most {} frames", steps, every, batch::kMaxFrames));
   }

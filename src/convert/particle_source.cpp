@@ -152,8 +152,10 @@ particle_io::ParticleReadOptions particle_read_options(const SourceOptions& opti
   read.columns = options.particles.columns;
   read.condition = attributes_of_condition(options.particles);
   if (options.particles.simulation_box.unwrap) {
+    // Optional, so that apply_box_options() says why they are missing.
     for (const char* flag : kImageFlags) {
-      if (std::ranges::find(read.attributes, flag) == read.attributes.end()) read.attributes.emplace_back(flag);
+      if (std::ranges::find(read.attributes, flag) == read.attributes.end())
+        read.optional_attributes.emplace_back(flag);
     }
   }
   if (!options.particles.radius && !options.particles.element_radii) {

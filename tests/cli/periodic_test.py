@@ -150,7 +150,7 @@ class PeriodicTest(ProgramTest):
         self.assertEqual(unwrapped.open_edges(), 0)
         self.assertNotIn("periodic", said)
         run = self.run_program("b.lammpstrj", "--radius", RADIUS, "--unwrap", "-o", "out.ply")
-        self.assert_fails(2, run, "'ix'")
+        self.assert_fails(2, run, "expected the image flags ix, iy and iz to unwrap the positions, found no ix")
         run = self.run_program("a.lammpstrj", "--unwrap", "--periodic", "x", "-o", "out.ply")
         self.assert_fails(1, run, "--unwrap and --periodic contradict each other")
         self.write("c.lammpstrj", lammps([(p[0] + 6, *p[1:]) for p in whole], columns="x y z ix iy iz",
