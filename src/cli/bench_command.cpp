@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/byte_size.hpp"
+#include "base/machine.hpp"
 #include "base/printable.hpp"
+#include "base/stopwatch.hpp"
 #include "cli/bench_report.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/gpu_threads_report.hpp"
@@ -29,10 +32,18 @@ class Bench {
 
   Result<void> run() {
     TRY(check());
-    if (plan_.gpu_threads) return measure_gpu_threads();
+    const Result<void> done = plan_.gpu_threads ? measure_gpu_threads() : measure_inputs();
+    if (done) messages_.detail(fmt::format("peak memory {}", format_byte_size(peak_memory())));
+    return done;
+  }
+
+ private:
+  Result<void> measure_inputs() {
     TRY(choose_backends());
     for (const std::string& input : plan_.inputs) {
+      const Stopwatch watch;
       auto result = TRY(input.starts_with(field::kDemoPrefix) ? measure_demo(input) : measure_file(input));
+      tell_time(printable(input), watch);
       const std::string before = results_.empty() ? "" : "\n";
       TRY(print_to_stdout(before + bench_table(result, plan_.options.repeats)));
       results_.push_back(std::move(result));
@@ -40,7 +51,10 @@ class Bench {
     return write();
   }
 
- private:
+  void tell_time(const std::string& what, const Stopwatch& watch) const {
+    messages_.detail(fmt::format("{}: measured in {:.2f} s", what, watch.elapsed().wall_seconds));
+  }
+
   // Checks all output files and gnuplot before the measurements.
   [[nodiscard]] Result<void> check() const {
     std::vector<std::string> files;
@@ -65,7 +79,9 @@ class Bench {
   }
 
   Result<void> measure_gpu_threads() const {
+    const Stopwatch watch;
     const auto result = TRY(gpu::measure_thread_creation(plan_.gpu.device, plan_.sizes, plan_.options.repeats));
+    tell_time("threads of the GPU", watch);
     TRY(print_to_stdout(gpu_threads_table(result, plan_.options.repeats)));
     if (plan_.json) {
       const std::string json = convert::json_text(gpu_threads_json(result, plan_.options.repeats));

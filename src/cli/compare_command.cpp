@@ -59,20 +59,24 @@ Result<void> measure_side(Side& side, const Context& context) {
   return {};
 }
 
+using Placements = std::array<convert::ResolvedPlacement, 2>;
+using Moves = std::array<field::Affine, 2>;
+
 // Returns the placement of `mine`, which another program wrote, on the assumption that it was made from `other`, which
-// isoextract wrote. `up` is the up axis of the mesh that is not glTF; it overrides the record of `other`. Fails with
-// ErrorCode::usage if `other` was turned to another axis.
+// isoextract wrote with the placement `of_other`. `up` is the up axis of the mesh that is not glTF; it overrides the
+// record of `other`. Fails with ErrorCode::usage if `other` was turned to another axis.
 Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& other,
+                                                  const convert::ResolvedPlacement& of_other,
                                                   const std::optional<convert::UpAxis>& up) {
-  if (mine.file.y_up == other.file.y_up) return other.placement;
-  convert::ResolvedPlacement origin = other.placement;
+  if (mine.file.y_up == other.file.y_up) return of_other;
+  convert::ResolvedPlacement origin = of_other;
   convert::Placement& of_origin = origin.placement;
   if (!mine.file.y_up) return convert::placed_like(origin, up.value_or(of_origin.up));
   if (up && (of_origin.turn_z_up_to_y_up || of_origin.turn_y_up_to_z_up)) {
     if (convert::output_up(of_origin) != *up) {
       return fail(ErrorCode::usage,
                   fmt::format("{}: --up {} contradicts the placement that the file records ({})", other.path,
-                              word_of(*up), convert::placement_text(other.placement)),
+                              word_of(*up), convert::placement_text(of_other)),
                   "leave --up out");
     }
   } else if (up) {
@@ -81,43 +85,67 @@ Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& 
   return convert::placed_like(origin, convert::UpAxis::y);
 }
 
-// Leaves meshes with equal placements unchanged, and transforms others to the world of their source. A file of
-// isoextract without a placement has the default of its format: glTF is turned unless its world is y up, other formats
-// are unchanged. A file of another program is assumed to be made from the other mesh.
-Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
-                                  const Messages& messages) {
-  bool asked = false;
-  for (Side& side : sides) {
-    const auto record = convert::parse_placement_record(side.file.placement);
-    if (!record && !side.file.placement.empty()) {
-      messages.note(
-          {NoteId::placement_unknown,
-           fmt::format("{}: the file has no readable placement record, so compare assumes the default placement",
-                       side.path)});
-    }
-    asked = asked || (!record && side.file.y_up);
-    side.placement = record.value_or(convert::default_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));
+// Returns the placements of both meshes. A file of isoextract without a placement has the default of its format: glTF
+// is turned unless its world is y up, other formats are unchanged. A file of another program is assumed to be made from
+// the other mesh, because other programs do not keep the placement that isoextract stores.
+Result<Placements> placements_of(const std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up) {
+  Placements placements;
+  for (std::size_t i = 0; i < 2; ++i) {
+    placements[i] = convert::parse_placement_record(sides[i].file.placement)
+                        .value_or(convert::default_placement(sides[i].file.y_up, up.value_or(convert::UpAxis::z)));
   }
-  // Other programs do not keep the placement that isoextract stores.
   for (std::size_t i = 0; i < 2 && sides[0].file.is_by_isoextract != sides[1].file.is_by_isoextract; ++i) {
     if (sides[i].file.is_by_isoextract) continue;
-    sides[i].placement = TRY(placement_from(sides[i], sides[1 - i], up));
-    asked = asked || sides[i].file.y_up != sides[1 - i].file.y_up;
+    placements[i] = TRY(placement_from(sides[i], sides[1 - i], placements[1 - i], up));
   }
-  if (sides[0].placement.placement.space != sides[1].placement.placement.space) {
-    const bool first = sides[0].placement.placement.space == convert::Space::index;
+  return placements;
+}
+
+bool are_alike(const Placements& placements) {
+  return placements[0].output_from_world() == placements[1].output_from_world();
+}
+
+// Returns how each mesh moves: not at all if both have equal placements, otherwise to the world of its source.
+Moves moves_of(const Placements& placements) {
+  if (are_alike(placements)) return {};
+  return {placements[0].output_from_world().inverse(), placements[1].output_from_world().inverse()};
+}
+
+// Returns whether some value of --up moves the meshes differently than the others, or than no --up.
+bool depends_on_up(const std::array<Side, 2>& sides) {
+  const auto moves = [&](const std::optional<convert::UpAxis>& up) -> std::optional<Moves> {
+    const auto placements = placements_of(sides, up);
+    return placements ? std::optional(moves_of(*placements)) : std::nullopt;
+  };
+  const auto usual = moves(std::nullopt);
+  return moves(convert::UpAxis::y) != usual || moves(convert::UpAxis::z) != usual;
+}
+
+// Leaves meshes with equal placements unchanged, and transforms others to the world of their source.
+Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
+                                  const Messages& messages) {
+  for (const Side& side : sides) {
+    if (side.file.placement.empty() || convert::parse_placement_record(side.file.placement)) continue;
+    messages.note(
+        {NoteId::placement_unknown,
+         fmt::format("{}: the file has no readable placement record, so compare assumes the default placement",
+                     side.path)});
+  }
+  const auto placements = TRY(placements_of(sides, up));
+  for (std::size_t i = 0; i < 2; ++i) sides[i].placement = placements[i];
+  if (placements[0].placement.space != placements[1].placement.space) {
+    const bool first = placements[0].placement.space == convert::Space::index;
     messages.note({NoteId::placement_differs,
                    fmt::format("{} is in voxel coordinates, and {} is in world coordinates: the distances compare "
                                "the numbers in the files",
                                sides[first ? 0 : 1].path, sides[first ? 1 : 0].path)});
     return {};
   }
-  const bool alike = sides[0].placement.output_from_world() == sides[1].placement.output_from_world();
-  const bool both_usual = sides[0].file.y_up && sides[1].file.y_up && alike;
-  if (up && (!asked || both_usual)) {
-    const std::string_view why = both_usual                                 ? "both meshes are glTF with y up"
-                                 : sides[0].file.y_up || sides[1].file.y_up ? "the glTF file states its turn"
-                                                                            : "neither mesh is glTF";
+  const bool alike = are_alike(placements);
+  if (up && !depends_on_up(sides)) {
+    const std::string_view why = sides[0].file.y_up && sides[1].file.y_up && alike ? "both meshes are glTF with y up"
+                                 : sides[0].file.y_up || sides[1].file.y_up        ? "the glTF file states its turn"
+                                                                                   : "neither mesh is glTF";
     messages.note({NoteId::no_effect, fmt::format("--up changes nothing: {}", why)});
   }
   if (alike) return {};
@@ -327,7 +355,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
 
 std::unique_ptr<Command> make_compare_command() {
   return std::make_unique<PlannedCommand<CompareFlags, plan_compare, run_compare>>(
-      CommandWords{"compare", "A B [options]", "Measure how far two meshes are apart."});
+      CommandWords{"compare", "MESH MESH [options]", "Measure how far two meshes are apart."});
 }
 
 }  // namespace isoextract::cli

@@ -155,12 +155,13 @@ class ConversionPrinter final : public convert::Events {
   }
 
   // Returns " iso 0.3, 0.5", or " 3000 labels from 1 to 3000" if there are more labels than a reader takes in; for a
-  // mesh file "", or " (3 meshes)".
+  // mesh file "", or " (3 meshes)"; for terrain "".
   [[nodiscard]] std::string surfaces_text(const convert::WrittenOutput& output) const {
     if (plan_.job.source.mesh) {
       const std::size_t meshes = output.surfaces.size();
       return meshes > 1 ? fmt::format(" ({} meshes)", meshes) : std::string();
     }
+    if (plan_.job.surface.heights) return {};
     constexpr std::size_t kMostListed = 20;
     std::vector<std::string> ids;
     for (const convert::WrittenOutput::Part& part : output.surfaces) ids.push_back(id_and_name(part));

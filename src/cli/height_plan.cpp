@@ -56,7 +56,7 @@ Result<void> take_heights(ConvertFlags& flags) {
     return refuse_usage("--cap closes the cuts of closed surfaces only, and --base none leaves the terrain open",
                         "leave one of them out");
   }
-  flags.isos = {convert::IsoChoice(0.0)};
+  flags.isos = {convert::IsoChoice::terrain()};
   return {};
 }
 

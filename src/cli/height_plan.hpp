@@ -7,7 +7,8 @@
 
 namespace isoextract::cli {
 
-// Sets the iso value, which terrain does not use, to 0. Fails with ErrorCode::usage for options that do not work with
+// Chooses the surface of terrain (convert::SurfaceId::terrain()). Fails with ErrorCode::usage for options that do not
+// work with
 // --heightfield. Without --heightfield does nothing, but fails with ErrorCode::usage for --base.
 [[nodiscard]] Result<void> take_heights(ConvertFlags& flags);
 

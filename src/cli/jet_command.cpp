@@ -51,9 +51,11 @@ class JetRun {
       seconds_ += watch.elapsed().wall_seconds;
       shown_.progress().advance(1);
     }
+    const Stopwatch write_watch;
     const auto particles = TRY(jet.particles(work_));
     const auto bytes = TRY(particle_io::write_particles(frame.files.front(), particles, plan_.format));
     bytes_ += bytes;
+    write_seconds_ += write_watch.elapsed().wall_seconds;
     return {};
   }
 
@@ -82,6 +84,7 @@ class JetRun {
                                          : fmt::format("-> {} to {}: {} files, {}", first,
                                                        printable(frames.back().files.back().string()), frames.size(),
                                                        format_byte_size(bytes_)));
+    messages_.detail(simulation_times_text(seconds_, write_seconds_));
   }
 
   // Suggests one radius for all frames, since only this gives all frames the same grid.
@@ -95,8 +98,9 @@ class JetRun {
   const JetPlan& plan_;
   const Messages& messages_;
   Context work_;
-  Context shown_;  // for the progress bar, because the simulation counts its own steps
-  double seconds_ = 0;
+  Context shown_;             // for the progress bar, because the simulation counts its own steps
+  double seconds_ = 0;        // of the simulation
+  double write_seconds_ = 0;  // of the files
   std::uint64_t bytes_ = 0;
 };
 

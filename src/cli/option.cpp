@@ -112,7 +112,7 @@ std::vector<std::string> Option::choices() const {
 }
 
 bool Option::takes_file() const {
-  constexpr std::array<std::string_view, 4> kFiles{"FILE", "PATH", "INPUT", "INPUT..."};
+  constexpr std::array<std::string_view, 5> kFiles{"FILE", "PATH", "INPUT", "INPUT...", "MESH"};
   return std::ranges::any_of(split(row_->metavar, '|'),
                              [&](const std::string& part) { return std::ranges::find(kFiles, part) != kFiles.end(); });
 }

@@ -7,7 +7,7 @@
 //
 // The parser, help, man page, completions, --config and the refusal of options without effect read these declarations.
 // A metavar with '|' lists words ("mc|mt"), which shells offer, and placeholders with capitals ("H|none"), which they
-// do not. Shells complete the placeholders FILE, PATH and INPUT with paths.
+// do not. Shells complete the placeholders FILE, PATH, INPUT and MESH with paths.
 #pragma once
 
 #include <array>

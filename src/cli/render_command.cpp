@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/render_plan.hpp"
 #include "cli/scene_source.hpp"
+#include "cli/sequence_values.hpp"
 #include "convert/json_documents.hpp"
 #include "convert/json_values.hpp"
 #include "convert/output_checks.hpp"
@@ -239,11 +241,39 @@ Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
   return {};
 }
 
+std::vector<FrameSource> first_frames(const RenderPlan& plan) {
+  std::vector<FrameSource> frames;
+  for (const PicturePlan& picture : plan.pictures) {
+    if (frames.size() == kFramesForRadius) break;
+    frames.push_back({picture.frame, plan.job.source});
+    frames.back().source.input = picture.input.value_or("");
+  }
+  return frames;
+}
+
+// Gives all frames of a sequence the radius of particles and the spacing for spheres that convert finds, so that the
+// pictures show its meshes. Fails with ErrorCode::cancelled only.
+Result<void> share_particle_values(RenderPlan& plan, const Context& context, const Messages& messages) {
+  if (!plan.is_sequence) return {};
+  convert::ParticleOptions& particles = plan.job.source.particles;
+  if (!plan.has_radius_of_each_frame) {
+    if (const auto found = TRY(find_sequence_radius(first_frames(plan), context))) {
+      particles.sequence_radius = found->radius;
+      messages.note({NoteId::particle_radius, found->note()});
+    }
+  }
+  particles.sequence_spacing = TRY(find_sequence_spacing(first_frames(plan), context));
+  if (particles.sequence_spacing) messages.note({NoteId::cell_size, spacing_note(*particles.sequence_spacing)});
+  return {};
+}
+
 // Draws picture by picture; stops at the first error.
-Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
+Result<void> run_render(const RenderPlan& given, const Messages& messages) {
+  RenderPlan plan = given;
   for (const Note& note : plan.notes) messages.note(note);
   const Context context{plan.memory};
   TRY(check_outputs(plan, context));
+  TRY(share_particle_values(plan, context, messages));
   const auto renderer = TRY(open_renderer(plan, messages));
   Pictures pictures(plan, messages, *renderer, context);
   TRY(pictures.draw_all());

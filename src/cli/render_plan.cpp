@@ -208,6 +208,7 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
   }
   TRY(take_labels(flags.labels, flags.surface, flags.isos));
   plan.job.source.particles = TRY(plan_particles(flags.particles, flags.surface.nan));
+  plan.has_radius_of_each_frame = flags.particles.radius && flags.particles.radius->is_of_each_frame;
   plan.job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   TRY(plan_region(flags.surface, plan.job.source));
   TRY(plan_resolution(flags.surface, plan.job.source));

@@ -29,9 +29,10 @@ struct PicturePlan {
 
 struct RenderPlan {
   MemoryBudget memory;
-  std::vector<PicturePlan> pictures;     // at least one: the frames of a sequence, or the views of a turn of one input
-  bool is_sequence = false;              // pictures of several frames of volumes
-  std::vector<batch::FrameRun> missing;  // frames of --frames without an input
+  std::vector<PicturePlan> pictures;      // at least one: the frames of a sequence, or the views of a turn of one input
+  bool is_sequence = false;               // pictures of several frames of volumes
+  bool has_radius_of_each_frame = false;  // --radius auto:each
+  std::vector<batch::FrameRun> missing;   // frames of --frames without an input
   // How to read volumes and extract their surfaces; without input and outputs.
   convert::ConversionJob job;
   std::vector<convert::IsoChoice> isos;

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/output_folders.hpp"
@@ -60,7 +61,9 @@ class WaterRun {
       const Stopwatch watch;
       TRY(automaton.run(frame.step - automaton.steps_done()));
       seconds_ += watch.elapsed().wall_seconds;
+      const Stopwatch write_watch;
       TRY(write(automaton, frame));
+      write_seconds_ += write_watch.elapsed().wall_seconds;
     }
     tell(automaton, frames);
     return {};
@@ -133,6 +136,7 @@ class WaterRun {
                                  : fmt::format("-> {} to {}: {} files, {}", first,
                                                printable(frames.back().files.back().string()), files,
                                                format_byte_size(bytes_)));
+    messages_.detail(simulation_times_text(seconds_, write_seconds_));
   }
 
   // Prints the options for reading files whose header lacks dimensions or placement.
@@ -156,7 +160,8 @@ class WaterRun {
   int layers_ = 1;
   // The first file with each number of layers, including the very first.
   std::vector<std::pair<std::string, int>> grown_;
-  double seconds_ = 0;
+  double seconds_ = 0;        // of the simulation
+  double write_seconds_ = 0;  // of the files
   std::uint64_t bytes_ = 0;
 };
 
@@ -194,6 +199,11 @@ Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
     TRY(convert::check_output_file(file, {}));
   }
   return frames;
+}
+
+std::string simulation_times_text(double simulating, double writing) {
+  return fmt::format("simulated in {:.2f} s, written in {:.2f} s, peak memory {}", simulating, writing,
+                     format_byte_size(peak_memory()));
 }
 
 std::unique_ptr<Command> make_simulate_command() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "base/error.hpp"
@@ -14,6 +15,9 @@ namespace isoextract::cli {
 // allows it. Returns the frames to write; with --no-clobber, leaves out each frame with at least one existing
 // file. Fails with ErrorCode::output.
 [[nodiscard]] Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan);
+
+// Returns the seconds of a simulation and of the writing of its files, and the peak memory.
+[[nodiscard]] std::string simulation_times_text(double simulating, double writing);
 
 [[nodiscard]] std::unique_ptr<Command> make_jet_command();
 

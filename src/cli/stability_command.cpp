@@ -6,7 +6,10 @@
 #include <fmt/ranges.h>
 
 #include "accuracy/extraction_comparison.hpp"
+#include "base/byte_size.hpp"
+#include "base/machine.hpp"
 #include "base/nearest_name.hpp"
+#include "base/stopwatch.hpp"
 #include "base/version.hpp"
 #include "bench/stability.hpp"
 #include "cli/backends.hpp"
@@ -197,12 +200,19 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   }
   std::vector<bench::StabilityRow> rows;
   if (!cases.empty()) {
+    const Stopwatch watch;
     rows = TRY(extracted_rows(cases, flags, messages));
+    messages.detail(
+        fmt::format("{} surfaces extracted and checked in {:.2f} s", rows.size(), watch.elapsed().wall_seconds));
   }
   std::vector<simulate::WaterStabilityRow> water_rows;
   if (water) {
+    const Stopwatch watch;
     water_rows = TRY(simulate::run_water_stability(simulate::kStabilitySteps, Context()));
+    messages.detail(
+        fmt::format("{} water cases simulated in {:.2f} s", water_rows.size(), watch.elapsed().wall_seconds));
   }
+  messages.detail(fmt::format("peak memory {}", format_byte_size(peak_memory())));
   const std::size_t failed = count_failed(rows) + cli::count_failed(water_rows);
   convert::Json json{
       {"schema", word_of(convert::JsonDocument::stability)}, {"version", version()}, {"passed", failed == 0}};

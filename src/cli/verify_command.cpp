@@ -264,8 +264,9 @@ class VerifyCommand final : public PlannedCommand<VerifyFlags, plan_verify, run_
             {"verify", "INPUT --iso V [MESH] [options]", "Check a mesh against its volume, or GPU against CPU."}) {}
 
   [[nodiscard]] std::string hint_for_default_command_option(std::string_view option) const override {
-    return fmt::format("leave {} out: of the options of {}, {} takes only those that change triangles", option,
-                       default_command(program()).name(), name());
+    return fmt::format(
+        "leave {} out: of the options of {}, {} takes only those that change triangles of an extracted surface", option,
+        default_command(program()).name(), name());
   }
 };
 

@@ -67,12 +67,16 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   flags.format = OutputFormat{format};
   plan.float32_world = mesh_io::mesh_format_info(format).stores_float32_world;
 
-  TRY(take_labels(flags));
   const Context context(plan_memory(flags.input.memory_limit));
+  const std::string labels_note =
+      TRY(plan.mesh ? set_default_labels(flags, input, context) : Result<std::string>(std::string()));
+  TRY(take_labels(flags));
   auto note = TRY(set_default_iso(flags, input, context));
   auto conversion = TRY(plan_conversion(flags, flags.isos, context));
   plan.notes = std::move(conversion.notes);
   if (!note.empty()) plan.notes.push_back({NoteId::iso_chosen, std::move(note)});
+  if (!labels_note.empty()) plan.notes.push_back({NoteId::iso_chosen, labels_note});
+  TRY(plan_found_table(flags.labels, input, context, plan.notes, conversion.job));
   plan.context = std::move(conversion.context);
   plan.job = std::move(conversion.job);
   plan.job.source.input = input;

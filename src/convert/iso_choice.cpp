@@ -25,10 +25,13 @@ std::string SurfaceId::text() const {
   return *this == kWholeFile ? std::string(kFileMesh) : fmt::format("{} {}", kFileMesh, file_mesh());
 }
 
-std::string SurfaceId::name() const { return (is_label() ? "label " : is_iso() ? "iso " : "") + text(); }
+std::string SurfaceId::name() const {
+  if (is_terrain_) return "terrain";
+  return (is_label() ? "label " : is_iso() ? "iso " : "") + text();
+}
 
 std::string SurfaceId::place() const {
-  if (*this == kWholeFile) return {};
+  if (is_only_surface()) return {};
   return (is_file_mesh() ? " of " : " at ") + name();
 }
 

@@ -27,10 +27,19 @@ class SurfaceId {
   SurfaceId(double iso) : of_(iso) {}      // NOLINT(google-explicit-constructor): iso values are the rule
   SurfaceId(Label label) : of_(label) {}   // NOLINT(google-explicit-constructor)
   SurfaceId(FileMesh mesh) : of_(mesh) {}  // NOLINT(google-explicit-constructor)
+  // Returns the surface of terrain, which has no iso value. Records have the iso value 0 for it, which it equals; texts
+  // leave it out.
+  [[nodiscard]] static SurfaceId terrain() {
+    SurfaceId id = 0.0;
+    id.is_terrain_ = true;
+    return id;
+  }
 
   [[nodiscard]] bool is_iso() const { return std::holds_alternative<double>(of_); }
   [[nodiscard]] bool is_label() const { return std::holds_alternative<Label>(of_); }
   [[nodiscard]] bool is_file_mesh() const { return std::holds_alternative<FileMesh>(of_); }
+  // Returns whether the input has no other surface: terrain, or all meshes of a file as one. Its place() is empty.
+  [[nodiscard]] bool is_only_surface() const { return is_terrain_ || of_ == Of(kWholeFile); }
   // iso(), label() and file_mesh() throw std::bad_variant_access if the surface is of another kind.
   [[nodiscard]] double iso() const { return std::get<double>(of_); }
   [[nodiscard]] std::int64_t label() const { return static_cast<std::int64_t>(std::get<Label>(of_)); }
@@ -39,16 +48,17 @@ class SurfaceId {
   [[nodiscard]] double iso_or_zero() const { return is_iso() ? iso() : 0; }
   // Returns the iso value or the label, rounded if a double cannot hold it: for colors, not to identify a surface.
   [[nodiscard]] double rounded() const { return is_label() ? static_cast<double>(label()) : iso_or_zero(); }
-  [[nodiscard]] std::string text() const;   // "0.3", "5", "mesh 2", "mesh" for kWholeFile
-  [[nodiscard]] std::string name() const;   // "iso 0.3", "label 5", "mesh 2", "mesh"
+  [[nodiscard]] std::string text() const;   // "0.3", "5", "mesh 2", "mesh" for kWholeFile, "0" for terrain
+  [[nodiscard]] std::string name() const;   // "iso 0.3", "label 5", "mesh 2", "mesh", "terrain"
   [[nodiscard]] std::string place() const;  // continues a sentence: " at iso 0.3", " at label 5", " of mesh 2", ""
 
-  friend bool operator==(const SurfaceId&, const SurfaceId&) = default;
-  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer here to replace
-  friend auto operator<=>(const SurfaceId&, const SurfaceId&) = default;
+  friend bool operator==(const SurfaceId& a, const SurfaceId& b) { return a.of_ == b.of_; }
+  friend auto operator<=>(const SurfaceId& a, const SurfaceId& b) { return a.of_ <=> b.of_; }
 
  private:
-  std::variant<double, Label, FileMesh> of_ = 0.0;
+  using Of = std::variant<double, Label, FileMesh>;
+  Of of_ = 0.0;
+  bool is_terrain_ = false;
 };
 
 struct IsoChoice {
@@ -71,6 +81,7 @@ struct IsoChoice {
   IsoChoice(double iso) : id(iso) {}  // NOLINT(google-explicit-constructor): numbers are the rule
   [[nodiscard]] static IsoChoice suggested() { return IsoChoice(Kind::suggested); }
   [[nodiscard]] static IsoChoice zero() { return IsoChoice(Kind::zero); }
+  [[nodiscard]] static IsoChoice terrain() { return IsoChoice(Kind::known, SurfaceId::terrain()); }
   [[nodiscard]] static IsoChoice zero_by_default() {
     IsoChoice choice(Kind::zero);
     choice.by_default = true;

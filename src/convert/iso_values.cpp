@@ -77,7 +77,8 @@ std::string surface_text(const IsoChoice& asked) {
 }
 
 std::string place_text(const ResolvedIso& asked) {
-  return asked.id.is_file_mesh() || asked.asked.by_default ? asked.id.place() : " at " + surface_text(asked.asked);
+  const bool is_stated = !asked.id.is_file_mesh() && !asked.id.is_only_surface() && !asked.asked.by_default;
+  return is_stated ? " at " + surface_text(asked.asked) : asked.id.place();
 }
 
 bool all_known(std::span<const IsoChoice> choices) { return std::ranges::none_of(choices, &IsoChoice::is_found); }

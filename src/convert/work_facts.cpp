@@ -125,12 +125,14 @@ namespace {
 
 std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
                                        const ConversionJob& job, bool is_label) {
-  std::vector<WorkFact> facts{bricks_left_out(stats, is_label)};
+  std::vector<WorkFact> facts;
+  const bool is_terrain = job.surface.heights.has_value();
+  if (!is_terrain) facts.push_back(bricks_left_out(stats, is_label));
   if (stats.places_visited > 0) {
     facts.push_back({WorkTopic::places, WorkDone::visited, stats.places_visited, std::nullopt,
                      fmt::format("{} brick positions next to stored bricks", stats.places_visited)});
   }
-  if (!is_label || stats.samples_classified > 0) {
+  if (!is_terrain && (!is_label || stats.samples_classified > 0)) {
     facts.push_back({WorkTopic::samples, WorkDone::compared, stats.samples_classified, std::nullopt,
                      fmt::format("{} samples, each once, with {}", stats.samples_classified,
                                  is_label ? "the labels" : "the iso value")});

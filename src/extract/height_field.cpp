@@ -78,7 +78,11 @@ class HeightMesh {
     });
     result_.stats.samples_classified = values_.size();
     result_.stats.nan_samples = missing;
-    if (missing > 0 && options_.nan == NanPolicy::error) return nan_error(field_, missing, *first);
+    if (missing > 0 && options_.nan == NanPolicy::error) {
+      tl::unexpected<Error> error = nan_error(field_, missing, *first);
+      error.value().hint = {Remedy::set, Setting::nan_policy, "hole to leave holes around them"};
+      return error;
+    }
     const auto infinite = std::ranges::find_if(values_, [](double value) { return std::isinf(value); });
     if (infinite == values_.end()) return {};
     const auto index = static_cast<Index>(infinite - values_.begin());

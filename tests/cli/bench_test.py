@@ -61,6 +61,11 @@ class BenchTest(ProgramTest):
     def test_the_default_input_is_the_torus(self):
         self.assertTrue(self.bench(*QUICK, "--methods", "mt").startswith("demo:torus at iso 0\n"))
 
+    def test_verbose_prints_times_and_memory(self):
+        run = self.convert("bench", "demo:sphere", *QUICK, "-v")
+        self.assertRegex(run.err, r"(?m)^demo:sphere: measured in [\d.]+ s$")
+        self.assertRegex(run.err, r"(?m)^peak memory [\d.]+ MiB$")
+
     def test_several_inputs(self):
         run = self.convert("bench", "demo:sphere", "demo:metaballs", *QUICK, "--iso", "0.1", "--methods", "mc")
         self.assertIn("demo:sphere at iso 0.1\n", run.text)

@@ -118,6 +118,21 @@ class CompareTest(ProgramTest):
         self.assert_fails(
             1, run, "turned.ply: --up z contradicts the placement that the file records (turned from z up to y up)", "leave --up out")
 
+    def test_note_that_up_changes_nothing_appears_only_then(self):
+        """Of two glTF files, only the one without a placement record depends on --up."""
+        torus = ("demo:torus?size=24", "--iso", 0)
+        self.convert(*torus, "-o", "default.glb")
+        self.convert(*torus, "--up", "y", "-o", "record.glb")
+        self.assertEqual(self.json("default.glb", "record.glb")["hausdorff"], [0, 0])
+        for pair in (("default.glb", "record.glb"), ("record.glb", "default.glb")):
+            report = self.json(*pair, "--up", "y")  # without a note
+            self.assertGreater(report["hausdorff"][0], 0.5)
+            self.assertEqual(self.json(*pair, "--up", "z")["hausdorff"], [0, 0])
+        for pair in (("default.glb", "default.glb"), ("record.glb", "record.glb")):
+            for up in "yz":
+                err = self.convert("compare", *pair, "--up", up).err
+                self.assertIn("note[no-effect]: --up changes nothing: both meshes are glTF with y up", err)
+
     def test_a_mesh_and_itself_far_away(self):
         for name in ("far.glb", "far.ply", "far.obj"):
             self.convert(SPHERE, "--iso", 0, "--origin", "1e7,-3e6,0.1", "-o", name)

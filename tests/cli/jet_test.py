@@ -124,6 +124,10 @@ class JetTest(ProgramTest):
         run = self.run_program("simulate", "jet", *SCENE, "--frames", "2", "--format", "ply", "-o", "-")
         self.assertEqual((run.code, run.out), (0, (self.folder / "a.ply").read_bytes()))
 
+    def test_verbose_prints_times_and_memory(self):
+        run = self.simulate(*SCENE, "--frames", "2", "-v", "-o", "jet_{}.ply")
+        self.assertRegex(run.err, r"(?m)^simulated in [\d.]+ s, written in [\d.]+ s, peak memory [\d.]+ MiB$")
+
     def test_it_can_be_told_to_be_quiet(self):
         self.assertEqual(self.simulate(*SCENE, "--frames", "2", "-q", "-o", "a_{}.ply").err, "")
         self.assertEqual(self.files(), ["a_1.ply", "a_2.ply"])

@@ -409,6 +409,9 @@ class LabelsTest(ProgramTest):
         self.assertIn("iso 0.5, because the samples are integers, such as those of a mask: all above 0 are inside", run.err)
         self.convert(*raw, "--labels", "255", "-o", "label.ply")
         self.assertEqual((self.folder / "net.ply").read_bytes(), (self.folder / "label.ply").read_bytes())
+        run = self.convert("verify", *raw, "--method", "surface-nets", "net.ply")
+        self.assertIn("note[iso-chosen]: iso 0.5, because the samples are integers", run.err)
+        self.assertRegex(run.text, r"same +yes")
         # Without integers, an iso value is needed.
         self.write_raw("density.raw", (8, 8, 8), lambda x, y, z: x / 8)
         refused = self.run_program("density.raw", "--dims", "8,8,8", "--dtype", "f32", "--method", "surface-nets", "-o", "a.ply")

@@ -111,6 +111,13 @@ class SegmentationTest(ProgramTest):
             self.assertEqual(meshes[name].open_edges(), 0)
             self.assertAlmostEqual(meshes[name].volume(), volume, delta=0.1 * volume)
 
+    def test_verify_takes_the_labels_that_the_conversion_takes(self):
+        self.write("s.seg.nrrd", seg_nrrd((ORGAN, BONE, TUMOR), 2))
+        self.convert("s.seg.nrrd", "-o", "out.glb")
+        run = self.convert("verify", "s.seg.nrrd", "out.glb")
+        self.assertIn("note[iso-chosen]: all labels, because the file names its labels", run.err)
+        self.assertRegex(run.text, r"same +yes")
+
     def test_listed_labels_and_one_layer(self):
         self.write("s.seg.nrrd", seg_nrrd((ORGAN, BONE, TUMOR), 2))
         voxels = ("s.seg.nrrd", "--method", "voxels")
@@ -206,6 +213,16 @@ class TableBesideTest(ProgramTest):
         (self.folder / "map.ctbl").write_text("what\n")
         self.assertEqual(self.names(), {"map label 1", "map label 2"})
         self.assertIn("map.ctbl lies beside the input and has the name of a label table, but isoextract does not use it", self.err)
+
+    def test_verify_chooses_labels_by_name(self):
+        labels = ("map.raw", "--dims", "8,6,6", "--labels", "Liver")
+        table = self.folder / "map.ctbl"
+        table.write_text(self.TABLE)
+        self.convert(*labels, "-o", "liver.glb")
+        run = self.convert("verify", *labels, "liver.glb")
+        self.assertIn("note[label-table]: names and colors of labels come from map.ctbl", run.err)
+        table.rename(self.folder / "names.txt")
+        self.convert("verify", *labels, "--label-names", "names.txt", "liver.glb")
 
     def test_surfaces_of_iso_values_have_no_table(self):
         (self.folder / "map.ctbl").write_text("what\n")

@@ -88,6 +88,29 @@ class SequenceValuesTest(ProgramTest):
             (entry,) = json.loads(self.convert("info", "--json", "a_{}.csv", *options).text)
             self.assertIsNone(entry["radius"])
 
+    def test_render_draws_the_radius_of_convert(self):
+        self.write_frames()
+        own = {n: self.own_radius(f"a_{n}.csv") for n in (3, 4, 5)}
+        view = ("--iso", "auto", "--tf", "none", "--camera", "30,20,15", "--look-at", "2,2,2", "--size", "48x32",
+                "--backend", "cpu")
+
+        def pictures(*options):
+            run = self.convert("render", "a_{}.csv", *view, *options, "-o", "s_{}.png")
+            return {n: (self.folder / f"s_{n}.png").read_bytes() for n in own}, run.err
+
+        def picture(n, radius):
+            self.convert("render", f"a_{n}.csv", *view, "--radius", repr(radius), "-o", "one.png")
+            return (self.folder / "one.png").read_bytes()
+
+        drawn, err = pictures()
+        self.assertIn(f"note[particle-radius]: all frames have the radius {own[3]:.6g}, which fits the particles of frame 3",
+                      err)
+        self.assertEqual(drawn, {n: picture(n, own[3]) for n in own})
+        each, err = pictures("--radius", "auto:each")
+        self.assertNotIn("all frames have", err)
+        self.assertEqual(each, {n: picture(n, own[n]) for n in own})
+        self.assertNotEqual(each[5], drawn[5])
+
     def test_frames_without_a_density_do_not_give_the_radius(self):
         self.write_frames()
         own = self.own_radius("a_3.csv")

@@ -42,6 +42,11 @@ class SimulateTest(ProgramTest):
             self.assertGreater(len(mesh.triangles), 50)
             self.assertEqual(mesh.open_edges(), 0)
 
+    def test_verbose_prints_times_and_memory(self):
+        told = r"(?m)^simulated in [\d.]+ s, written in [\d.]+ s, peak memory [\d.]+ MiB$"
+        self.assertRegex(self.simulate(*SMALL, "--steps", 20, "-o", "w.nrrd", "-v").err, told)
+        self.assertNotRegex(self.simulate(*SMALL, "--steps", 20, "-o", "w.nrrd").err, told)
+
     def test_mass_is_kept_in_what_is_written(self):
         self.simulate(*SMALL, "--steps", 200, "--every", 100, "--source", "5,9,0.75", "--what", "heights",
                       "-o", "h_{grid}_%02d.npy", "-q")

@@ -68,6 +68,11 @@ class StabilityTest(ProgramTest):
                  for threads in ("1", "3")}
         self.assertEqual(len(texts), 1)
 
+    def test_verbose_prints_times_and_memory(self):
+        run = self.run_program("stability", "--case", "jump", "--backends", "cpu", "-v")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertRegex(run.err, r"\A4 surfaces extracted and checked in [\d.]+ s\npeak memory [\d.]+ MiB\n\Z")
+
     def test_the_list_says_what_is_extreme(self):
         run = self.run_program("stability", "--list", "--case", "far-frame")
         self.assertEqual(run.text.splitlines()[0], "far-frame")

@@ -90,7 +90,24 @@ class TerrainTest(ProgramTest):
             self.assertAlmostEqual(self.volume("t.ply"), numpy.nansum((a + b + c) / 6 + (a + c + d) / 6 + 0 * (b + d)),
                                    delta=1e-4)
             self.check("t.ply", "--require", "closed,manifold,oriented,outward,no-zero-area")
-        self.assert_fails(2, self.run_program("h.npy", "--heightfield", "--nan", "error", "-o", "t.ply"), "NaN")
+        run = self.run_program("h.npy", "--heightfield", "--nan", "error", "-o", "t.ply")
+        self.assert_fails(2, run, "NaN", "use --nan hole to leave holes around them")
+        self.assertNotIn("outside", run.err)
+        numpy.save(self.folder / "none.npy", numpy.array([[1, 2], [3, numpy.nan]]))
+        run = self.run_program("none.npy", "--heightfield", "-o", "t.ply")
+        self.assert_fails(2, run, "none.npy: there is no terrain: every square of four samples has a NaN sample")
+
+    def test_messages_name_no_iso_value(self):
+        numpy.save(self.folder / "h.npy", numpy.random.default_rng(5).random((12, 10)))
+        edits = ("--simplify", "0.01", "--smooth", "2", "--clip", "1,0,0,3", "--cap")
+        run = self.convert("h.npy", "--heightfield", *edits, "-v", "-o", "t.ply")
+        self.assertIn("h.npy -> t.ply: ", run.err)
+        self.assertIn("h.npy: extracted in ", run.err)
+        self.assertNotRegex(run.err, r"\biso\b")
+        run = self.convert("h.npy", "--heightfield", "--explain", "-o", "t.glb")
+        self.assertNotRegex(run.err, r"\biso\b")
+        run = self.run_program("h.npy", "--heightfield", "--clip", "1,0,0,50", "-o", "t.ply")
+        self.assert_fails(2, run, "h.npy: clipping removes the whole surface; ")
 
     def test_images_and_their_placement(self):
         heights = numpy.random.default_rng(4).integers(0, 200, (8, 10)).astype("u1")

@@ -64,6 +64,13 @@ class UsageTest(ProgramTest):
         for name in ("a.vdb", "b.vdb", "c.ply"):
             self.assertIn(name, err)
 
+    def test_usage_lines_name_operands_as_the_lists_do(self):
+        for command, usage in (("check", "MESH"), ("compare", "MESH MESH"), ("verify", "INPUT --iso V [MESH]")):
+            text = self.convert(command, "--help").text
+            self.assertIn(f"Usage: isoextract {command} {usage} [options]\n", text)
+            self.assertRegex(text, r"\n  MESH +[A-Z]")
+            self.assertNotRegex(text, r"\n  FILE ")
+
     def test_misspelt_command(self):
         self.assertIn("did you mean 'isoextract info'?", self.refused("inof", "a.vdb"))
 

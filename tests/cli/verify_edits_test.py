@@ -63,6 +63,13 @@ class VerifyEditsTest(ProgramTest):
                 with self.subTest(written=options, verified=other):
                     self.verify(6, *source, *other, f"{name}.glb")
 
+    def test_repair_is_not_offered(self):
+        """It works on mesh files, and verify extracts the surface of a field."""
+        run = self.run_program("verify", NOISE, *ISO, "--repair", "a.glb")
+        self.assert_fails(1, run, "unknown option '--repair' for 'verify'")
+        self.assertNotIn("--repair", self.convert("verify", "--help-all").text)
+        self.assertIn("--repair", self.convert("--help-all").text)
+
     def test_without_them_the_hint_names_them(self):
         for name, hint in (("smooth", "--smooth"), ("simplify", "--simplify or --triangles"),
                            ("triangles", "--simplify or --triangles"), ("clip", "--clip")):

@@ -84,13 +84,11 @@ struct ConvertFlags : OptionSet {
 
   IsoOption isos{
       everyday(in(OptionGroup::surface)), "",
-      fmt::format(
-          " Several times for {}. Default: 0 for level sets, the usual value for particles{} need one{}.",
-          of_ == Of::convert ? "several surfaces" : "the several surfaces of a mesh",
-          of_ == Of::convert ? ", 0.5 for integers with --method surface-nets. Other volumes" : "; other volumes",
-          of_ == Of::convert ? ", unless they name labels" : "")};
+      fmt::format(" Several times for {}. Default: 0 for level sets, the usual value for particles, 0.5 for integers "
+                  "with --method surface-nets. Other volumes need one, unless they name labels.",
+                  of_ == Of::convert ? "several surfaces" : "the several surfaces of a mesh")};
   SurfaceFlags surface{*this};
-  LabelFlags labels{*this, of_ == Of::convert ? LabelFlags::Taken::all : LabelFlags::Taken::samples};
+  LabelFlags labels{*this, LabelFlags::Taken::all};
   Flag heightfield{only_convert(OptionGroup::surface), "--heightfield",
                    "Make terrain of a picture or array of heights. For single images (TIFF, GeoTIFF, PNG, OpenEXR), "
                    "NumPy arrays [y, x] and elevation models; several files are frames. The sample at column x and row "
@@ -170,7 +168,7 @@ struct ConvertFlags : OptionSet {
                                     "What to do if there is no surface (default: error). error fails; skip writes no "
                                     "file and removes an old one of that name; write writes an empty mesh."};
 
-  EditFlags edits{*this};
+  EditFlags edits{*this, of_ == Of::convert ? EditFlags::Taken::all : EditFlags::Taken::field};
 
   Values<convert::AttributeChoice> attributes{
       only_convert(OptionGroup::vertices),

@@ -18,16 +18,16 @@ namespace isoextract::cli {
 struct CompareFlags : OptionSet {
   CompareFlags();
 
-  Values<std::string> meshes{in(OptionGroup::input), "FILE", "FILE", parse_text,
+  Values<std::string> meshes{in(OptionGroup::input), "MESH", "MESH", parse_text,
                              fmt::format("The two meshes. Formats: {}. Vertices at equal coordinates are merged in "
                                          "formats without connectivity, such as stl.",
                                          mesh_io::mesh_extensions())};
   Value<convert::UpAxis> up{
       in(OptionGroup::input), "--up",
       "Up axis of the mesh that is not glTF (default: z). It counts where one mesh is glb or gltf and the other is "
-      "not: glTF prescribes y up, the other formats nothing. With z, compare turns the glTF mesh back, (x, y, z) to "
-      "(x, -z, y), and the result says so. Use y for a glTF mesh of another program that has the axes of the other "
-      "mesh; meshes that isoextract wrote with --up y or --space index need no --up."};
+      "not, or where only one of two such files records its placement: glTF prescribes y up, the other formats "
+      "nothing. With z, compare turns the glTF mesh back, (x, y, z) to (x, -z, y), and the result says so. Use y for a "
+      "glTF mesh of another program that has the axes of the other mesh."};
   MemoryLimit memory_limit{in(OptionGroup::input)};
   Value<double> max_distance{in(OptionGroup::output), "--max-distance", "D", parse_not_negative,
                              "Largest distance allowed; else exit with code 6. At any point of either mesh, in the "
@@ -46,7 +46,7 @@ struct CheckFlags : OptionSet {
   CheckFlags();
 
   Values<std::string> meshes{
-      in(OptionGroup::input), "FILE", "FILE", parse_text,
+      in(OptionGroup::input), "MESH", "MESH", parse_text,
       fmt::format(
           "Mesh to check, or - for stdin. Formats: {}. Vertices at equal coordinates are merged in formats without "
           "connectivity, such as stl. In a glTF file with several meshes, check tests each mesh, then all of them as "

@@ -31,7 +31,7 @@ SurfaceFlags::SurfaceFlags(OptionSet& command) : OptionSet(command, OptionGroup:
 
 LabelFlags::LabelFlags(OptionSet& command, Taken taken) : OptionSet(command, OptionGroup::surface), taken_(taken) {}
 
-EditFlags::EditFlags(OptionSet& command) : OptionSet(command, OptionGroup::pieces) {}
+EditFlags::EditFlags(OptionSet& command, Taken taken) : OptionSet(command, OptionGroup::pieces), taken_(taken) {}
 
 PlacementFlags::PlacementFlags(OptionSet& command) : OptionSet(command, OptionGroup::placement) {}
 

@@ -116,8 +116,8 @@ struct SurfaceFlags : OptionSet {
 
 // The options of labels, which take the place of iso values.
 struct LabelFlags : OptionSet {
-  // The options that a command takes: all but --label-names (`samples`), all but --background (`names`), or all.
-  enum class Taken { samples, names, all };
+  // The options that a command takes: all but --background (`names`), or all.
+  enum class Taken { names, all };
 
   LabelFlags(OptionSet& command, Taken taken);
 
@@ -144,13 +144,13 @@ struct LabelFlags : OptionSet {
                                   "Leave out labels with fewer than N voxels. A note tells which.",
                                   About::surface};
   Value<std::int64_t> background{
-      only(taken_ != Taken::names),
+      only(taken_ == Taken::all),
       "--background",
       "L",
       parse_label,
       "Label without a mesh in --labels all (default: 0). With another L, label 0 gets a mesh like the other labels.",
       About::surface};
-  Value<std::string> names{only(taken_ != Taken::samples),
+  Value<std::string> names{*this,
                            "--label-names",
                            "FILE",
                            parse_text,
@@ -167,10 +167,17 @@ struct LabelFlags : OptionSet {
 
 // The options that edit a surface after its extraction, besides --simplify and --triangles.
 struct EditFlags : OptionSet {
-  explicit EditFlags(OptionSet& command);
+  // The options that a command takes: all but --repair, which needs a mesh file as input (`field`), or all.
+  enum class Taken { field, all };
 
+  EditFlags(OptionSet& command, Taken taken);
+
+ private:
+  Taken taken_;
+
+ public:
   Value<convert::RepairChoice> repair{
-      *this,
+      taken_ == Taken::all ? Place(*this) : Place(),
       "--repair",
       "EDGES",
       parse_repair,

@@ -68,6 +68,11 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
             fmt::format("{}: no sample has {}", source.label, text_of(asked)),
             {Remedy::use, Setting::empty_policy}};
   }
+  if (job.surface.heights) {
+    return {ErrorCode::no_surface,
+            fmt::format("{}: there is no terrain: every square of four samples has a NaN sample", source.label),
+            {Remedy::use, Setting::empty_policy}};
+  }
   const field::FieldStatistics statistics = field::measure_statistics(source.field);
   const auto passed = field::surface_range(source.field, statistics);
   if (!passed || (statistics.samples == 0 && !statistics.far_inside)) {

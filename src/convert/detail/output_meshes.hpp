@@ -88,7 +88,7 @@ struct OutputMeshes {
       if (done[m].bytes_before == 0) continue;
       const WrittenOutput::Part& part = written.surfaces[m];
       reports.push_back(
-          report_of({part.id == kWholeFile ? part.label : fmt::format("{} {}", part.label, part.id.name()), part.id,
+          report_of({part.id.is_only_surface() ? part.label : fmt::format("{} {}", part.label, part.id.name()), part.id,
                      job.path, packing, done[m]}));
     }
     return reports;

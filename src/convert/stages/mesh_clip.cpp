@@ -28,7 +28,7 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
   const bool capped = stage.job.surface.cap;
   const auto ends = capped ? edit::CutClosing::capped : edit::CutClosing::open;
   StageReport report = stage.report_on(StageName::clip, surface);
-  if (!surface.id.is_file_mesh())
+  if (!surface.id.is_file_mesh() && !surface.id.is_only_surface())
     report.subject = fmt::format("{} {}", stage.source.label, surface_text(surface.asked));
   // Of the voxel's shortest edge; the same for all surfaces, so that neighbors keep common vertices.
   constexpr double kSnap = 0.001;

@@ -7,7 +7,7 @@
 namespace isoextract::convert {
 
 std::string StageContext::subject(const Surface& surface) const {
-  return surface.id == kWholeFile ? source.label : fmt::format("{} {}", source.label, surface.id.name());
+  return surface.id.is_only_surface() ? source.label : fmt::format("{} {}", source.label, surface.id.name());
 }
 
 StageReport StageContext::report_on(StageName stage, const Surface& surface) const {

@@ -72,6 +72,15 @@ TEST(SurfaceId, HoldsIsoValueOrLabel) {
   EXPECT_EQ(third.place(), " of mesh 3");
   EXPECT_EQ(SurfaceId(kWholeFile).place(), "");
   for (const SurfaceId& mesh : {third, SurfaceId(kWholeFile)}) EXPECT_EQ(surface_id_of(json_of(mesh)), mesh);
+  // Terrain is iso 0 in records, but texts do not name an iso value.
+  const SurfaceId terrain = SurfaceId::terrain();
+  EXPECT_EQ(terrain, SurfaceId(0.0));
+  EXPECT_EQ(json_of(terrain), json_of(SurfaceId(0.0)));
+  EXPECT_EQ(terrain.name(), "terrain");
+  EXPECT_EQ(terrain.place(), "");
+  EXPECT_EQ(place_text({IsoChoice::terrain(), terrain, {}}), "");
+  EXPECT_TRUE(terrain.is_only_surface());
+  EXPECT_FALSE(SurfaceId(0.0).is_only_surface());
   // A double cannot represent this number.
   EXPECT_EQ(text_of(IsoChoice::label(9007199254740993)), "label 9007199254740993");
 }
