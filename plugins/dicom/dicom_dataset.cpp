@@ -104,17 +104,17 @@ std::optional<double> decimal_of(const gdcm::DataSet& data, const gdcm::Tag& tag
   return values.empty() ? std::nullopt : std::optional(values.front());
 }
 
-std::vector<std::uint32_t> shorts_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
+std::vector<std::uint32_t> uint16s_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
   const auto values = binary_of<std::uint16_t>(data, tag);
   return {values.begin(), values.end()};
 }
 
-std::optional<std::uint32_t> short_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
+std::optional<std::uint32_t> uint16_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
   const auto values = binary_of<std::uint16_t>(data, tag);
   return values.empty() ? std::nullopt : std::optional<std::uint32_t>(values.front());
 }
 
-std::optional<std::uint32_t> long_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
+std::optional<std::uint32_t> uint32_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
   const auto values = binary_of<std::uint32_t>(data, tag);
   return values.empty() ? std::nullopt : std::optional(values.front());
 }

@@ -19,9 +19,9 @@ std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag, const std::
 std::vector<double> decimals_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<double> decimal_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 // Returns binary numbers: US, UL, FD.
-std::vector<std::uint32_t> shorts_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
-std::optional<std::uint32_t> short_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
-std::optional<std::uint32_t> long_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
+std::vector<std::uint32_t> uint16s_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
+std::optional<std::uint32_t> uint16_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
+std::optional<std::uint32_t> uint32_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 std::optional<double> double_of(const gdcm::DataSet& data, const gdcm::Tag& tag);
 // Returns the seconds since midnight of a time (TM), or of a date and time (DT), whose date is skipped.
 std::optional<double> seconds_of(const std::string& time);

@@ -128,7 +128,7 @@ FoundFiles find_files(const isoextract_plugin::Request& request, const isoextrac
       found.note =
           count_text(missing, "file of the DICOM directory is", "files of the DICOM directory are") + " missing";
   } else {
-    found.siblings = true;
+    found.is_single_input = true;
     add_folder(path.has_parent_path() ? path.parent_path() : fs::path("."), false, found.paths, others);
   }
   return found;

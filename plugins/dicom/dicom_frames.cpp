@@ -97,8 +97,8 @@ void read_groups(const Groups& groups, Frame& frame) {
   groups.with(Tag(0x0028, 0x9145), [&](const DataSet& data) { read_scale(data, frame); });
   groups.with(Tag(0x0020, 0x9111), [&](const DataSet& data) {
     frame.stack = text_of(data, Tag(0x0020, 0x9056));
-    if (const auto index = long_of(data, Tag(0x0020, 0x9128))) set(Key::temporal_position, std::to_string(*index));
-    set(Key::acquisition_number, key_text(short_of(data, Tag(0x0020, 0x9156))));
+    if (const auto index = uint32_of(data, Tag(0x0020, 0x9128))) set(Key::temporal_position, std::to_string(*index));
+    set(Key::acquisition_number, key_text(uint16_of(data, Tag(0x0020, 0x9156))));
     set(Key::acquisition_time, key_text(seconds_of(text_of(data, Tag(0x0018, 0x9074)))));
   });
   for (const Tag& type : {Tag(0x0018, 0x9226), Tag(0x0018, 0x9329)}) {  // of MR, of CT
@@ -115,7 +115,7 @@ void read_groups(const Groups& groups, Frame& frame) {
   groups.with(Tag(0x0018, 0x9117),
               [&](const DataSet& data) { set(Key::b_value, key_text(double_of(data, Tag(0x0018, 0x9087)))); });
   groups.with(Tag(0x0062, 0x000a),
-              [&](const DataSet& data) { frame.segment = short_of(data, Tag(0x0062, 0x000b)).value_or(0); });
+              [&](const DataSet& data) { frame.segment = uint16_of(data, Tag(0x0062, 0x000b)).value_or(0); });
 }
 
 // Places the frames of an object without functional groups: by offsets (RT dose), else by the distance between slices.

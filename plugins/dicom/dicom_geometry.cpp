@@ -120,7 +120,7 @@ Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool res
     const double at = static_cast<double>(k) / intervals;
     while (below + 2 < along.size() && along[below + 1] <= at) ++below;
     const double part = (at - along[below]) / (along[below + 1] - along[below]);
-    line.places.push_back(static_cast<double>(below) + std::clamp(part, 0.0, 1.0));
+    line.slice_positions.push_back(static_cast<double>(below) + std::clamp(part, 0.0, 1.0));
   }
   line.note = "the reader interpolates " + std::to_string(positions.size()) + " slices at distances of " +
               number_text(smallest) + " to " + number_text(*std::ranges::max_element(distances)) +

@@ -14,8 +14,8 @@ namespace isoextract_dicom {
 namespace {
 
 void read_layout(const gdcm::DataSet& data, Pixels& pixels) {
-  pixels.rows = short_of(data, gdcm::Tag(0x0028, 0x0010)).value_or(0);
-  pixels.columns = short_of(data, gdcm::Tag(0x0028, 0x0011)).value_or(0);
+  pixels.rows = uint16_of(data, gdcm::Tag(0x0028, 0x0010)).value_or(0);
+  pixels.columns = uint16_of(data, gdcm::Tag(0x0028, 0x0011)).value_or(0);
   const double frames = decimal_of(data, gdcm::Tag(0x0028, 0x0008)).value_or(1);
   constexpr double kMostFrames = 1 << 24;
   if (!(frames >= 1 && frames <= kMostFrames)) {
@@ -23,12 +23,12 @@ void read_layout(const gdcm::DataSet& data, Pixels& pixels) {
                     number_text(frames));
   }
   pixels.frames = static_cast<std::uint32_t>(frames);
-  pixels.samples_per_pixel = short_of(data, gdcm::Tag(0x0028, 0x0002)).value_or(1);
-  pixels.planar = short_of(data, gdcm::Tag(0x0028, 0x0006)).value_or(0) == 1;
-  pixels.bits_allocated = short_of(data, gdcm::Tag(0x0028, 0x0100)).value_or(pixels.is_float ? 32 : 0);
-  pixels.bits_stored = short_of(data, gdcm::Tag(0x0028, 0x0101)).value_or(pixels.bits_allocated);
-  pixels.high_bit = short_of(data, gdcm::Tag(0x0028, 0x0102)).value_or(pixels.bits_stored - 1);
-  pixels.is_signed = short_of(data, gdcm::Tag(0x0028, 0x0103)).value_or(0) == 1;
+  pixels.samples_per_pixel = uint16_of(data, gdcm::Tag(0x0028, 0x0002)).value_or(1);
+  pixels.planar = uint16_of(data, gdcm::Tag(0x0028, 0x0006)).value_or(0) == 1;
+  pixels.bits_allocated = uint16_of(data, gdcm::Tag(0x0028, 0x0100)).value_or(pixels.is_float ? 32 : 0);
+  pixels.bits_stored = uint16_of(data, gdcm::Tag(0x0028, 0x0101)).value_or(pixels.bits_allocated);
+  pixels.high_bit = uint16_of(data, gdcm::Tag(0x0028, 0x0102)).value_or(pixels.bits_stored - 1);
+  pixels.is_signed = uint16_of(data, gdcm::Tag(0x0028, 0x0103)).value_or(0) == 1;
   pixels.photometric = text_of(data, gdcm::Tag(0x0028, 0x0004));
 }
 

@@ -89,8 +89,8 @@ struct Object {
   bool is_stacked = false;  // the file states one position; Spacing Between Slices places the other frames
   std::vector<Frame> frames;
   Segmentation segmentation = Segmentation::none;
-  bool segments_exclude = false;  // the file says that no two segments overlap
-  double full_fraction = 1;       // fractional: the stored value of the fraction 1
+  bool segments_are_disjoint = false;  // as the file says
+  double full_fraction = 1;            // fractional: the stored value of the fraction 1
   std::vector<Segment> segments;
 };
 
@@ -125,7 +125,7 @@ class PixelReader {
 // The files of an input, and a note on the files that were passed over or are missing.
 struct FoundFiles {
   std::vector<std::string> paths;
-  bool siblings = false;  // the input is one file; `paths` are all DICOM files of its folder, of any series
+  bool is_single_input = false;  // if so, `paths` are all DICOM files of its folder, of any series
   std::string note;
 };
 // Throws ReadError if a folder or a DICOMDIR has no DICOM files.
@@ -143,10 +143,11 @@ struct Slice {
 struct Series {
   isoextract_plugin::Grid grid;
   std::vector<std::vector<Slice>> volumes;
-  std::vector<double> places;  // resampled: for each z index of the grid, the slice index with a fraction; else empty
-  bool converts = false;       // samples become float or double by each slice's slope and intercept (see set_scale)
-  std::string problem;         // why the samples cannot be read; empty if they can
-  bool is_uneven = false;      // the problem is that slice distances differ
+  std::vector<double>
+      slice_positions;     // resampled: for each z index of the grid, the slice index with a fraction; else empty
+  bool converts = false;   // samples become float or double by each slice's slope and intercept (see set_scale)
+  std::string problem;     // why the samples cannot be read; empty if they can
+  bool is_uneven = false;  // the problem is that slice distances differ
   std::vector<std::string> notes;
 };
 
@@ -159,7 +160,7 @@ std::vector<Series> make_series(const std::vector<std::shared_ptr<const Object>>
 struct Line {
   Vector origin{}, step{};
   std::size_t count = 0;
-  std::vector<double> places;  // as Series::places
+  std::vector<double> slice_positions;  // as Series::slice_positions
   std::string problem;
   bool is_uneven = false;  // the problem is that distances differ
   std::string note;
@@ -214,7 +215,7 @@ class SegmentationGrids {
   Vector origin_{}, step_{};
   std::uint64_t slices_ = 0;
   std::vector<std::vector<std::uint32_t>> grid_segments_;  // for each grid: indices in object_->segments
-  std::size_t label_maps_ = 0;                             // number of label maps, which are first in `grids`
+  std::size_t label_map_count_ = 0;                        // label maps are first in `grids`
 };
 
 // Converts RecommendedDisplayCIELabValue (three 16-bit numbers) to sRGB, each from 0 to 1.

@@ -22,16 +22,16 @@ void read_segments(const gdcm::DataSet& data, const std::string& character_set, 
   if (object.segmentation == Segmentation::none) {
     throw ReadError("expected a segmentation of type BINARY, FRACTIONAL or LABELMAP, found " + type);
   }
-  object.segments_exclude = text_of(data, gdcm::Tag(0x0062, 0x0013)) == "NO";
+  object.segments_are_disjoint = text_of(data, gdcm::Tag(0x0062, 0x0013)) == "NO";
   if (object.segmentation == Segmentation::fractional)
-    object.full_fraction = std::max(1U, short_of(data, gdcm::Tag(0x0062, 0x000e)).value_or(255));
+    object.full_fraction = std::max(1U, uint16_of(data, gdcm::Tag(0x0062, 0x000e)).value_or(255));
   const Items items(data, gdcm::Tag(0x0062, 0x0002));
   for (std::size_t i = 0; i < items.size(); ++i) {
     Segment segment;
-    segment.number = short_of(items[i], gdcm::Tag(0x0062, 0x0004)).value_or(static_cast<std::uint32_t>(i + 1));
+    segment.number = uint16_of(items[i], gdcm::Tag(0x0062, 0x0004)).value_or(static_cast<std::uint32_t>(i + 1));
     segment.label.value = segment.number;
     segment.label.name = text_of(items[i], gdcm::Tag(0x0062, 0x0005), character_set);
-    if (const auto lab = shorts_of(items[i], gdcm::Tag(0x0062, 0x000d)); lab.size() == 3) {
+    if (const auto lab = uint16s_of(items[i], gdcm::Tag(0x0062, 0x000d)); lab.size() == 3) {
       segment.label.color = srgb_of_dicom_lab({double(lab[0]), double(lab[1]), double(lab[2])});
       segment.label.has_color = true;
     }
@@ -147,7 +147,7 @@ std::vector<std::vector<std::uint32_t>> SegmentationGrids::layers(const isoextra
   const std::size_t count = object_->segments.size();
   std::vector<std::uint32_t> all(count);
   std::iota(all.begin(), all.end(), 0U);
-  if (object_->segmentation == Segmentation::label_map || object_->segments_exclude || count == 1) return {all};
+  if (object_->segmentation == Segmentation::label_map || object_->segments_are_disjoint || count == 1) return {all};
 
   std::vector<std::set<std::uint32_t>> overlapped(count);
   isoextract_plugin::HostMemory memory(host);
@@ -207,7 +207,7 @@ void SegmentationGrids::add_grids(const std::vector<std::vector<std::uint32_t>>&
     grids.push_back(std::move(grid));
     grid_segments_.push_back(layer);
   }
-  label_maps_ = grids.size();
+  label_map_count_ = grids.size();
   if (layers.size() > 1)
     note = "segments overlap, so the reader makes label maps of them in " + std::to_string(layers.size()) + " grids";
   if (object.segmentation != Segmentation::fractional) return;
@@ -226,7 +226,7 @@ isoextract_plugin::ReadFacts SegmentationGrids::read(std::size_t index, const is
                                                      const isoextract_plugin_host& host) const {
   const Grid& grid = grids[index];
   const auto& segments = grid_segments_[index];
-  const bool copies = index >= label_maps_ || object_->segmentation == Segmentation::label_map;
+  const bool copies = index >= label_map_count_ || object_->segmentation == Segmentation::label_map;
   const bool is_label_map = object_->segmentation == Segmentation::label_map;
   const std::uint64_t samples = selection.count[0] * selection.count[1] * selection.count[2];
   std::memset(selection.box, 0,

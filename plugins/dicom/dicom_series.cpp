@@ -247,7 +247,7 @@ class Splitter {
       series.is_uneven = line.is_uneven;
     }
     if (!line.note.empty()) series.notes.push_back(line.note);
-    series.places = std::move(line.places);
+    series.slice_positions = std::move(line.slice_positions);
     grid.dims[2] = line.count;
     grid.index_to_world = index_to_world(shape, line.origin, line.step);
     grid.world_space = "left-posterior-superior";
@@ -274,7 +274,7 @@ class Splitter {
       }
     }
     isoextract_plugin::Grid& grid = series.grid;
-    series.converts = differs || !series.places.empty();
+    series.converts = differs || !series.slice_positions.empty();
     if (series.converts) {
       const bool wide = isoextract_plugin::sample_size(grid.sample_type) >= 4;
       grid.sample_type = wide ? ISOEXTRACT_F64 : ISOEXTRACT_F32;

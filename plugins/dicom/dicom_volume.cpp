@@ -99,7 +99,7 @@ void read_between(SliceReader& reader, const Series& series, const isoextract_vo
   T* to = static_cast<T*>(selection.box);
   for (std::uint64_t z = 0; z < selection.count[2]; ++z) {
     isoextract_plugin::check_cancelled(host);
-    const double at = series.places[selection.first[2] + z];
+    const double at = series.slice_positions[selection.first[2] + z];
     const auto below = static_cast<std::size_t>(at);
     const double part = at - static_cast<double>(below);
     if (part == 0) {
@@ -146,13 +146,13 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
     const std::vector<Slice>& slices = series.volumes[selection.volume];
     HostMemory memory(host);
     const std::uint64_t frame = slices.front().object->pixels.samples() * 8;
-    memory.take(3 * frame + (series.places.empty() ? 0 : 16 * selection.count[0] * selection.count[1]));
+    memory.take(3 * frame + (series.slice_positions.empty() ? 0 : 16 * selection.count[0] * selection.count[1]));
     SliceReader reader(series, slices);
     ReadFacts facts;
     facts.parts = slices.size();
     if (grids.size() > 1) facts.note = joined(series.notes);
     const std::int32_t type = isoextract_plugin::selected_type(series.grid, selection);
-    if (!series.places.empty()) {
+    if (!series.slice_positions.empty()) {
       if (type == ISOEXTRACT_F64)
         read_between<double>(reader, series, selection, host, facts);
       else
@@ -176,7 +176,7 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
     namespace fs = std::filesystem;
     Objects objects;
     std::string series;
-    if (found.siblings) {
+    if (found.is_single_input) {
       const auto object = read_object(request.path, host);
       if (object == nullptr) throw ReadError("expected a DICOM object with pixels, found no pixels");
       objects.push_back(object);
@@ -189,24 +189,24 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
     for (const std::string& path : found.paths) {
       isoextract_plugin::check_cancelled(host);
       std::error_code error;
-      if (found.siblings && fs::equivalent(path, request.path, error)) continue;
+      if (found.is_single_input && fs::equivalent(path, request.path, error)) continue;
       std::shared_ptr<const Object> object;
       try {
         object = read_object(path, host);
       } catch (const ReadError& problem) {
         const fs::path shown = fs::path(path).lexically_relative(request.path);
-        throw ReadError((found.siblings || shown.empty() ? fs::path(path).filename() : shown).string() + ": " +
+        throw ReadError((found.is_single_input || shown.empty() ? fs::path(path).filename() : shown).string() + ": " +
                         problem.what());
       }
       if (object == nullptr) {
         ++without_pixels;
-      } else if (!found.siblings || object->series_uid == series) {
+      } else if (!found.is_single_input || object->series_uid == series) {
         objects.push_back(object);
       }
-      if (path != request.path && object != nullptr && (!found.siblings || object->series_uid == series))
+      if (path != request.path && object != nullptr && (!found.is_single_input || object->series_uid == series))
         files.push_back(path);
     }
-    if (without_pixels > 0 && !found.siblings)
+    if (without_pixels > 0 && !found.is_single_input)
       notes.push_back("the reader skips " + std::to_string(without_pixels) +
                       (without_pixels == 1 ? " object" : " objects") + " without pixels");
     return objects;

@@ -40,7 +40,7 @@ inline void silence_vtk() {
 
 // Returns the sentence of VTK's first message "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n", or
 // "Generic Warning: In file.cxx, line 12\nsentence\n\n"; "the file is damaged" if it is empty.
-inline std::string last_sentence(const std::string& complaint) {
+inline std::string first_sentence(const std::string& complaint) {
   const std::size_t place = complaint.find(": In ");
   std::size_t at = place == std::string::npos ? place : complaint.find('\n', place);
   at = at == std::string::npos ? 0 : at + 1;

@@ -31,7 +31,7 @@
 
 namespace {
 
-using isoextract_vtk::last_sentence;
+using isoextract_vtk::first_sentence;
 using isoextract_vtk::silence_vtk;
 using isoextract_vtk::vtk_messages;
 
@@ -93,7 +93,7 @@ vtkSmartPointer<vtkPointSet> read_points(const char* path) {
   } else {
     read(vtkSmartPointer<vtkXMLUnstructuredGridReader>::New());
   }
-  if (!vtk_messages().empty()) throw PluginError("VTK cannot read the file: " + last_sentence(vtk_messages()));
+  if (!vtk_messages().empty()) throw PluginError("VTK cannot read the file: " + first_sentence(vtk_messages()));
   if (points == nullptr) throw PluginError("expected an unstructured grid or poly data of VTK, found neither");
   return points;
 }

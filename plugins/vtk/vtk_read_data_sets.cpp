@@ -49,7 +49,7 @@ void add_leaves(vtkDataObject* output, DataSets& data) {
 }
 
 void check_messages() {
-  if (!vtk_messages().empty()) throw ReadError("VTK cannot read the file: " + last_sentence(vtk_messages()));
+  if (!vtk_messages().empty()) throw ReadError("VTK cannot read the file: " + first_sentence(vtk_messages()));
 }
 
 template <class Reader>

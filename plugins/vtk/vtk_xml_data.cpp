@@ -53,7 +53,7 @@ XmlDocument::XmlDocument(const std::string& path) : file_(path), parser_(vtkSmar
   parser_->SetStream(nullptr);
   if (!parsed || parser_->GetRootElement() == nullptr) {
     throw ReadError("expected XML of VTK, found an error in it" +
-                    (vtk_messages().empty() ? std::string() : ": " + last_sentence(vtk_messages())));
+                    (vtk_messages().empty() ? std::string() : ": " + first_sentence(vtk_messages())));
   }
   vtkXMLDataElement* top = root();
   if (top->GetName() == nullptr || std::string(top->GetName()) != "VTKFile") {

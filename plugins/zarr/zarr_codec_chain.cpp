@@ -171,7 +171,7 @@ void set_v2_codecs(const Json& metadata, ArrayMetadata& array) {
     const Json& compressor = member(metadata, "compressor");
     if (!compressor.is_null()) add_codec(codec_name(compressor, "id"), compressor, array.pipeline);
   } catch (const NotSupported& found) {
-    array.problem = found.what;
+    array.unsupported_feature = found.what;
   }
 }
 
@@ -180,7 +180,7 @@ void set_v3_codecs(const Json& codecs, ArrayMetadata& array) {
     array.pipeline = pipeline_of(codecs, array.type, array.shape.size(), &array.sharding);
     if (array.sharding) check_inner_chunks(array);
   } catch (const NotSupported& found) {
-    array.problem = found.what;
+    array.unsupported_feature = found.what;
     array.sharding.reset();
   }
 }

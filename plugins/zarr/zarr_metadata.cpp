@@ -242,12 +242,12 @@ ArrayMetadata parse_v2_array(const Json& metadata, const Json& attributes) {
   const bool has_order = !text.empty() && std::string_view("<>|=").find(text.front()) != std::string_view::npos;
   array.type = type_called(has_order ? std::string_view(text).substr(1) : std::string_view(text), &TypeName::v2, type);
   array.pipeline.is_big_endian = has_order && text.front() == '>';
-  if (array.type.kind == DataType::Kind::other) array.problem = "elements of the type " + array.type.name;
+  if (array.type.kind == DataType::Kind::other) array.unsupported_feature = "elements of the type " + array.type.name;
   check_shapes(array);
   array.fill = fill_of(member(metadata, "fill_value"), array.type);
   array.separator = text_of(member(metadata, "dimension_separator")) == "/" ? '/' : '.';
   array.dimension_names = names_of(member(attributes, "_ARRAY_DIMENSIONS"), array.shape.size());
-  if (array.problem.empty()) set_v2_codecs(metadata, array);
+  if (array.unsupported_feature.empty()) set_v2_codecs(metadata, array);
   return array;
 }
 
@@ -261,7 +261,7 @@ ArrayMetadata parse_v3_array(const Json& metadata) {
   array.chunk = counts_of(member(member(grid, "configuration"), "chunk_shape"), "the shape of chunks");
   const Json& type = member(metadata, "data_type");
   array.type = type_called(text_of(type), &TypeName::v3, type);
-  if (array.type.kind == DataType::Kind::other) array.problem = "elements of the type " + array.type.name;
+  if (array.type.kind == DataType::Kind::other) array.unsupported_feature = "elements of the type " + array.type.name;
   check_shapes(array);
   array.fill = fill_of(member(metadata, "fill_value"), array.type);
   const Json& encoding = member(metadata, "chunk_key_encoding");
@@ -271,8 +271,8 @@ ArrayMetadata parse_v3_array(const Json& metadata) {
     array.separator = separator == "." ? '.' : '/';
   } else if (member(encoding, "name") == "v2") {
     array.separator = separator == "/" ? '/' : '.';
-  } else if (array.problem.empty()) {
-    array.problem = "chunk keys in the encoding " + shown_json(member(encoding, "name"));
+  } else if (array.unsupported_feature.empty()) {
+    array.unsupported_feature = "chunk keys in the encoding " + shown_json(member(encoding, "name"));
   }
   array.dimension_names = names_of(member(metadata, "dimension_names"), array.shape.size());
   if (array.dimension_names.empty()) {
@@ -280,8 +280,9 @@ ArrayMetadata parse_v3_array(const Json& metadata) {
   }
   // An extension that a reader must understand.
   const Json& transformers = member(metadata, "storage_transformers");
-  if (transformers.is_array() && !transformers.empty() && array.problem.empty()) array.problem = "storage transformers";
-  if (array.problem.empty()) set_v3_codecs(member(metadata, "codecs"), array);
+  if (transformers.is_array() && !transformers.empty() && array.unsupported_feature.empty())
+    array.unsupported_feature = "storage transformers";
+  if (array.unsupported_feature.empty()) set_v3_codecs(member(metadata, "codecs"), array);
   return array;
 }
 

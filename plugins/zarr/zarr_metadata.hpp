@@ -42,7 +42,7 @@ struct ArrayMetadata {
   Pipeline pipeline;
   std::optional<Sharding> sharding;
   std::vector<std::string> dimension_names;  // as many as there are axes, or none
-  std::string problem;                       // the feature that prevents reading: "the codec 'zfp'"; else empty
+  std::string unsupported_feature;           // "the codec 'zfp'"; empty if there is none
 
   // Returns the key of a chunk below the array's path.
   [[nodiscard]] std::string chunk_key(const std::vector<std::uint64_t>& chunk_index) const;
@@ -51,7 +51,7 @@ struct ArrayMetadata {
 };
 
 // Parses the metadata of an array. Throws if they are not valid; codecs and types that are not supported only set
-// `problem`.
+// `unsupported_feature`.
 [[nodiscard]] ArrayMetadata parse_v2_array(const Json& metadata, const Json& attributes);
 [[nodiscard]] ArrayMetadata parse_v3_array(const Json& metadata);
 

@@ -246,7 +246,8 @@ class BoxReader {
 
 ChunkCount read_box(const Store& store, const Array& array, const ArrayBox& box, const Conversion& conversion, void* to,
                     const isoextract_plugin_host& host) {
-  if (!array.metadata.problem.empty()) throw ReadError("expected an array without " + array.metadata.problem);
+  if (!array.metadata.unsupported_feature.empty())
+    throw ReadError("expected an array without " + array.metadata.unsupported_feature);
   return BoxReader(store, array, box, conversion, to, host).read();
 }
 

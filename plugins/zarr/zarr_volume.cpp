@@ -63,7 +63,7 @@ ArrayBox box_of(const Image& image, std::uint64_t channel, std::uint64_t volume)
 
 // Returns why no surface can be extracted from an image; empty if one can.
 std::string problem_of(const Image& image) {
-  std::string problem = image.array.metadata.problem;
+  std::string problem = image.array.metadata.unsupported_feature;
   for (std::size_t i = 0; problem.empty() && i < image.axes.size(); ++i) {
     if (image.axes[i].kind != Axis::Kind::other || image.array.metadata.shape[i] == 1) continue;
     const std::string& name = image.axes[i].name;

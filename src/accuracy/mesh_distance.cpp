@@ -57,7 +57,7 @@ class Direction {
 
   // Returns the peak memory, with the tree of B and with the samples, which outlive this object.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options) {
-    return mesh::TriangleTree::bytes(b.triangles.size()) + triangles_in_both_bytes(a, b) +
+    return mesh::TriangleTree::bytes(b.triangles.size()) + common_triangles_bytes(a, b) +
            mesh::GreatestDistanceSearch::bytes(a.positions.size(), a.triangles.size()) +
            options.samples * (4 * sizeof(double) + sizeof(glm::dvec3));
   }

@@ -162,9 +162,9 @@ bool BatchRun::State::begin_on_manifest(std::size_t frame) {
   if (!manifest) return true;
   const std::string job = convert::hash_of(batch.frames[frame].job);
   const std::lock_guard lock(mutex);
-  auto begun = manifest->begin(job);
-  if (!begun) fatal_error = begun.error();
-  return begun.has_value();
+  auto revoked = manifest->revoke(job);
+  if (!revoked) fatal_error = revoked.error();
+  return revoked.has_value();
 }
 
 bool BatchRun::State::finished(std::size_t frame, const convert::Outcome& outcome) {

@@ -366,12 +366,12 @@ Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inp
 
 bool knows_inputs(const FrameRecord& record, const FrameJob& frame) { return !record.inputs.empty() || is_demo(frame); }
 
-std::string find_changed_file(const FrameRecord& record) {
+std::string changed_file_message(const FrameRecord& record) {
   std::string changed = first_changed_file(record.inputs, true);
   return changed.empty() ? first_changed_file(record.outputs, false) : changed;
 }
 
-std::string find_added_input(const FrameRecord& record, const FrameJob& frame) {
+std::string added_input_message(const FrameRecord& record, const FrameJob& frame) {
   const auto parts = input_parts(frame, Context());
   if (!parts) return "the run cannot list its inputs";
   for (const files::FilePart& part : *parts) {
@@ -385,8 +385,8 @@ std::string find_added_input(const FrameRecord& record, const FrameJob& frame) {
 std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame) {
   if (record.job != convert::hash_of(frame.job)) return "its options have changed";
   if (!knows_inputs(record, frame)) return "its record lists no inputs";
-  std::string changed = find_changed_file(record);
-  return changed.empty() ? find_added_input(record, frame) : changed;
+  std::string changed = changed_file_message(record);
+  return changed.empty() ? added_input_message(record, frame) : changed;
 }
 
 convert::Json json_of(const FrameRecord& record) {

@@ -92,7 +92,7 @@ struct FrameRecord {
 // Returns a message about an input of the frame that exists now but not in the record, such as the file of an optional
 // attribute: "h_03.npy is new". Also returns a message if the inputs cannot be listed, or if the frame has moved within
 // its file. Otherwise returns an empty text.
-[[nodiscard]] std::string find_added_input(const FrameRecord& record, const FrameJob& frame);
+[[nodiscard]] std::string added_input_message(const FrameRecord& record, const FrameJob& frame);
 
 // Returns whether the record lists the inputs; true for a demo field, which has none. False if they could not be hashed
 // before the conversion.
@@ -101,11 +101,11 @@ struct FrameRecord {
 // Returns a message about the first file of the record that has changed or cannot be read: "in.vdb has changed". Empty
 // if there is none. Compares the recorded bytes of all files, and the modification time of inputs recorded as whole
 // files.
-[[nodiscard]] std::string find_changed_file(const FrameRecord& record);
+[[nodiscard]] std::string changed_file_message(const FrameRecord& record);
 
-// Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if the job is unchanged,
-// find_changed_file() finds no change, and find_added_input() finds no added input. A record without inputs counts as
-// changed, except for demo fields.
+// Returns why a recorded frame must be converted again: "in.vdb has changed". Empty if the job is unchanged and
+// changed_file_message() and added_input_message() are empty. A record without inputs counts as changed, except for
+// demo fields.
 [[nodiscard]] std::string reason_to_reconvert(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);

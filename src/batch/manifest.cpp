@@ -293,7 +293,7 @@ const FrameRecord* Manifest::find(const std::string& job) const {
   return !state_->resume || place == state_->records.end() ? nullptr : &place->second;
 }
 
-Result<void> Manifest::begin(const std::string& job) {
+Result<void> Manifest::revoke(const std::string& job) {
   return state_->records.erase(job) == 0 ? Result<void>() : state_->append(line_of(revocation_json(job)));
 }
 

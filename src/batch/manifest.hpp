@@ -63,10 +63,10 @@ class Manifest {
   // Opens or creates the manifest in `folder` and locks it. Also locks the folder: shared for a run of one shard,
   // exclusive for a run without shards.
   //
-  // Keeps the records that this version of the program wrote; begin() revokes them one by one. A shard's manifest holds
-  // one batch: if the file is of another batch, only the records of `jobs` (the hashes of this run's jobs) stay. With
-  // `resume`, takes over the records of `jobs` from other manifests in the folder, so that a run with another number of
-  // shards can resume.
+  // Keeps the records that this version of the program wrote; revoke() removes them one by one. A shard's manifest
+  // holds one batch: if the file is of another batch, only the records of `jobs` (the hashes of this run's jobs) stay.
+  // With `resume`, takes over the records of `jobs` from other manifests in the folder, so that a run with another
+  // number of shards can resume.
   //
   // Fails with ErrorCode::output if the file cannot be read or written, if it is no manifest, or if another run holds
   // the lock.
@@ -82,7 +82,7 @@ class Manifest {
   // save memory, records that this run adds are on disk only.
   [[nodiscard]] const FrameRecord* find(const std::string& job) const;
   // Revokes the job's earlier record. Call before the job's outputs are overwritten. Fails with ErrorCode::output.
-  [[nodiscard]] Result<void> begin(const std::string& job);
+  [[nodiscard]] Result<void> revoke(const std::string& job);
   // Appends a record. Fails with ErrorCode::output.
   [[nodiscard]] Result<void> add(const FrameRecord& record);
   // Removes the manifest of a whole batch if this run created it and no frame was finished. The manifest of a shard

@@ -105,7 +105,7 @@ void add_joined_records(const ManifestHeader& header, const JoinedManifest& join
   std::map<std::int64_t, FrameRecord> filled = found;
   for (const std::int64_t number : range->numbers()) {
     const FrameRecord* const record = filled.contains(number) ? nullptr : joined.last_of(number);
-    if (record == nullptr || (wanted == Wanted::unchanged && !find_changed_file(*record).empty())) continue;
+    if (record == nullptr || (wanted == Wanted::unchanged && !changed_file_message(*record).empty())) continue;
     filled.emplace(number, *record);
   }
   std::vector<FrameHash> frames;
@@ -255,8 +255,8 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
     for (FrameRecord& record : content.records) {
       // A later run without shards may have converted the frame again.
       const FrameRecord* const other = joined.find(record.job);
-      const bool is_old = other != nullptr && *other != record && !find_changed_file(record).empty();
-      if (is_old && find_changed_file(*other).empty()) record = *other;
+      const bool is_old = other != nullptr && *other != record && !changed_file_message(record).empty();
+      if (is_old && changed_file_message(*other).empty()) record = *other;
       TRY(check_outputs(record));
       const std::int64_t frame = record.frame;
       if (!found.emplace(frame, std::move(record)).second) {

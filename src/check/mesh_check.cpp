@@ -35,7 +35,7 @@ Result<void> find_coincident_vertices(const mesh::Mesh& mesh, const Context& con
   check.repeated_vertices = places.repeated();
   if (check.repeated_vertices == 0 || check.topology.open_edges == 0) return {};
   const auto copy = TRY(context.reserve(mesh.positions.size_bytes() + mesh.triangles.size_bytes(), what));
-  check.joined = TRY(mesh::measure_topology(with_joined_triangles(mesh, places), context));
+  check.welded = TRY(mesh::measure_topology(with_joined_triangles(mesh, places), context));
   return {};
 }
 

@@ -25,7 +25,7 @@ struct MeshCheck {
   std::uint64_t repeated_vertices = 0;  // vertices with the coordinates of an earlier vertex
   mesh::Topology topology;
   // The topology after welding repeated_vertices; absent if the mesh has no repeated vertices or no open edges.
-  std::optional<mesh::Topology> joined;
+  std::optional<mesh::Topology> welded;
   mesh::MeshSize size;
   mesh::Bounds bounds;  // of the vertices that triangles use
   std::vector<BoundaryLoop> loops;

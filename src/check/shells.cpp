@@ -129,7 +129,7 @@ mesh::Facing facing_of(const Component& component) {
 
 Shell shell_of(const Component& component) {
   if (!component.has_inside()) return component.shell;
-  if (component.within % 2 == 0) return component.volume < 0 ? Shell::inside_out : Shell::body;
+  if (component.enclosing_shells % 2 == 0) return component.volume < 0 ? Shell::inside_out : Shell::body;
   return component.volume < 0 ? Shell::cavity : Shell::nested;
 }
 
@@ -165,7 +165,7 @@ Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const
     if (all.size() - std::ranges::count(question.facing, mesh::Facing::open) > 1) {
       const auto surroundings = TRY(find_enclosing_shells(mesh, components, question, context));
       for (std::size_t c = 0; c < all.size(); ++c) {
-        all[c].within = static_cast<std::uint32_t>(surroundings[c].around.size());
+        all[c].enclosing_shells = static_cast<std::uint32_t>(surroundings[c].around.size());
       }
     }
     for (Component& component : all) component.shell = shell_of(component);

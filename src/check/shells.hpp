@@ -50,7 +50,7 @@ struct Component {
   mesh::Bounds bounds;
   std::optional<std::int64_t> genus;  // absent if an edge or a vertex is non-manifold or an edge is misoriented
   Shell shell = Shell::open;
-  std::uint32_t within = 0;  // number of other shells that enclose it; 0 without an inside
+  std::uint32_t enclosing_shells = 0;  // number of other shells; 0 without an inside
 
   [[nodiscard]] bool has_inside() const { return shell != Shell::open && shell != Shell::not_oriented; }
 };

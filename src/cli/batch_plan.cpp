@@ -276,7 +276,7 @@ bool is_batch(const ConvertFlags& flags) {
   return is_frame_pattern(inputs.front());
 }
 
-void join_files(std::vector<std::string>& inputs) {
+void name_volume_of_files(std::vector<std::string>& inputs) {
   inputs = batch::without_sample_files(inputs);
   if (auto volume = batch::find_one_volume(inputs)) inputs = {std::move(*volume)};
 }

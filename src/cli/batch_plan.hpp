@@ -59,7 +59,7 @@ struct BatchPlan {
 
 // Replaces several files that are one volume, such as slices/*.png listed by a shell, by the header, the pattern or the
 // folder that names the volume (batch::without_sample_files() and batch::find_one_volume()).
-void join_files(std::vector<std::string>& inputs);
+void name_volume_of_files(std::vector<std::string>& inputs);
 
 // Plans the batch. `environment` is std::getenv, or a replacement in tests. plan_batch() asks it for the variables of
 // job schedulers: for --shard auto, or without --shard for a note. Fails with ErrorCode::usage if options are invalid

@@ -73,7 +73,7 @@ void BatchProgress::failed(const batch::FrameRow& row, const Error& error, const
   bar_->above([&] { messages_.error(named); });
 }
 
-void BatchProgress::tell_folded() {
+void BatchProgress::print_repeated_reasons() {
   for (auto& [reason, frames] : reasons_) {
     if (frames.size() == 1) continue;
     const std::int64_t first = frames.front();
@@ -146,7 +146,7 @@ void BatchProgress::end(const FrameCounts& counts, std::span<const batch::RankWo
     line(event);
     return;
   }
-  tell_folded();
+  print_repeated_reasons();
   tell_remarks();
   std::string text = fmt::format("{} of {} frames done", counts.done, frames_);
   if (counts.kept > 0) text += fmt::format(", {} kept from an earlier run", counts.kept);

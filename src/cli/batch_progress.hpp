@@ -61,7 +61,7 @@ class BatchProgress {
 
  private:
   void line(const convert::Json& event);
-  void tell_folded();
+  void print_repeated_reasons();
   void tell_remarks();
   void tell_ranks(std::span<const batch::RankWork> ranks) const;
 

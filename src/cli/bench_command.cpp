@@ -225,7 +225,7 @@ class BenchCommand final : public CommandOf<BenchFlags> {
   BenchCommand() : CommandOf({"bench", "[INPUT...] [options]", "Measure error against run time, method by method."}) {}
 
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
-    choose_process(flags().input);
+    apply_in_process(flags().input);
     const MessageChoice shown = TRY(plan_messages(flags().run));
     const BenchPlan plan = TRY(plan_bench(flags()));
     if (!plan.gpu_threads) {

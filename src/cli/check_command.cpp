@@ -86,7 +86,7 @@ Result<void> meet_requirements(const CheckReport& report) {
     if (std::ranges::find(found, *why) == found.end()) found.push_back(*why);
   }
   if (words.empty()) return {};
-  const auto& joined = report.whole.joined;
+  const auto& joined = report.whole.welded;
   const bool would_close = joined && joined->open_edges == 0 && report.whole.topology.open_edges > 0;
   return fail(ErrorCode::verification,
               fmt::format("{}: the mesh fails {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),

@@ -53,7 +53,7 @@ class Findings {
 
   void tell_boundaries() {
     const auto& topology = check_.topology;
-    if (topology.open_edges > 0 && check_.joined && check_.joined->open_edges == 0) {
+    if (topology.open_edges > 0 && check_.welded && check_.welded->open_edges == 0) {
       slicer("It welds vertices at equal positions, which closes the mesh; --weld reports on the welded mesh.");
       engine("It keeps vertices at equal positions apart: seams of colors, textures or normals.");
     } else if (topology.open_edges > 0) {

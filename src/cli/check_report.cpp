@@ -62,10 +62,10 @@ std::string closed_line(const MeshCheck& check) {
   if (check.loops.empty()) return text;
   const BoundaryLoop& loop = check.loops[longest_loops(check, 1).front()];
   text += fmt::format("; the longest has {} edges and length {:.6g}", loop.edges, loop.length);
-  if (check.joined) {
-    text += check.joined->open_edges == 0
+  if (check.welded) {
+    text += check.welded->open_edges == 0
                 ? fmt::format("; closed after welding {} vertices at equal positions", check.repeated_vertices)
-                : fmt::format("; {} open edges after welding {} vertices at equal positions", check.joined->open_edges,
+                : fmt::format("; {} open edges after welding {} vertices at equal positions", check.welded->open_edges,
                               check.repeated_vertices);
   }
   return text;
@@ -144,10 +144,11 @@ void add_components(NamedLines& lines, const MeshCheck& check) {
   const auto rows = largest_components(check, kRowsOfText);
   for (const std::size_t row : rows) {
     const Component& component = check.components[row];
-    lines.plain(fmt::format(
-        "  {:>10} {:>10} {:>8} {:>12.6g} {:>12} {:>6} {:>6}  {}", row, component.triangles, component.loops,
-        component.area, component.has_inside() ? fmt::format("{:.6g}", component.volume) : "-",
-        component.genus ? fmt::format("{}", *component.genus) : "-", component.within, word_of(component.shell)));
+    lines.plain(fmt::format("  {:>10} {:>10} {:>8} {:>12.6g} {:>12} {:>6} {:>6}  {}", row, component.triangles,
+                            component.loops, component.area,
+                            component.has_inside() ? fmt::format("{:.6g}", component.volume) : "-",
+                            component.genus ? fmt::format("{}", *component.genus) : "-", component.enclosing_shells,
+                            word_of(component.shell)));
   }
   if (check.components.size() > rows.size()) {
     lines.plain(fmt::format("  and {} smaller components", check.components.size() - rows.size()));
@@ -183,7 +184,7 @@ Json bounds_json(const mesh::Bounds& bounds) { return convert::json_of(field::Bo
 Json component_json(const Component& component, std::size_t number) {
   Json json{{"component", number},
             {"shell", word_of(component.shell)},
-            {"within", component.within},
+            {"within", component.enclosing_shells},
             {"vertices", component.vertices},
             {"triangles", component.triangles}};
   json.update(edges_json(component.edges));
@@ -234,10 +235,10 @@ Json mesh_json(const MeshCheck& check) {
     components.push_back(component_json(check.components[row], row));
   }
   Json joined = nullptr;
-  if (check.joined) {
-    joined = edges_json({check.joined->open_edges, check.joined->nonmanifold_edges, check.joined->misoriented_edges,
-                         check.joined->nonmanifold_vertices});
-    joined["components"] = check.joined->components;
+  if (check.welded) {
+    joined = edges_json({check.welded->open_edges, check.welded->nonmanifold_edges, check.welded->misoriented_edges,
+                         check.welded->nonmanifold_vertices});
+    joined["components"] = check.welded->components;
   }
   Json json{{"vertices", check.vertices},
             {"triangles", check.triangles},

@@ -52,7 +52,7 @@ std::string closed_or_open_text(const convert::WrittenOutput& output, const conv
   const bool of_one_field = std::ranges::all_of(
       output.surfaces, [&](const auto& part) { return part.label == output.surfaces.front().label; });
   for (const auto& [surface, end] : surfaces) {
-    if (!end.counted && end.at_data_boundary) closed = false;
+    if (!end.needs_count && end.at_data_boundary) closed = false;
     const bool cut_at_clip = end.cut && !job.source.clip.empty();
     if (end.at_data_boundary || (end.cut && !cut_at_clip)) {
       at_boundary.push_back(fmt::format("{}{}", of_one_field ? "" : surface.first + " iso ", surface.second.text()));

@@ -434,8 +434,8 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
 
  private:
   Result<int> run_configured(const std::vector<std::string>& arguments) {
-    choose_process(flags().input);
-    if (!flags().batch.any_set() && !flags().heightfield && !flags().masks) join_files(flags().input.inputs);
+    apply_in_process(flags().input);
+    if (!flags().batch.any_set() && !flags().heightfield && !flags().masks) name_volume_of_files(flags().input.inputs);
     auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_convert(flags(), arguments);
     if (!done && done.error().code == ErrorCode::usage && flags().config) {
       done.error().message += fmt::format(" (some options come from {})", printable(*flags().config));

@@ -67,7 +67,7 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, mesh_io::MeshFo
 }
 
 std::string_view format_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
-  const std::string_view other = other_extension(flags);
+  const std::string_view other = non_mesh_extension(flags);
   return other.empty() ? format.name : other;
 }
 
@@ -80,7 +80,7 @@ Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFor
                                                               : "mesh"),
                         "give -o FILE, or -o - --format FORMAT for stdout");
   }
-  const bool is_mesh = other_extension(flags).empty();
+  const bool is_mesh = non_mesh_extension(flags).empty();
   if (flags.output != "-" || format.can_stream || !is_mesh) return {};
   return refuse_usage(fmt::format("isoextract cannot write {} to stdout", format.name),
                       format.format == mesh_io::MeshFormat::gltf ? "gltf consists of two files; use --format glb"
@@ -168,7 +168,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   if (flags.ascii && format == mesh_io::MeshFormat::obj) {
     return refuse_usage("--ascii applies to ply and stl only, found obj, which is always text", "leave --ascii out");
   }
-  if (flags.ascii && !info.has_ascii) {
+  if (flags.ascii && !info.has_text_option) {
     return refuse_usage(fmt::format("--ascii applies to ply and stl only, found {}", info.name),
                         "leave --ascii out, or write ply or stl");
   }
@@ -276,7 +276,7 @@ std::vector<convert::ConversionJob> plan_named_files(const ConvertFlags& flags) 
     job.file = convert::MeshFileOptions{format};
     const batch::OutputSource source{1,          input, flags.input.grid().value_or(""),
                                      flags.isos, true,  flags.input.more_grids()};
-    auto named = batch::name_outputs_unchecked({&source, 1}, flags.output, format, other_extension(flags));
+    auto named = batch::name_outputs_unchecked({&source, 1}, flags.output, format, non_mesh_extension(flags));
     if (named) job.outputs = std::move(named->front());
     if (flags.output) job.outputs.push_back({*flags.output, {}});
   }

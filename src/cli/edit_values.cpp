@@ -36,7 +36,7 @@ std::optional<Measure> measure_of(std::string_view text) {
 
 }  // namespace
 
-Result<convert::MinComponentSize> parse_least_piece(std::string_view text) {
+Result<convert::MinComponentSize> parse_min_component_size(std::string_view text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) {
     if (const auto triangles = parse_positive_count(text)) {
@@ -132,7 +132,7 @@ Result<convert::BlurStep> parse_blur(std::string_view text) {
   constexpr std::string_view kMedian = "median:";
   if (text.starts_with(kMedian)) {
     const auto width = parse_positive_count(text.substr(kMedian.size()));
-    if (width && *width <= static_cast<std::uint64_t>(field::kMaxMedianWidth)) {
+    if (width && *width <= static_cast<std::uint64_t>(field::kMaxMedianRadius)) {
       return convert::BlurStep{convert::BlurKind::median, static_cast<double>(*width), false};
     }
   } else if (const auto sigma = measure_of(text);
@@ -144,7 +144,7 @@ Result<convert::BlurStep> parse_blur(std::string_view text) {
       fmt::format(
           "expected the standard deviation of a Gaussian, above 0 and at most {} voxels such as 1.5, or in units "
           "of the input such as 0.7world; or median:1 to median:{}, found '{}'",
-          field::kMaxBlurSigma, field::kMaxMedianWidth, text));
+          field::kMaxBlurSigma, field::kMaxMedianRadius, text));
 }
 
 }  // namespace isoextract::cli

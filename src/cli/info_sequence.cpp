@@ -98,7 +98,7 @@ FrameSummary summary_of(std::int64_t frame, const InputReport& report) {
     summary.min = report.field->statistics.min;
     summary.max = report.field->statistics.max;
   }
-  summary.passed = field::surface_range(report.field->field, report.field->statistics);
+  summary.passable = field::surface_range(report.field->field, report.field->statistics);
   summary.has_labels = report.field->labels.has_value();
   summary.is_mask = summary.has_labels && report.field->labels->map.labels.size() == 1;
   if (report.field->suggestion.separates && !summary.has_labels) {
@@ -116,8 +116,9 @@ std::optional<SequenceIso> iso_of(const SequenceReport& report) {
   if (isos.empty()) return std::nullopt;
   std::ranges::sort(isos);
   SequenceIso all{isos[(isos.size() - 1) / 2], 0};
-  all.separates = static_cast<std::size_t>(std::ranges::count_if(
-      report.frames, [&](const FrameSummary& frame) { return frame.passed && frame.passed->has_surface(all.iso); }));
+  all.separates = static_cast<std::size_t>(std::ranges::count_if(report.frames, [&](const FrameSummary& frame) {
+    return frame.passable && frame.passable->has_surface(all.iso);
+  }));
   return all;
 }
 

@@ -20,11 +20,11 @@ struct FrameSummary {
   std::string input;
   std::optional<double> min;
   std::optional<double> max;
-  std::optional<field::SurfaceRange> passed;  // the values that the surface can pass, background included
-  std::optional<double> iso;                  // the suggested value, if it separates inside from outside
-  std::string method;                         // name of the method that found `iso`
-  bool has_labels = false;                    // a label map or mask, which has no `iso`
-  bool is_mask = false;                       // has_labels, with one label only
+  std::optional<field::SurfaceRange> passable;  // the values that the surface can pass, background included
+  std::optional<double> iso;                    // the suggested value, if it separates inside from outside
+  std::string method;                           // name of the method that found `iso`
+  bool has_labels = false;                      // a label map or mask, which has no `iso`
+  bool is_mask = false;                         // has_labels, with one label only
   std::optional<Error> error;
 };
 

@@ -126,7 +126,7 @@ std::vector<std::string> split_names(std::string_view names) { return split(name
 
 std::string metavar_of(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, "|")); }
 
-Result<std::size_t> place_among(const std::vector<std::string>& words, std::string_view text) {
+Result<std::size_t> index_among(const std::vector<std::string>& words, std::string_view text) {
   const auto found = std::ranges::find(words, text);
   if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
   const std::string near = nearest_name(text, words);

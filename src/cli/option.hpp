@@ -214,7 +214,7 @@ class Option {
 // Returns "mc|mt" for {"mc", "mt"}.
 [[nodiscard]] std::string metavar_of(const std::vector<std::string>& words);
 // Returns the index of `text` in `words`. Otherwise fails with ErrorCode::usage; the hint names a similar word, if any.
-[[nodiscard]] Result<std::size_t> place_among(const std::vector<std::string>& words, std::string_view text);
+[[nodiscard]] Result<std::size_t> index_among(const std::vector<std::string>& words, std::string_view text);
 
 template <class T>
 std::vector<std::string> words_of_choices(const std::vector<Choice<T>>& choices) {
@@ -261,7 +261,7 @@ class Value : public Option, public std::optional<T> {
       : Value(
             place, names, metavar_of(words_of_choices(choices)),
             [choices](std::string_view text) -> Result<T> {
-              const std::size_t at = TRY(place_among(words_of_choices(choices), text));
+              const std::size_t at = TRY(index_among(words_of_choices(choices), text));
               return choices[at].value;
             },
             std::move(help), about, std::move(left_out)) {}

@@ -14,7 +14,7 @@ Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                      std::span<const batch::OutputSource> sources,
                                                      mesh_io::MeshFormat format, const batch::OtherFiles& others) {
   TRY(check_piece_outputs(flags, flags.output.value_or(""), mesh_io::mesh_format_info(format)));
-  return batch::name_outputs(sources, flags.output, format, other_extension(flags), others);
+  return batch::name_outputs(sources, flags.output, format, non_mesh_extension(flags), others);
 }
 
 Result<batch::OutputTemplate> plan_report_name(const std::string& report) {

@@ -54,7 +54,7 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
     return refuse_usage("--nan hole applies to samples of a volume, not to particles",
                         "use --nan outside to skip particles with NaN positions");
   }
-  options.bad =
+  options.non_finite =
       nan == extract::NanPolicy::outside ? points::NonFiniteParticles::skip : points::NonFiniteParticles::error;
   TRY(refuse_both(flags.radius, flags.radii));
   if (flags.radius) options.radius = flags.radius->radius;

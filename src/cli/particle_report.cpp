@@ -175,7 +175,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   });
   report.statistics = TRY(points::measure_statistics(file.particles, context));
   report.method = asked.particles.method;
-  asked.particles.bad = points::NonFiniteParticles::skip;
+  asked.particles.non_finite = points::NonFiniteParticles::skip;
   Stopwatch making;
   auto made = measured_field(file.particles, asked, report.notes, context);
   if (!made) {

@@ -48,7 +48,7 @@ std::string cameras_note(const convert::PictureFileOptions& picture) {
       picture.angles.look_at ? "grow" : "move");
 }
 
-std::string_view other_extension(const ConvertFlags& flags) {
+std::string_view non_mesh_extension(const ConvertFlags& flags) {
   if (const auto field = field_format(flags)) return word_of(*field);
   if (const auto particles = particle_file_format(flags)) return word_of(*particles);
   return writes_picture(flags) ? kPictureFormat : std::string_view();

@@ -28,6 +28,6 @@ inline constexpr std::string_view kPictureFormat = "png";  // also the extension
 [[nodiscard]] std::string cameras_note(const convert::PictureFileOptions& picture);
 
 // Returns the extension, without its dot, of an output that is a field, particles or a picture; empty for a mesh.
-[[nodiscard]] std::string_view other_extension(const ConvertFlags& flags);
+[[nodiscard]] std::string_view non_mesh_extension(const ConvertFlags& flags);
 
 }  // namespace isoextract::cli

@@ -244,7 +244,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags) {
   auto read = TRY(plan_read(flags.input));
   auto particles = TRY(plan_particles(flags.particles, std::nullopt));
   plan.inputs = flags.input.inputs;
-  if (!flags.frames && !flags.masks) join_files(plan.inputs);
+  if (!flags.frames && !flags.masks) name_volume_of_files(plan.inputs);
   if (flags.masks) {
     TRY(check_mask_input(flags.input, flags.masks));
     TRY(refuse_both(flags.masks, flags.frames, "masks are no sequence"));

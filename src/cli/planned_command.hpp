@@ -14,7 +14,7 @@
 
 namespace isoextract::cli {
 
-inline void choose_process(const InputFlags& input) {
+inline void apply_in_process(const InputFlags& input) {
   if (input.in_process) plugin_host::read_in_process();
 }
 
@@ -28,10 +28,10 @@ class PlannedCommand : public CommandOf<Flags> {
   Result<int> run(const std::vector<std::string>& /*arguments*/) override {
     const Flags& flags = this->flags();
     if constexpr (requires { flags.conversion; }) {
-      choose_process(flags.conversion.input);
+      apply_in_process(flags.conversion.input);
       return run_as_planned(flags, flags.conversion.run);
     } else {
-      if constexpr (requires { flags.input; }) choose_process(flags.input);
+      if constexpr (requires { flags.input; }) apply_in_process(flags.input);
       return run_as_planned(flags, flags.run);
     }
   }

@@ -47,7 +47,7 @@ Inputs sorted_inputs(const RenderFlags& flags, const MemoryBudget& memory) {
   // PLY and others may hold particles instead; then options say so.
   if (inputs.volumes.empty() && (flags.particles.method || flags.input.format))
     std::swap(inputs.volumes, inputs.meshes);
-  if (!flags.frames) join_files(inputs.volumes);
+  if (!flags.frames) name_volume_of_files(inputs.volumes);
   return inputs;
 }
 

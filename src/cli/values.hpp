@@ -80,7 +80,7 @@ struct HeightBase {
 // likely means 20G.
 [[nodiscard]] Result<std::uint64_t> parse_memory_size(std::string_view text);
 
-[[nodiscard]] Result<convert::MinComponentSize> parse_least_piece(
+[[nodiscard]] Result<convert::MinComponentSize> parse_min_component_size(
     std::string_view text);                                                          // 100, area:40, volume:5world
 [[nodiscard]] Result<HeightBase> parse_height_base(std::string_view text);           // a finite number, or none
 [[nodiscard]] Result<convert::RepairChoice> parse_repair(std::string_view text);     // 0..1000 edges of a hole

@@ -269,7 +269,7 @@ class Conversion {
       Surface piece{.asked = surface.asked,
                     .id = surface.id,
                     .mesh = std::move(pieces[i]),
-                    .end = surface.end,
+                    .open_boundary = surface.open_boundary,
                     .counts_open_edges = surface.counts_open_edges};
       TRY(run_stage(stage_info(StageName::normals), {job_, source_, maker().facts(open_), context_}, events_, piece));
       if (!into_files) {
@@ -329,7 +329,7 @@ class Conversion {
   }
 
   Result<void> add(Surface surface, OutputMeshes& file) {
-    looking_ += surface.looking;
+    measuring_time_ += surface.measuring_time;
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     file.note(surface, source_.label, events_.grid());
@@ -366,7 +366,7 @@ class Conversion {
     file.time += watch.elapsed();
     if (extras_.mesh_facts) {
       StageReport report(StageName::mesh_facts, files::output_label(file.job.path));
-      report.time = std::exchange(looking_, {});
+      report.time = std::exchange(measuring_time_, {});
       report.entries = std::move(file.facts);
       events_.end(report);
     }
@@ -462,7 +462,7 @@ class Conversion {
   LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output
   std::size_t located_ = 0;                     // entries of Outcome::written whose files are known
-  StageTime looking_;                           // time spent measuring meshes of the current file, for reports
+  StageTime measuring_time_;                    // time spent measuring meshes of the current file, for reports
   bool open_ = false;                           // the current surface may have boundary edges
   std::vector<LostSurface> lost_;               // of the current grid
 };

@@ -105,7 +105,7 @@ struct ParticleOptions {
   double smoothing_length = 2;  // for sph, anisotropic, smooth; in particle radii
   double weight = 0.1;          // for weight: the value that each particle adds
   points::Deposit deposit = points::Deposit::trilinear;
-  points::NonFiniteParticles bad = points::NonFiniteParticles::error;
+  points::NonFiniteParticles non_finite = points::NonFiniteParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // the x, y and z columns: names, or numbers counted from 1
   std::optional<std::string> select;  // condition that particles have to fulfill (points/selection_expression.hpp)
   std::uint64_t stride = 1;           // uses every stride-th of the particles that fulfill `select`, from the first on
@@ -119,7 +119,7 @@ struct FilterStep {
   static constexpr std::array kMembers{"filter", "width"};
 
   volume_io::LevelSetFilter filter = volume_io::LevelSetFilter::gaussian;
-  std::uint64_t width = 1;  // how far the filter reaches, in voxels
+  std::uint64_t reach = 1;  // in voxels
 
   friend bool operator==(const FilterStep&, const FilterStep&) = default;
 };

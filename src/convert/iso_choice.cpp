@@ -30,7 +30,7 @@ std::string SurfaceId::name() const {
   return (is_label() ? "label " : is_iso() ? "iso " : "") + text();
 }
 
-std::string SurfaceId::place() const {
+std::string SurfaceId::at_text() const {
   if (is_only_surface()) return {};
   return (is_file_mesh() ? " of " : " at ") + name();
 }

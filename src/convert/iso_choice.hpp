@@ -48,9 +48,9 @@ class SurfaceId {
   [[nodiscard]] double iso_or_zero() const { return is_iso() ? iso() : 0; }
   // Returns the iso value or the label, rounded if a double cannot hold it: for colors, not to identify a surface.
   [[nodiscard]] double rounded() const { return is_label() ? static_cast<double>(label()) : iso_or_zero(); }
-  [[nodiscard]] std::string text() const;   // "0.3", "5", "mesh 2", "mesh" for kWholeFile, "0" for terrain
-  [[nodiscard]] std::string name() const;   // "iso 0.3", "label 5", "mesh 2", "mesh", "terrain"
-  [[nodiscard]] std::string place() const;  // continues a sentence: " at iso 0.3", " at label 5", " of mesh 2", ""
+  [[nodiscard]] std::string text() const;     // "0.3", "5", "mesh 2", "mesh" for kWholeFile, "0" for terrain
+  [[nodiscard]] std::string name() const;     // "iso 0.3", "label 5", "mesh 2", "mesh", "terrain"
+  [[nodiscard]] std::string at_text() const;  // continues a sentence: " at iso 0.3", " at label 5", " of mesh 2", ""
 
   friend bool operator==(const SurfaceId& a, const SurfaceId& b) { return a.of_ == b.of_; }
   friend auto operator<=>(const SurfaceId& a, const SurfaceId& b) { return a.of_ <=> b.of_; }

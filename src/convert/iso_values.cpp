@@ -78,7 +78,7 @@ std::string surface_text(const IsoChoice& asked) {
 
 std::string place_text(const ResolvedIso& asked) {
   const bool is_stated = !asked.id.is_file_mesh() && !asked.id.is_only_surface() && !asked.asked.by_default;
-  return is_stated ? " at " + surface_text(asked.asked) : asked.id.place();
+  return is_stated ? " at " + surface_text(asked.asked) : asked.id.at_text();
 }
 
 bool all_known(std::span<const IsoChoice> choices) { return std::ranges::none_of(choices, &IsoChoice::is_found); }

@@ -147,7 +147,7 @@ Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
     // For reports only: finding components and open edges takes longer than extracting the mesh.
     const Stopwatch watch;
     surface.facts = TRY(mesh_facts(surface, stage.context));
-    surface.looking += watch.elapsed();
+    surface.measuring_time += watch.elapsed();
   }
   if (stage.source.of_meshes) {
     surface.open_edges = surface.welded->open_edges;

@@ -20,15 +20,16 @@ std::string means(const mesh_io::PackingOptions& packing) {
 std::string line_of(const PackedMesh& mesh) {
   const mesh_io::PackedFacts& facts = mesh.facts;
   std::string text =
-      fmt::format("packed {}{}: {} of {} left ({:.1f} %)", means(mesh.packing), mesh.id.place(),
+      fmt::format("packed {}{}: {} of {} left ({:.1f} %)", means(mesh.packing), mesh.id.at_text(),
                   format_byte_size(facts.bytes_after), format_byte_size(facts.bytes_before),
                   100.0 * static_cast<double>(facts.bytes_after) / static_cast<double>(facts.bytes_before));
   if (facts.positions) {
     const auto& positions = *facts.positions;
-    text += mesh.id.is_file_mesh()
-                ? fmt::format("; vertices moved by at most {:.4g} of the mesh's units (measured)", positions.largest)
-                : fmt::format("; vertices moved by at most {:.4g} voxels (measured), in the mesh's units {:.4g}",
-                              positions.largest / mesh.packing.voxel, positions.largest);
+    text +=
+        mesh.id.is_file_mesh()
+            ? fmt::format("; vertices moved by at most {:.4g} of the mesh's units (measured)", positions.largest_move)
+            : fmt::format("; vertices moved by at most {:.4g} voxels (measured), in the mesh's units {:.4g}",
+                          positions.largest_move / mesh.packing.voxel, positions.largest_move);
     if (facts.flattened_triangles > 0) {
       text += fmt::format("; {} triangles now have zero area", facts.flattened_triangles);
     }
@@ -84,7 +85,7 @@ StageReport report_of(const PackedMesh& mesh) {
     positions = Value(Figures{{Key::bits, facts.positions->bits},
                               {Key::step, length(facts.positions->step)},
                               {Key::measured, Figures{{Key::axis, length(facts.positions->largest_axis_move)},
-                                                      {Key::distance, length(facts.positions->largest)}}}});
+                                                      {Key::distance, length(facts.positions->largest_move)}}}});
   }
   StageReport report(StageName::pack, mesh.surface, {}, mesh.id);
   report.add_timed({{Key::file, mesh.file},

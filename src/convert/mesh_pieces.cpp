@@ -72,7 +72,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
                     {Key::without_volume, facts.without_volume}},
                    facts.time);
   report.did = "components found";
-  report.lines.push_back({line_of(facts, surface.id.place())});
+  report.lines.push_back({line_of(facts, surface.id.at_text())});
   if (facts.without_volume > 0) {
     report.notes.push_back(
         {NoteId::open_components_kept, fmt::format("{}: kept {}, because an open component has no volume to compare",
@@ -81,7 +81,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
                          fmt::format("{}: none of the {} components{} has the requested size", stage.source.label,
-                                     facts.before.components, surface.id.place()),
+                                     facts.before.components, surface.id.at_text()),
                          {Remedy::use, Setting::empty_policy}};
   }
   return report;

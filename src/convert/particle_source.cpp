@@ -174,7 +174,7 @@ points::FieldOptions field_options(const SourceOptions& options, std::optional<d
   field.smoothing_length = particles.smoothing_length;
   field.weight = particles.weight;
   field.deposit = particles.deposit;
-  field.bad = particles.bad;
+  field.non_finite = particles.non_finite;
   field.tile_iso = only_iso;
   field.margin = filter_reach(options);
   return field;

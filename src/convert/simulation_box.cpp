@@ -108,10 +108,10 @@ Result<void> apply_box_options(const BoxOptions& options, points::ParticleSet& p
 
 int filter_reach(const SourceOptions& options) {
   double reach = 0;
-  for (const FilterStep& step : options.filters) reach += static_cast<double>(step.width);
+  for (const FilterStep& step : options.filters) reach += static_cast<double>(step.reach);
   for (const BlurStep& step : options.blurs) {
-    const double deviation = step.in_world_units ? field::kMaxBlurSigma : std::min(step.width, field::kMaxBlurSigma);
-    reach += step.kind == BlurKind::median ? step.width : std::ceil(3 * deviation);
+    const double deviation = step.in_world_units ? field::kMaxBlurSigma : std::min(step.size, field::kMaxBlurSigma);
+    reach += step.kind == BlurKind::median ? step.size : std::ceil(3 * deviation);
   }
   constexpr double kMost = 1 << 16;
   return static_cast<int>(std::min(reach, kMost));

@@ -165,7 +165,7 @@ struct OpenBoundary {
   bool at_data_boundary = false;  // at the data boundary or at the region's sides
   bool periodic = false;          // the region ends at the faces of a periodic box
   bool cut = false;               // at a clip plane, and not capped
-  bool counted = false;           // clipped without caps: only WrittenOutput::open_edges tells whether it is open
+  bool needs_count = false;       // clipped without caps: only WrittenOutput::open_edges tells whether it is open
   std::uint64_t hole_cells = 0;   // cells left out because of NaN samples
 };
 

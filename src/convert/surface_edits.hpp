@@ -28,7 +28,7 @@ struct BlurStep {
   static constexpr std::array kMembers{"kind", "width", "in_world_units"};
 
   BlurKind kind = BlurKind::gaussian;
-  double width = 1;             // Gaussian: standard deviation; median: whole voxels on either side
+  double size = 1;              // Gaussian: standard deviation; median: whole voxels on either side
   bool in_world_units = false;  // Gaussian only: in units of the input's world, else in voxels
 
   friend bool operator==(const BlurStep&, const BlurStep&) = default;

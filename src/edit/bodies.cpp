@@ -57,13 +57,13 @@ Result<Nesting> find_nesting(const mesh::Mesh& mesh, const Components& component
   nesting.body.resize(facts.size());
   std::iota(nesting.body.begin(), nesting.body.end(), 0U);
   nesting.within.assign(facts.size(), Nesting::kNone);
-  if (std::ranges::none_of(facts, &ComponentFacts::is_cavity)) return nesting;
+  if (std::ranges::none_of(facts, &ComponentFacts::faces_inward)) return nesting;
 
   mesh::ShellQuery question{.find_open = true};
   for (const ComponentFacts& one : facts) {
-    question.facing.push_back(!one.is_closed()  ? mesh::Facing::open
-                              : one.is_cavity() ? mesh::Facing::inward
-                                                : mesh::Facing::outward);
+    question.facing.push_back(!one.is_closed()     ? mesh::Facing::open
+                              : one.faces_inward() ? mesh::Facing::inward
+                                                   : mesh::Facing::outward);
   }
   const auto surroundings = TRY(find_enclosing_shells(mesh, components, question, context));
   const auto is_deeper = [&](std::uint32_t a, std::uint32_t b) {
@@ -74,10 +74,10 @@ Result<Nesting> find_nesting(const mesh::Mesh& mesh, const Components& component
     const std::vector<std::uint32_t>& around = surroundings[cavity].around;
     if (around.empty()) return surroundings[cavity].open;
     const std::uint32_t innermost = *std::ranges::max_element(around, is_deeper);
-    return facts[innermost].is_cavity() ? Nesting::kNone : innermost;
+    return facts[innermost].faces_inward() ? Nesting::kNone : innermost;
   };
   for (std::uint32_t i = 0; i < facts.size(); ++i) {
-    if (!facts[i].is_cavity()) continue;
+    if (!facts[i].faces_inward()) continue;
     if (const std::uint32_t body = body_around(i); body != Nesting::kNone) nesting.body[i] = body;
   }
   for (std::uint32_t i = 0; i < facts.size(); ++i) {

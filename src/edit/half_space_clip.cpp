@@ -29,7 +29,7 @@ class PlaneCut {
   PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, const ClipOptions& options)
       : mesh_(mesh),
         kept_side_(kept),
-        ends_(options.ends),
+        closing_(options.closing),
         on_plane_(mesh::on_plane_tolerance(mesh::farthest_coordinate(mesh.positions.span()))),
         snap_(std::max(options.snap, on_plane_)),
         depth_(mesh.positions.size()) {
@@ -126,7 +126,7 @@ class PlaneCut {
     const glm::dvec3 depth(depth_[t.x], depth_[t.y], depth_[t.z]);
     const bool out = depth.x < 0 || depth.y < 0 || depth.z < 0;
     if (out && !(depth.x > 0 || depth.y > 0 || depth.z > 0)) return polygon;
-    if (ends_ == CutClosing::capped && depth == glm::dvec3(0) && !faces_out(t)) return polygon;
+    if (closing_ == CutClosing::capped && depth == glm::dvec3(0) && !faces_out(t)) return polygon;
     polygon.cut = out;
     for (int i = 0; i < 3; ++i) {
       const int next = i == 2 ? 0 : i + 1;
@@ -203,7 +203,7 @@ class PlaneCut {
 
   const mesh::Mesh& mesh_;
   const mesh::HalfSpace& kept_side_;
-  CutClosing ends_;
+  CutClosing closing_;
   double on_plane_;
   double snap_;
   std::vector<double> depth_;
@@ -233,7 +233,7 @@ Result<ClipFigures> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::
       result.memory = std::move(memory);
       const double on_plane = cut.on_plane();
       mesh = std::move(result);
-      if (options.ends == CutClosing::capped) {
+      if (options.closing == CutClosing::capped) {
         const auto cap = TRY(cap_cut(mesh, half_space, on_plane, context));
         facts.cap_triangles += cap.triangles;
         facts.overlapping_cap_triangles += cap.turned;

@@ -19,7 +19,7 @@ enum class CutClosing {
 };
 
 struct ClipOptions {
-  CutClosing ends = CutClosing::open;
+  CutClosing closing = CutClosing::open;
   // Vertices within this distance of a plane move onto it. Otherwise a cut very near a vertex makes triangles so small
   // that rounding can reverse them, and they would intersect the cap.
   double snap = 0;

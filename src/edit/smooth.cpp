@@ -55,7 +55,7 @@ class VolumeRestorer {
         is_free_(components_.count(), 1) {
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const std::uint32_t component = components_.of_vertex(v);
-      if (component != mesh::Components::kNone && signal.bound(v) != 0) is_free_[component] = 0;
+      if (component != mesh::Components::kNone && signal.constraints(v) != 0) is_free_[component] = 0;
     }
   }
 
@@ -230,7 +230,7 @@ void average_normals(mesh::Mesh& mesh, const Signal& signal, std::span<const flo
     for_each_vertex(mesh.normals.size(), [&](std::size_t v) {
       next[v] = mesh.normals[v];
       const auto near = signal.neighbors(v);
-      if (signal.bound(v) != 0 || near.empty()) return;
+      if (signal.constraints(v) != 0 || near.empty()) return;
       glm::dvec3 mean(0);
       for (const std::uint32_t n : near) mean += glm::dvec3(mesh.normals[n]);
       mean = glm::mix(glm::dvec3(mesh.normals[v]), mean / static_cast<double>(near.size()),
@@ -268,10 +268,10 @@ Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options
         },
         [](const glm::dvec2& x, const glm::dvec2& y) { return glm::max(x, y); });
     facts.greatest_move = most.x;
-    facts.max_displacement_world = most.y;
+    facts.greatest_move_world = most.y;
     for (std::size_t v = 0; v < vertices; ++v) {
-      facts.border_vertices += signal.bound(v) == kFixed ? 1 : 0;
-      facts.wall_vertices += signal.bound(v) != kFixed && signal.bound(v) != 0 ? 1 : 0;
+      facts.boundary_vertices += signal.constraints(v) == kFixed ? 1 : 0;
+      facts.wall_vertices += signal.constraints(v) != kFixed && signal.constraints(v) != 0 ? 1 : 0;
     }
     if (!mesh.normals.empty() && options.method == SmoothMethod::weighted) {
       renew_normals(mesh);

@@ -70,12 +70,12 @@ struct SmoothOptions {
 
 struct SmoothFigures {
   std::uint64_t vertices = 0;
-  std::uint64_t border_vertices = 0;  // on boundary edges, or in no triangle; they do not move
-  std::uint64_t wall_vertices = 0;    // on sides of the box and in the planes of cuts
-  std::uint64_t held_vertices = 0;    // moved less than the filter asks, so that no triangles intersect
-  double greatest_move = 0;           // largest displacement in the space of to_metric
-  double max_displacement_world = 0;  // largest displacement in the mesh's coordinates (perhaps of another vertex)
-  double volume_before = 0;           // in the mesh's coordinates; meaningful only for closed meshes
+  std::uint64_t boundary_vertices = 0;  // on boundary edges, or in no triangle; they do not move
+  std::uint64_t wall_vertices = 0;      // on sides of the box and in the planes of cuts
+  std::uint64_t held_vertices = 0;      // moved less than the filter asks, so that no triangles intersect
+  double greatest_move = 0;             // largest displacement in the space of to_metric
+  double greatest_move_world = 0;       // largest displacement in the mesh's coordinates (perhaps of another vertex)
+  double volume_before = 0;             // in the mesh's coordinates; meaningful only for closed meshes
   double volume_after = 0;
   std::optional<double> mean_weight;  // weighted: the mean of the weights
   StageTime time;

@@ -313,9 +313,9 @@ void measure(const WallGrid& grid, double thickness, InnerWall& wall) {
       reduce_ranges(mesh.triangles.size(), kGrain, Measured(), look, [](const Measured& a, const Measured& b) {
         return Measured{std::min(a.least, b.least), std::max(a.most, b.most), a.squares + b.squares};
       });
-  wall.facts.thinnest = all.least;
-  wall.facts.thickest = all.most;
-  wall.facts.rms_difference = std::sqrt(all.squares / (4.0 * static_cast<double>(mesh.triangles.size())));
+  wall.figures.thinnest = all.least;
+  wall.figures.thickest = all.most;
+  wall.figures.rms_difference = std::sqrt(all.squares / (4.0 * static_cast<double>(mesh.triangles.size())));
 }
 
 }  // namespace
@@ -351,7 +351,7 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
   auto memory =
       TRY(context.reserve(offset.positions.size() * kVertexBytes + offset.triangles.size() * kTriangleBytes, what));
   InnerWall wall = wall_of(outer, offset, chosen, grid);
-  wall.facts = facts;
+  wall.figures = facts;
   measure(grid, options.thickness, wall);
   wall.mesh.memory = std::move(memory);
   return wall;

@@ -39,7 +39,7 @@ struct WallFigures {
 struct InnerWall {
   mesh::Mesh mesh;                         // empty if no part is thick enough; has normals if the given mesh has
   Buffer<std::uint32_t> nearest_vertices;  // for each vertex, the closest corner of the given mesh's closest triangle
-  WallFigures facts;
+  WallFigures figures;
 };
 
 // Returns the inner wall of the closed, oriented mesh `outer`, with the mesh origin of `outer`. The wall follows all

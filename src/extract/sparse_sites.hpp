@@ -57,7 +57,7 @@ class SparseSites {
   [[nodiscard]] std::int32_t site(const glm::ivec3& origin) const { return site_index_.find(origin); }
   // Returns the sites that own the edges of the cells of `site`: first `site` itself, then the next bricks along the
   // axes. Entry n lies direction_step(n) bricks away; it is -1 if this brick is no site.
-  [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const {
+  [[nodiscard]] std::array<std::int32_t, 8> upper_neighbors(std::size_t site) const {
     std::array<std::int32_t, 8> sites;
     for (int n = 0; n < 8; ++n)
       sites[n] = site_index_.find(sites_[site] + field::SparseBlock::kSize * direction_step(n));

@@ -11,7 +11,7 @@ namespace isoextract::field {
 
 // The largest supported filter sizes, in voxels: a standard deviation, and a radius (half the side of a box).
 inline constexpr double kMaxBlurSigma = 16;
-inline constexpr int kMaxMedianWidth = 8;
+inline constexpr int kMaxMedianRadius = 8;
 
 // Filters with a Gaussian whose standard deviations along the grid axes are `sigma`, in voxels. Each lies in [0,
 // kMaxBlurSigma]; 0 leaves that axis unfiltered. The kernel reaches ceil(3 `sigma`) voxels. The result is f64 for
@@ -31,11 +31,11 @@ inline constexpr int kMaxMedianWidth = 8;
 [[nodiscard]] Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma,
                                                 const Context& context);
 
-// Replaces each sample by the median of the samples at most `width` voxels away along each axis. So `width` (1 to
-// kMaxMedianWidth) is a radius; the box has 2 `width` + 1 samples a side. Of an even count, takes the lower of the two
-// middle samples. Ignores NaN and positions outside dense data. NaN samples stay NaN. The samples keep their type.
-// Treats sparse fields as blur_gaussian() does. Fails with ErrorCode::usage if `width` is out of range, with
-// ErrorCode::out_of_memory, and if the context is cancelled.
-[[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context);
+// Replaces each sample by the median of the samples at most `radius` (1 to kMaxMedianRadius) voxels away along each
+// axis: the box has 2 `radius` + 1 samples a side. Of an even count, takes the lower of the two middle samples. Ignores
+// NaN and positions outside dense data. NaN samples stay NaN. The samples keep their type. Treats sparse fields as
+// blur_gaussian() does. Fails with ErrorCode::usage if `radius` is out of range, with ErrorCode::out_of_memory, and if
+// the context is cancelled.
+[[nodiscard]] Result<ScalarField> blur_median(const ScalarField& field, int radius, const Context& context);
 
 }  // namespace isoextract::field

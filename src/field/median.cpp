@@ -28,7 +28,7 @@ bool is_nan(T value) {
 }
 
 template <class T>
-Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data, int width, const Context& context) {
+Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data, int radius, const Context& context) {
   auto made = TRY(make_reserved_buffer<T>(data.count(), context, memory_label(field)));
   T* const values = made->values.data();
   const auto* from = static_cast<const T*>(data.data);
@@ -40,8 +40,8 @@ Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data,
     for (int j = 0; j < data.dims.y; ++j) {
       for (int i = 0; i < data.dims.x; ++i, ++to) {
         const glm::ivec3 at(i, j, k);
-        const glm::ivec3 low = glm::max(at - width, glm::ivec3(0));
-        const glm::ivec3 high = glm::min(at + width, data.dims - 1);
+        const glm::ivec3 low = glm::max(at - radius, glm::ivec3(0));
+        const glm::ivec3 high = glm::min(at + radius, data.dims - 1);
         *to = from[i + dims.x * (j + dims.y * k)];
         if (is_nan(*to)) continue;
         window.clear();
@@ -66,7 +66,7 @@ Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data,
 }
 
 template <class T>
-void median_block(int width, const glm::ivec3& dims, const double* values, T* block) {
+void median_block(int radius, const glm::ivec3& dims, const double* values, T* block) {
   std::vector<double> window;
   const auto value = [&](int x, int y, int z) {
     return values +
@@ -77,13 +77,13 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
   for (int x = 0; x < kBlurBlockSide; ++x) {
     for (int y = 0; y < kBlurBlockSide; ++y) {
       for (int z = 0; z < kBlurBlockSide; ++z, ++block) {
-        const double here = *value(x + width, y + width, z + width);
+        const double here = *value(x + radius, y + radius, z + radius);
         *block = to_sample<T>(here);
         if (std::isnan(here)) continue;
         window.clear();
-        for (int i = x; i <= x + 2 * width; ++i) {
-          for (int j = y; j <= y + 2 * width; ++j) {
-            std::copy_if(value(i, j, z), value(i, j, z + 2 * width + 1), std::back_inserter(window),
+        for (int i = x; i <= x + 2 * radius; ++i) {
+          for (int j = y; j <= y + 2 * radius; ++j) {
+            std::copy_if(value(i, j, z), value(i, j, z + 2 * radius + 1), std::back_inserter(window),
                          [](double v) { return !std::isnan(v); });
           }
         }
@@ -95,19 +95,19 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
 
 }  // namespace
 
-Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context) {
-  if (width < 1 || width > kMaxMedianWidth) {
+Result<ScalarField> blur_median(const ScalarField& field, int radius, const Context& context) {
+  if (radius < 1 || radius > kMaxMedianRadius) {
     return fail(ErrorCode::usage, fmt::format("{}: median blur: expected a radius of 1 to {} voxels, found {}",
-                                              field.source, kMaxMedianWidth, width));
+                                              field.source, kMaxMedianRadius, radius));
   }
   context.progress().begin("blurring", 0);
   auto samples = TRY(visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> Result<Samples> {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
-      return median_dense<T>(field, *dense, width, context);
+      return median_dense<T>(field, *dense, radius, context);
     }
-    return blur_sparse<T, T>(field, std::get<SparseSamples>(field.samples), glm::ivec3(width), 1, context,
+    return blur_sparse<T, T>(field, std::get<SparseSamples>(field.samples), glm::ivec3(radius), 1, context,
                              [&](const glm::ivec3& dims, const double* values, double*, T* block) {
-                               median_block(width, dims, values, block);
+                               median_block(radius, dims, values, block);
                              });
   }));
   ScalarField blurred = without_samples(field);

@@ -472,8 +472,8 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
   }
   TRY(check_has_steps(field, "resampling to another resolution"));
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    return makes_no_values(kernel) ? resampled<T, T>(field, resolution, kernel, nan, context)
-                                   : resampled<T, Resampled<T>>(field, resolution, kernel, nan, context);
+    return takes_old_samples(kernel) ? resampled<T, T>(field, resolution, kernel, nan, context)
+                                     : resampled<T, Resampled<T>>(field, resolution, kernel, nan, context);
   });
 }
 

@@ -123,7 +123,9 @@ class SparseSurface final : public GpuSurface {
 
  private:
   [[nodiscard]] std::int32_t site(const glm::ivec3& p) const override { return leaves_.site(field::block_origin(p)); }
-  [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const override { return leaves_.near(site); }
+  [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const override {
+    return leaves_.upper_neighbors(site);
+  }
 
   const field::SparseSamples& samples_;
   field::IndexBox region_;

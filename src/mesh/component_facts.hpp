@@ -23,8 +23,8 @@ struct ComponentFacts {
   Topology topology;
 
   [[nodiscard]] bool is_closed() const { return topology.is_closed_oriented_manifold(); }
-  // Returns whether the component is the shell of a cavity: its triangles face the space that it encloses.
-  [[nodiscard]] bool is_cavity() const { return is_closed() && volume < 0; }
+  // Returns whether the triangles face the space that the component encloses, as those of a cavity do.
+  [[nodiscard]] bool faces_inward() const { return is_closed() && volume < 0; }
 };
 
 // Returns the facts of each component in order, with areas and volumes in the space that `to_metric` maps to. Triangles

@@ -325,7 +325,7 @@ void AnimationWriter::set_starts(std::span<const std::int64_t> frames, std::span
   for (std::size_t i = 0; i < frames.size(); ++i) state_->starts.emplace(frames[i], starts[i]);
 }
 
-void AnimationWriter::span(std::int64_t first, std::int64_t last) { state_->span = FrameSpan{first, last}; }
+void AnimationWriter::set_span(std::int64_t first, std::int64_t last) { state_->span = FrameSpan{first, last}; }
 
 Result<void> AnimationWriter::check() const { return state_->check(); }
 

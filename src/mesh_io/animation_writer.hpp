@@ -23,13 +23,12 @@ inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 [[nodiscard]] std::filesystem::path path_of_animation_part(const std::filesystem::path& path, std::size_t part);
 
 // Time line: frame k starts at (k - first) / frames_per_second seconds, where `first` is the number of the first frame
-// added, or `first` of span(). Gaps in the numbering keep their time.
+// added, or `first` of set_span(). Gaps in the numbering keep their time.
 // A frame is shown until the next frame that was added, and the last one for 1 / frames_per_second seconds, so that the
 // animation loops evenly. A frame without triangles shows nothing during its time.
-// Missing frames of span() keep their time too: nothing is shown before the first frame that was added, and the last
-// frame that was added is shown until the end.
-// The file stores the start of a frame as the largest float32 that is not after it, so that a player that computes the
-// time in double or float32 shows the frame from its start.
+// Missing frames of set_span() keep their time too: nothing is shown before the first frame that was added, and the
+// last frame that was added is shown until the end. The file stores the start of a frame as the largest float32 that is
+// not after it, so that a player that computes the time in double or float32 shows the frame from its start.
 //
 // Programs that do not play animations show the first frame that has triangles.
 //
@@ -52,7 +51,7 @@ class AnimationWriter {
   ~AnimationWriter();
 
   // Sets the time line to the frames `first` to `last`, whichever of them are added. Call before add().
-  void span(std::int64_t first, std::int64_t last);
+  void set_span(std::int64_t first, std::int64_t last);
 
   // Sets the start of each frame in seconds; without this call, the frame's number gives its start. The last frame
   // still lasts 1 / frames_per_second. `frames` and `starts` ascend and have the same size. Call before add(), then add
@@ -64,7 +63,7 @@ class AnimationWriter {
   [[nodiscard]] Result<void> check() const;
 
   // Checks that float32 times can tell these frames apart; `frames` are ascending. Counts time from the first of them
-  // and ignores span(). Fails with ErrorCode::usage and names the first frame that add() would refuse.
+  // and ignores set_span(). Fails with ErrorCode::usage and names the first frame that add() would refuse.
   [[nodiscard]] Result<void> check_times(std::span<const std::int64_t> frames) const;
 
   // Adds the surfaces of a frame; the caller may free them afterwards. `frame` must grow from call to call. `name`

@@ -72,7 +72,7 @@ struct PackedFacts {
     int bits = 0;                  // bits for the number of steps along the box's longest side
     double step = 0;               // in the mesh's units
     double largest_axis_move = 0;  // the largest move of a coordinate: at most half a step
-    double largest = 0;            // the largest move of a vertex
+    double largest_move = 0;       // of a vertex
   };
   std::optional<Positions> positions;          // set if positions were quantized
   std::optional<double> largest_normal_angle;  // in degrees; set if normals were quantized

@@ -47,9 +47,9 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
     sound.error().message = fmt::format("{}: {}", path.string(), sound.error().message);
     return sound;
   }
-  if (options.ascii && !info.has_ascii) {
+  if (options.ascii && !info.has_text_option) {
     return fail(ErrorCode::usage, fmt::format("{}: the format {} has no text form", path.string(), info.name),
-                {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::has_ascii)});
+                {Remedy::set, Setting::mesh_format, names_of_formats(&MeshFormatInfo::has_text_option)});
   }
   if (meshes != 1 && !info.can_hold_several_meshes) {
     return fail(ErrorCode::usage,

@@ -44,7 +44,7 @@ struct MeshFormatInfo {
   bool can_hold_several_meshes;   // several iso values can share one file
   bool writes_each_mesh_at_once;  // add() writes and frees each mesh; otherwise finish() writes all
   bool can_stream;                // can be written to standard output
-  bool has_ascii;                 // has a text form besides its binary one
+  bool has_text_option;           // besides its binary form
   bool has_attributes;            // can store vertex attributes besides position and normal
   // True: the format rounds world positions to float32. False: it keeps more precision by a separate origin, doubles or
   // decimal text.

@@ -45,7 +45,7 @@ template <class F>
 void for_each_kernel_at(const CellGrid& grid, const float* densities, const glm::dvec3& p, const F& f) {
   grid.for_each_spot_run(p - 1.0, p + 1.0, [&](std::size_t first, std::size_t last) {
     for (std::size_t s = first; s != last; ++s) {
-      const glm::dvec3 away = grid.place(s) - p;
+      const glm::dvec3 away = grid.position(s) - p;
       const double squared = glm::dot(away, away);
       if (squared >= 1) continue;
       const double shape = spline_shape(std::sqrt(squared));

@@ -99,7 +99,7 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
     return k != first && coinciding == Coinciding::merged && points[grid.order_[k]] == points[grid.order_[k - 1]];
   };
   auto places_memory = TRY(context.reserve(count * sizeof(glm::dvec3), what()));
-  grid.places_ = Buffer<glm::dvec3>(count);
+  grid.positions_ = Buffer<glm::dvec3>(count);
   const auto merged = reduce_ranges(
       cells, 256, std::size_t{0},
       [&](std::size_t begin, std::size_t end, std::size_t sum) {
@@ -115,7 +115,7 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
                                });
           }
           for (std::size_t k = first; k != last; ++k) {
-            grid.places_[k] = frame(points[grid.order_[k]]);
+            grid.positions_[k] = frame(points[grid.order_[k]]);
             sum += static_cast<std::size_t>(same_spot(k, first));
           }
         }
@@ -137,7 +137,7 @@ Result<CellGrid> CellGrid::make(std::span<const glm::dvec3> points, const GridFr
     grid.cells_[c].first = static_cast<std::uint32_t>(spot);
     for (std::size_t k = first; k != last; ++k) {
       if (same_spot(k, first)) continue;
-      grid.places_[spot] = grid.places_[k];
+      grid.positions_[spot] = grid.positions_[k];
       grid.firsts_[spot++] = static_cast<std::uint32_t>(k);
     }
   }

@@ -49,7 +49,7 @@ class CellGrid {
   [[nodiscard]] std::size_t size() const { return spots_; }
   [[nodiscard]] double side() const { return side_; }
   // Returns the position of a spot in grid coordinates.
-  [[nodiscard]] const glm::dvec3& place(std::size_t spot) const { return places_[spot]; }
+  [[nodiscard]] const glm::dvec3& position(std::size_t spot) const { return positions_[spot]; }
   // Returns the indices of the points that share the spot.
   [[nodiscard]] std::span<const std::uint32_t> members(std::size_t spot) const {
     if (firsts_.size() == 0) return {order_.data() + spot, 1};
@@ -62,7 +62,9 @@ class CellGrid {
   // Returns the index after the last spot of a cell.
   [[nodiscard]] std::size_t cell_end(std::size_t c) const { return cells_[c + 1].first; }
 
-  [[nodiscard]] glm::ivec3 cell_at(const glm::dvec3& place) const { return glm::ivec3(glm::floor(place / side_)); }
+  [[nodiscard]] glm::ivec3 cell_at(const glm::dvec3& position) const {
+    return glm::ivec3(glm::floor(position / side_));
+  }
 
   // Calls f(first, last) for the occupied cells in the box [low, high]: one call for each run along z, in order. The
   // run has the cells first to last - 1.
@@ -108,7 +110,7 @@ class CellGrid {
   std::size_t spots_ = 0;
   std::size_t cell_count_ = 0;
   std::size_t column_count_ = 0;
-  Buffer<glm::dvec3> places_;
+  Buffer<glm::dvec3> positions_;
   // Per spot: its first entry in order_; one extra at the end. Empty if each spot has one point.
   Buffer<std::uint32_t> firsts_;
   Buffer<std::uint32_t> order_;

@@ -32,11 +32,11 @@ Result<std::size_t> add_neighbor_counts(ParticleSet& particles, double radius, d
   for_each_range(grid.size(), 512, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
     for (std::size_t spot = begin; spot != end; ++spot) {
-      const glm::dvec3 here = grid.place(spot);
+      const glm::dvec3 here = grid.position(spot);
       double count = -1;  // the particle itself
       grid.for_each_spot_run(here - 1.0, here + 1.0, [&](std::size_t first, std::size_t last) {
         for (std::size_t s = first; s != last; ++s) {
-          const glm::dvec3 away = grid.place(s) - here;
+          const glm::dvec3 away = grid.position(s) - here;
           count += std::max(0.0, 1 - glm::dot(away, away)) * static_cast<double>(grid.members(s).size());
         }
       });

@@ -86,7 +86,7 @@ Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, 
   const auto side = static_cast<std::uint64_t>(2 * std::ceil(widening * support / grid.side()) + 1);
   const auto bound = checked_product(largest_cell(grid), side * side * side);
   if (bound && *bound <= kMaxNeighbors) return {};
-  if (count_neighbor_pairs(grid, widening * support, most) <= most) return {};
+  if (count_candidate_pairs(grid, widening * support, most) <= most) return {};
   const std::optional<double> usual = TRY(suggest_radius(particles, context));
   return fail(ErrorCode::input,
               fmt::format("{}: neighborhoods with a reach of {:.6g} hold too many of the {} particles: expected at "
@@ -267,7 +267,7 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
                                               particles.label, method_info(options.method).title));
   }
   const ParticleBounds bounds = measure_bounds(positions);
-  TRY(check_positions(particles, bounds, options.bad));
+  TRY(check_positions(particles, bounds, options.non_finite));
   ParticleField result;
   ParticleFieldStatistics& figures = result.figures;
   figures.particles = bounds.finite;

@@ -61,7 +61,7 @@ struct FieldOptions {
   double weight = 0.1;          // weight: contribution of a particle
   Deposit deposit = Deposit::trilinear;
   AnisotropyOptions anisotropy;
-  NonFiniteParticles bad = NonFiniteParticles::error;
+  NonFiniteParticles non_finite = NonFiniteParticles::error;
 
   // For a periodic box: how many layers of samples around the region store the periodic continuation for filters of the
   // field, in addition to the layers that an extraction needs. At least 0.

@@ -155,7 +155,7 @@ Result<std::uint64_t> keep_region(ParticleSet& particles, const field::Box& regi
                                   const Context& context) {
   TRY(check_options(options));
   const ParticleBounds bounds = measure_bounds(particles.positions.span());
-  TRY(check_positions(particles, bounds, options.bad));
+  TRY(check_positions(particles, bounds, options.non_finite));
   const auto test = RegionTest::make(particles, region);
   if (!test || bounds.finite == 0) return 0;
   const auto radii = TRY(find_radii(particles, options, bounds, context));

@@ -13,7 +13,7 @@ namespace isoextract::points {
 
 // `region` is in world units. In a periodic box, the region ends at the periodic faces, and a particle is inside if one
 // of its images is. In a box that is not upright, the smallest parallelepiped around the region, along the box's edges,
-// replaces the region. Particles at non-finite positions are in every region, so that FieldOptions::bad applies.
+// replaces the region. Particles at non-finite positions are in every region, so that FieldOptions::non_finite applies.
 
 // keep_inside() and keep_region() return how many particles they removed, and remove none if the region does not meet
 // the periodic box.

@@ -160,7 +160,7 @@ class Parser {
     if (!take(mark)) fault(fmt::format("expected '{}'", mark));
   }
 
-  void add(SelectionOp op, std::size_t place) { steps_.push_back({.op = op, .place = place}); }
+  void add(SelectionOp op, std::size_t place) { steps_.push_back({.op = op, .offset = place}); }
 
   // Counts nested parentheses and signs while it lives.
   class Nested {
@@ -228,7 +228,7 @@ class Parser {
     const std::size_t place = token_.place;
     if (is_word("in")) {
       advance();
-      SelectionStep step{.op = SelectionOp::in_set, .place = place};
+      SelectionStep step{.op = SelectionOp::in_set, .offset = place};
       step.items = items();
       steps_.push_back(std::move(step));
     } else if (const auto op = comparison_at_hand()) {
@@ -308,7 +308,7 @@ class Parser {
   void primary() {
     const std::size_t place = token_.place;
     if (token_.kind == TokenKind::number) {
-      steps_.push_back({.op = SelectionOp::number, .place = place, .number = token_.number, .word = token_.text});
+      steps_.push_back({.op = SelectionOp::number, .offset = place, .number = token_.number, .word = token_.text});
       return advance();
     }
     if (token_.kind == TokenKind::name || token_.kind == TokenKind::quoted) return name_or_call();
@@ -362,7 +362,7 @@ class Parser {
 
   void add_name(const Token& name) {
     SelectionStep step{
-        .op = SelectionOp::name, .place = name.place, .word = name.text, .bare = name.kind == TokenKind::name};
+        .op = SelectionOp::name, .offset = name.place, .word = name.text, .bare = name.kind == TokenKind::name};
     if (take("[")) {
       const bool is_index = token_.kind == TokenKind::number && token_.text.size() < 5 &&
                             token_.text.find_first_not_of("0123456789") == std::string::npos;
@@ -415,7 +415,7 @@ std::vector<SelectionName> SelectionExpression::names() const {
     if (step.op != SelectionOp::name || axis_of(step)) continue;
     const SelectionOp next = i + 1 < steps_.size() ? steps_[i + 1].op : SelectionOp::both;
     const bool can_be_word = i > 0 && !step.component && (next == SelectionOp::equal || next == SelectionOp::not_equal);
-    names.push_back({meanings_of(step), !can_be_word, mark(step.place)});
+    names.push_back({meanings_of(step), !can_be_word, mark(step.offset)});
   }
   return names;
 }

@@ -58,7 +58,7 @@ struct SelectionItem {
 
 struct SelectionStep {
   SelectionOp op = SelectionOp::number;
-  std::size_t place = 0;                      // offset in the text, in bytes
+  std::size_t offset = 0;                     // in the text, in bytes
   double number = 0;                          // of SelectionOp::number
   std::string word = {};                      // name, or number as written
   bool bare = false;                          // a name without quotes

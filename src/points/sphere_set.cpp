@@ -127,7 +127,7 @@ Result<std::optional<SphereSpacings>> find_sphere_spacings(const ParticleSet& pa
 Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
   TRY(check_options(options));
   const ParticleBounds bounds = measure_bounds(particles.positions.span());
-  TRY(check_positions(particles, bounds, options.bad));
+  TRY(check_positions(particles, bounds, options.non_finite));
   SphereSet spheres(particles);
   ParticleFieldStatistics& figures = spheres.figures_;
   figures.particles = bounds.finite;

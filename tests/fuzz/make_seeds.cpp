@@ -297,7 +297,7 @@ void write_written(const fs::path& folder, mesh_io::MeshFormat format) {
   const mesh_io::MeshFormatInfo& info = mesh_io::mesh_format_info(format);
   const auto seed = [&](const std::string& name, const mesh::Mesh& mesh, bool flat = false) {
     for (const bool ascii : {false, true}) {
-      if (ascii && !info.has_ascii) continue;
+      if (ascii && !info.has_text_option) continue;
       const auto path = folder / (ascii ? name + "_text" : name);
       const auto written = mesh_io::write_meshes({&mesh, 1}, path, {format, flat, ascii}, Context());
       if (!written) throw std::runtime_error(written.error().message);

@@ -110,7 +110,7 @@ std::vector<Sample> samples() {
 
 bool write(const Sample& sample, const mesh_io::MeshFormatInfo& format, const std::filesystem::path& folder) {
   const std::vector<mesh::Mesh> meshes = sample.make();
-  if ((meshes.size() != 1 && !format.can_hold_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
+  if ((meshes.size() != 1 && !format.can_hold_several_meshes) || (sample.ascii && !format.has_text_option)) return true;
   if (!mesh_io::check_packing(sample.packing, format.format)) return true;
   if (format.format == mesh_io::MeshFormat::drc && meshes[0].triangles.empty()) return true;
   // One folder a format: the .bin of one model must not have the name of another's.

@@ -65,7 +65,7 @@ void add_file(const mesh::Mesh& mesh, mesh_io::MeshFormat format, Found& found) 
   const test::TempFolder folder;
   mesh_io::MeshWriteOptions options;
   options.format = format;
-  options.ascii = mesh_io::mesh_format_info(format).has_ascii;
+  options.ascii = mesh_io::mesh_format_info(format).has_text_option;
   must(mesh_io::write_meshes({&mesh, 1}, folder / "mesh", options, Context()));
   found.emplace_back(mesh_io::mesh_format_info(format).name, test::read_bytes(folder / "mesh"));
 }

@@ -67,7 +67,7 @@ std::vector<char> mark_common_triangles(const mesh::Mesh& a, const mesh::Mesh& b
   return in_both;
 }
 
-std::uint64_t triangles_in_both_bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
+std::uint64_t common_triangles_bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
   return mesh::Buckets<Known>::bytes(b.triangles.size(), bucket_count(b)) + a.triangles.size();
 }
 

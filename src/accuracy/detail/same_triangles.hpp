@@ -17,6 +17,6 @@ namespace isoextract::accuracy {
                                                       const glm::dvec3& shift);
 
 // Returns the memory that mark_common_triangles() uses.
-[[nodiscard]] std::uint64_t triangles_in_both_bytes(const mesh::Mesh& a, const mesh::Mesh& b);
+[[nodiscard]] std::uint64_t common_triangles_bytes(const mesh::Mesh& a, const mesh::Mesh& b);
 
 }  // namespace isoextract::accuracy

@@ -43,7 +43,7 @@ Animation::Animation(const BatchJob& batch, const Context& context, std::uint64_
     : batch_(batch),
       writer_(batch.animation->path, write_options(batch), batch.animation->frames_per_second, batch.frames.size(),
               context, largest_file) {
-  writer_.span(batch.frames.front().number, batch.frames.back().number);
+  writer_.set_span(batch.frames.front().number, batch.frames.back().number);
   if (!batch.animation->starts.empty()) writer_.set_starts(numbers_of(batch), batch.animation->starts);
 }
 
@@ -122,7 +122,7 @@ Result<void> record_animation(Manifest& manifest, const BatchJob& batch, std::ve
 std::optional<std::vector<FrameRecord>> find_animation_record(const Manifest& manifest, const BatchJob& batch) {
   const std::string key = key_of(batch);
   const FrameRecord* const whole = manifest.find(key);
-  if (whole == nullptr || !find_changed_file(*whole).empty()) return std::nullopt;
+  if (whole == nullptr || !changed_file_message(*whole).empty()) return std::nullopt;
   // The animation had no surface, so no file was written: an existing file is not this animation.
   std::error_code none;
   if (whole->outputs.empty() && std::filesystem::exists(batch.animation->path, none)) return std::nullopt;
@@ -130,7 +130,7 @@ std::optional<std::vector<FrameRecord>> find_animation_record(const Manifest& ma
   for (const FrameJob& frame : batch.frames) {
     const FrameRecord* const record = manifest.find(key_of(key, frame));
     if (record == nullptr || !knows_inputs(*record, frame)) return std::nullopt;
-    if (!find_changed_file(*record).empty() || !find_added_input(*record, frame).empty()) return std::nullopt;
+    if (!changed_file_message(*record).empty() || !added_input_message(*record, frame).empty()) return std::nullopt;
     frames.push_back(*record);
     frames.back().outputs = whole->outputs;
   }

@@ -61,7 +61,7 @@ class Animation final : public FrameReceiver {
                                             const mesh_io::MeshWriteResult& written);
 
 // Returns the records of all frames if the manifest has the batch's animation, no file of the animation and no input
-// has changed (find_changed_file()), and no input was added; else nullopt. Each record lists the animation's files.
+// has changed (changed_file_message()), and no input was added; else nullopt. Each record lists the animation's files.
 [[nodiscard]] std::optional<std::vector<FrameRecord>> find_animation_record(const Manifest& manifest,
                                                                             const BatchJob& batch);
 

@@ -131,11 +131,10 @@ struct LabelFlags : OptionSet {
       "--labels",
       "all|L,...",
       parse_labels,
-      fmt::format("Labels of a label map to extract, in place of --iso. all takes every label but the background{}; or "
-                  "list numbers, ranges and names, and exclude labels with !: 1-40,Hippocampus*,!Skull. Each label "
-                  "becomes a mesh of its own, called label L or by its name. Samples must be integers. Needs --method "
-                  "surface-nets, the default with --labels, or voxels.",
-                  taken_ == Taken::samples ? "" : " (the default for files that name their labels)"),
+      "Labels of a label map to extract, in place of --iso. all takes every label but the background (the default for "
+      "files that name their labels); or list numbers, ranges and names, and exclude labels with !: "
+      "1-40,Hippocampus*,!Skull. Each label becomes a mesh of its own, called label L or by its name. Samples must be "
+      "integers. Needs --method surface-nets, the default with --labels, or voxels.",
       About::surface};
   Value<std::uint64_t> min_voxels{*this,
                                   "--labels-min-voxels",
@@ -191,7 +190,7 @@ struct EditFlags : OptionSet {
       *this,
       "--drop-components",
       "MIN",
-      parse_least_piece,
+      parse_min_component_size,
       "Remove components smaller than MIN. MIN counts triangles (100), or is an area or a "
       "volume: area:40 and volume:5 in voxels, volume:5world in the units of the mesh. "
       "Removing a body removes its cavities; removing a cavity fills it.",

@@ -46,10 +46,10 @@ struct OutputMeshes {
   // Records a surface, before it goes to the writer. `label` and `grid` are those of its field.
   void note(const Surface& surface, const std::string& label, const std::string& grid) {
     if (surface.facts) facts.push_back(facts_as_written(surface, job.path, grid));
-    const bool closed =
-        surface.open_edges ? *surface.open_edges == 0 : !surface.end.at_data_boundary && !surface.end.cut;
-    written.surfaces.push_back({label, surface.id, surface.end, surface.mesh.name, surface.triangles(), closed,
-                                surface.label_voxels, surface.label_volume});
+    const bool closed = surface.open_edges ? *surface.open_edges == 0
+                                           : !surface.open_boundary.at_data_boundary && !surface.open_boundary.cut;
+    written.surfaces.push_back({label, surface.id, surface.open_boundary, surface.mesh.name, surface.triangles(),
+                                closed, surface.label_voxels, surface.label_volume});
     written.triangles += surface.triangles();
     written.vertices += surface.vertices();
     if (surface.welded) {

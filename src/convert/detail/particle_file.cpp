@@ -64,7 +64,7 @@ Result<ChosenParticles> read_chosen_particles(const SourceOptions& options, cons
   TRY(give_element_radii(result.file, options, context));
   for (const Note& text : std::exchange(result.file.notes, {})) events.note(text);
   TRY(apply_box_options(options.particles.simulation_box, particles));
-  result.not_finite = TRY(points::keep_finite(particles, options.particles.bad, context));
+  result.not_finite = TRY(points::keep_finite(particles, options.particles.non_finite, context));
   if (options.roi) {
     const std::uint64_t all = particles.size();
     const std::uint64_t removed = TRY(points::keep_inside(particles, *options.roi, context));

@@ -58,12 +58,12 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
                   .id = asked.id,
                   .mesh = std::move(extraction.mesh),
                   .taken = extraction.taken,
-                  .end = open_boundary_of(stats, options, source),
+                  .open_boundary = open_boundary_of(stats, options, source),
                   .counts_open_edges = stats.hole_cells > 0 || is_cut_open(maker)};
   if (surface.taken) {
     surface.measures = maker.sink->take_measures();
-    surface.looking = maker.sink->measuring_time();
-    stats.emit += {-surface.looking.wall_seconds, -surface.looking.cpu_seconds};
+    surface.measuring_time = maker.sink->measuring_time();
+    stats.emit += {-surface.measuring_time.wall_seconds, -surface.measuring_time.cpu_seconds};
   }
   if (const auto* found = maker.labels != nullptr ? maker.labels->find(asked.id.label()) : nullptr) {
     const double voxel = std::abs(glm::determinant(source.output_from_index.linear));

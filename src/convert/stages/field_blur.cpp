@@ -14,9 +14,9 @@ namespace {
 
 // Returns the standard deviation along each axis of the grid, in voxels.
 glm::dvec3 sigma_of(const BlurStep& step, const field::ScalarField& field) {
-  if (!step.in_world_units) return glm::dvec3(step.width);
+  if (!step.in_world_units) return glm::dvec3(step.size);
   glm::dvec3 sigma;
-  for (int axis = 0; axis < 3; ++axis) sigma[axis] = step.width / glm::length(field.index_to_world.linear[axis]);
+  for (int axis = 0; axis < 3; ++axis) sigma[axis] = step.size / glm::length(field.index_to_world.linear[axis]);
   return sigma;
 }
 
@@ -31,9 +31,9 @@ std::string blurred_text(const field::ScalarField& field) {
 }  // namespace
 
 std::string text_of(const BlurStep& step) {
-  if (step.kind == BlurKind::median) return fmt::format("a median of {} on either side", counted(step.width, "voxel"));
-  return step.in_world_units ? fmt::format("a Gaussian of {} of the input's units", step.width)
-                             : "a Gaussian of " + counted(step.width, "voxel");
+  if (step.kind == BlurKind::median) return fmt::format("a median of {} on either side", counted(step.size, "voxel"));
+  return step.in_world_units ? fmt::format("a Gaussian of {} of the input's units", step.size)
+                             : "a Gaussian of " + counted(step.size, "voxel");
 }
 
 Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& label, const Context& context,
@@ -47,7 +47,7 @@ Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& l
     }
     auto blurred =
         TRY(step.kind == BlurKind::gaussian ? field::blur_gaussian(field, sigma, context)
-                                            : field::blur_median(field, static_cast<int>(step.width), context));
+                                            : field::blur_median(field, static_cast<int>(step.size), context));
     TRY(volume_io::check_mapping_intact(field));
     const std::string in_voxels =
         step.in_world_units ? fmt::format(", {:.4g} x {:.4g} x {:.4g} voxels", sigma.x, sigma.y, sigma.z) : "";

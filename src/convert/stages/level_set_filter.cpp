@@ -10,7 +10,7 @@
 
 namespace isoextract::convert {
 
-std::string text_of(const FilterStep& step) { return fmt::format("{}:{}", word_of(step.filter), step.width); }
+std::string text_of(const FilterStep& step) { return fmt::format("{}:{}", word_of(step.filter), step.reach); }
 
 Result<void> filter_field(const std::vector<FilterStep>& steps, const std::string& label, const Context& context,
                           Events& events, field::ScalarField& field) {
@@ -27,7 +27,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
   for (const FilterStep& step : steps) {
     const Stopwatch watch;
     const field::SampleType before = field.type();
-    auto filtered = TRY(volume_io::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context));
+    auto filtered = TRY(volume_io::filter_level_set(field, step.filter, static_cast<int>(step.reach), 1, context));
     TRY(volume_io::check_mapping_intact(field));
     field = std::move(filtered);
     const auto& samples = std::get<field::SparseSamples>(field.samples);

@@ -45,8 +45,8 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
     transform_attributes(surface.mesh, stage.source.mesh_kinds, field::Affine());
   }
   if (!capped) {
-    surface.end.cut = facts.triangles_cut > 0;
-    surface.end.counted = true;
+    surface.open_boundary.cut = facts.triangles_cut > 0;
+    surface.open_boundary.needs_count = true;
   }
   if (facts.triangles_cut == 0 && facts.triangles_after == facts.triangles_before) {
     // No note for a region that holds the whole surface, as most do.

@@ -17,7 +17,7 @@ Figures figures_of(const mesh::ComponentFacts& facts) {
   const bool closed = facts.is_closed();
   return {{Key::triangles, facts.triangles},
           {Key::closed, closed},
-          {Key::cavity, facts.is_cavity()},
+          {Key::cavity, facts.faces_inward()},
           {Key::genus, closed ? Value(facts.topology.genus()) : Value()},
           {Key::area, facts.area},
           {Key::volume, closed ? Value(facts.volume) : Value()},

@@ -79,8 +79,8 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
   const mesh::Topology topology = TRY(mesh::measure_topology(surface.mesh, context));
   if (topology.open_edges > 0) {
     Hint hint;
-    if (surface.end.at_data_boundary || surface.end.cut) hint = Hint(Remedy::use, Setting::cap);
-    if (stage.source.of_meshes && !surface.end.cut) hint = Hint(Remedy::use, Setting::repair);
+    if (surface.open_boundary.at_data_boundary || surface.open_boundary.cut) hint = Hint(Remedy::use, Setting::cap);
+    if (stage.source.of_meshes && !surface.open_boundary.cut) hint = Hint(Remedy::use, Setting::repair);
     return fail(ErrorCode::input,
                 fmt::format("{}: only a closed surface can be hollow, and this one has {} boundary edges",
                             stage.subject(surface), topology.open_edges),
@@ -90,7 +90,7 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
   const double thickness = TRY(thickness_of(choice, stage.source));
   const double cell = wall_cell(thickness, stage.source);
   extract::InnerWall wall = TRY(extract::make_inner_wall(surface.mesh, {thickness, cell}, context));
-  const extract::WallFigures facts = wall.facts;
+  const extract::WallFigures facts = wall.figures;
   const std::uint64_t triangles = wall.mesh.triangles.size();
   const double cavity_volume = triangles > 0 ? -mesh::measure_size(wall.mesh).volume : 0;
   if (triangles > 0) {
@@ -119,13 +119,13 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
                                         "of the mesh, so the surface stays solid; a thinner wall can leave a cavity",
                                         stage.subject(surface), choice.thickness, choice.unit, thickness)});
     report.lines.push_back(
-        {fmt::format("hollowed{}: no cavity; {:.2f} s", surface.id.place(), watch.elapsed().wall_seconds)});
+        {fmt::format("hollowed{}: no cavity; {:.2f} s", surface.id.at_text(), watch.elapsed().wall_seconds)});
     return report;
   }
   std::string text = fmt::format(
       "hollowed{}: wall of {:.4g}; {} of volume {:.4g}, {} triangles; measured thickness {:.4g} to {:.4g}, typical "
       "difference {:.2g} (cells of {:.4g})",
-      surface.id.place(), thickness, counted(facts.cavities, "cavity", "cavities"), cavity_volume, triangles,
+      surface.id.at_text(), thickness, counted(facts.cavities, "cavity", "cavities"), cavity_volume, triangles,
       facts.thinnest, facts.thickest, facts.rms_difference, cell);
   if (facts.loose_walls == 1) text += "; 1 wall around a cavity of the surface does not touch the outer wall";
   if (facts.loose_walls > 1) {

@@ -94,7 +94,7 @@ Result<StageReport> repair_surface(Surface& surface, const StageContext& stage) 
                      "remaining vertex at the same position",
                      report.subject, facts.values_lost, facts.welded)});
   }
-  report.lines.push_back({fmt::format("repaired{}: {}; then {}; {:.2f} s", surface.id.place(),
+  report.lines.push_back({fmt::format("repaired{}: {}; then {}; {:.2f} s", surface.id.at_text(),
                                       steps_text(facts, *choice), verdict, facts.time.wall_seconds)});
   return report;
 }

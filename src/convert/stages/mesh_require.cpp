@@ -38,7 +38,7 @@ Result<mesh::Mesh> welded_copy(const mesh::Mesh& mesh, const Context& context) {
 }
 
 std::string line_of(const edit::UntangleFigures& done, const Surface& surface, const Source& source) {
-  const std::string place = surface.id.place();
+  const std::string place = surface.id.at_text();
   if (done.pairs_before == 0) return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
   return fmt::format(
       "untangled{}: {} of {}{} pairs of intersecting triangles left; flipped "
@@ -72,7 +72,8 @@ Hint hint_for(std::span<const check::Requirement> unmet, const Surface& surface,
     return {Remedy::use, Setting::position};
   }
   if (!stage.source.of_meshes) {
-    return lacks(Requirement::closed) && surface.end.at_data_boundary ? Hint(Remedy::use, Setting::cap) : Hint();
+    return lacks(Requirement::closed) && surface.open_boundary.at_data_boundary ? Hint(Remedy::use, Setting::cap)
+                                                                                : Hint();
   }
   if (stage.job.edits.repair) {
     return lacks(Requirement::closed) ? Hint(Remedy::raise, Setting::hole_edges) : Hint();
@@ -116,7 +117,7 @@ Result<void> require_of_parts(const mesh::MeshMeasures& measures, const SurfaceI
   found.topology = measures.topology;
   Surface surface;
   surface.id = id;
-  surface.end.at_data_boundary = measures.topology.open_edges > 0 && !stage.job.surface.cap;
+  surface.open_boundary.at_data_boundary = measures.topology.open_edges > 0 && !stage.job.surface.cap;
   return check_requirements(found, surface, stage);
 }
 

@@ -347,7 +347,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   plan.set_distance(alone, 0);
   surface.simplified_by = alone.voxels.upper;
   StageReport report = report_of(choice, result, surface, stage);
-  add_sentences(report, choice, result, surface.id.place(), report.subject, stage.source);
+  add_sentences(report, choice, result, surface.id.at_text(), report.subject, stage.source);
   return report;
 }
 
@@ -397,7 +397,7 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
   const std::string name =
       labels.size() == 1 ? labels.front().surface->id.name() : fmt::format("{} labels together", labels.size());
   const bool is_one = labels.size() == 1;
-  add_sentences(reports.front(), choice, whole, is_one ? labels.front().surface->id.place() : " " + name,
+  add_sentences(reports.front(), choice, whole, is_one ? labels.front().surface->id.at_text() : " " + name,
                 fmt::format("{} {}", stage.source.label, name), stage.source);
   const bool are_closed = stage.source.clip.empty() || stage.job.surface.cap;
   if (are_closed) reports.front().lines.push_back(line_of_volumes(labels, volumes_before));

@@ -25,17 +25,17 @@ std::optional<field::IndexBox> capped_box(const Source& source) {
 
 std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts, const Surface& surface,
                     const Source& source) {
-  std::string text = fmt::format("smoothed{}: {} passes of {}, {}; vertices moved by at most {}", surface.id.place(),
-                                 asked.passes, word_of(asked.method),
-                                 facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
-                                                   : fmt::format("pass band {}", asked.pass_band),
-                                 source.length_text(fmt::format("{:.4g}", facts.greatest_move),
-                                                    fmt::format("{:.4g}", facts.max_displacement_world)));
-  if (facts.border_vertices == 0) {
+  std::string text = fmt::format(
+      "smoothed{}: {} passes of {}, {}; vertices moved by at most {}", surface.id.at_text(), asked.passes,
+      word_of(asked.method),
+      facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
+                        : fmt::format("pass band {}", asked.pass_band),
+      source.length_text(fmt::format("{:.4g}", facts.greatest_move), fmt::format("{:.4g}", facts.greatest_move_world)));
+  if (facts.boundary_vertices == 0) {
     const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
     text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");
   } else {
-    text += fmt::format("; {} vertices on boundary edges stayed in place", facts.border_vertices);
+    text += fmt::format("; {} vertices on boundary edges stayed in place", facts.boundary_vertices);
   }
   if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
   if (facts.held_vertices > 0) {
@@ -95,10 +95,10 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::pass_band, facts.mean_weight ? Value() : Value(asked.pass_band)},
        {Key::mean_weight, facts.mean_weight ? Value(*facts.mean_weight) : Value()},
        {Key::vertices, facts.vertices},
-       {Key::border_vertices, facts.border_vertices},
+       {Key::border_vertices, facts.boundary_vertices},
        {Key::cap_vertices, facts.wall_vertices},
        {Key::held_vertices, facts.held_vertices},
-       {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.max_displacement_world}}},
+       {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.greatest_move_world}}},
        {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
       facts.time);
   report.did = "smoothed";

@@ -40,7 +40,8 @@ Result<void> tell(const StageReport& report, Events& events) {
 Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events, Surface& surface) {
   StageReport report = TRY(stage.edit(surface, context));
   if (report.lines.empty() && !report.entries.empty() && !stage.done.empty()) {
-    report.lines.push_back({fmt::format("{}{}: {}", stage.done, surface.id.place(), text_of(report.entries.front()))});
+    report.lines.push_back(
+        {fmt::format("{}{}: {}", stage.done, surface.id.at_text(), text_of(report.entries.front()))});
   }
   return tell(report, events);
 }

@@ -24,12 +24,12 @@ struct Surface {
   IsoChoice asked;
   SurfaceId id;
   mesh::Mesh mesh;
-  std::optional<mesh::MeshShape> taken = {};     // set if the mesh went to its file part by part; `mesh` is then empty
-  OpenBoundary end = {};                         // causes of boundary edges
+  std::optional<mesh::MeshShape> taken = {};  // set if the mesh went to its file part by part; `mesh` is then empty
+  OpenBoundary open_boundary = {};
   bool counts_open_edges = false;                // only a count of boundary edges tells whether the mesh is closed
   std::optional<Figures> error = {};             // set if it was measured
   std::optional<Figures> facts = {};             // set if requested; measured before shading duplicates vertices
-  StageTime looking = {};                        // time to measure `facts`
+  StageTime measuring_time = {};                 // of `facts`
   std::optional<std::uint64_t> open_edges = {};  // set if counted, before shading duplicates vertices
   std::optional<mesh::Topology> welded = {};     // the topology after a reader welds the file (topology_as_read())
   bool distinct_positions = false;               // no two vertices coincide in a file of float32; false: unknown

@@ -45,7 +45,7 @@ std::optional<EdgeFlips::Flip> EdgeFlips::flip_at(std::uint32_t t, int corner) c
   const auto other = static_cast<std::uint32_t>(mesh::triangle_of(*other_corner));
   const std::uint32_t d = mesh_.triangles[other][static_cast<int>((*other_corner % 3 + 2) % 3)];
   if (d == c || changed_[d] != 0 || are_joined(c, d)) return std::nullopt;
-  if (std::ranges::any_of(std::array{a, b, c, d}, [&](std::uint32_t v) { return signal_.bound(v) >= kFixed; })) {
+  if (std::ranges::any_of(std::array{a, b, c, d}, [&](std::uint32_t v) { return signal_.constraints(v) >= kFixed; })) {
     return std::nullopt;
   }
   Flip flip{{PairCounter::Triangle{t, {a, d, c}}, PairCounter::Triangle{other, {d, b, c}}}, 0};

@@ -79,10 +79,10 @@ std::optional<PlaceSearch::Found> PlaceSearch::find_place(std::uint32_t vertex, 
 std::optional<PlaceSearch::Move> PlaceSearch::best_move(std::uint32_t vertex) {
   // Each place takes time by the square of the number of triangles: those of a vertex with many stay.
   constexpr std::size_t kMostTriangles = 64;
-  if (signal_.bound(vertex) >= kFixed || around_.corners(vertex).size() > kMostTriangles) return std::nullopt;
+  if (signal_.constraints(vertex) >= kFixed || around_.corners(vertex).size() > kMostTriangles) return std::nullopt;
   const std::vector<PairCounter::Triangle> star = star_of(vertex);
   const std::size_t before = counter_.count(star, kAnyNumber);
-  const auto found = find_place(vertex, signal_.bound(vertex), before_[vertex], star, before);
+  const auto found = find_place(vertex, signal_.constraints(vertex), before_[vertex], star, before);
   if (!found) return std::nullopt;
   return Move{vertex, found->place, before - found->pairs};
 }
@@ -114,7 +114,7 @@ std::optional<PlaceSearch::Split> PlaceSearch::split_at(std::uint32_t t, int cor
   const glm::uvec3 others = mesh_.triangles[other];
   const std::uint32_t d = others[static_cast<int>((*other_corner % 3 + 2) % 3)];
   for (const std::uint32_t v : {a, b, c, d}) {
-    if (changed_[v] != 0 || signal_.bound(v) >= kFixed) return std::nullopt;
+    if (changed_[v] != 0 || signal_.constraints(v) >= kFixed) return std::nullopt;
   }
   const std::array before{PairCounter::Triangle{t, own}, PairCounter::Triangle{other, others}};
   const std::size_t pairs = counter_.count(before, kAnyNumber);

@@ -49,12 +49,12 @@ inline constexpr std::uint8_t kInCut = 16;  // does not move either: it lies in 
 class Signal {
  public:
   Signal(const mesh::Mesh& mesh, const SmoothOptions& options)
-      : mesh_(mesh), neighbors_(ends_of_edges(mesh, true)), bound_(mesh.positions.size()), walls_(options.walls) {
+      : mesh_(mesh), neighbors_(ends_of_edges(mesh, true)), constraints_(mesh.positions.size()), walls_(options.walls) {
     if (walls_) from_box_ = glm::inverse(walls_->to_box);
     const Neighbors incoming = ends_of_edges(mesh, false);
     for_each_vertex(mesh.positions.size(), [&](std::size_t v) {
       const auto out = neighbors_.at(v);
-      bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kFixed : sides_at(v);
+      constraints_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kFixed : sides_at(v);
     });
     keep_cuts(options.cuts);
   }
@@ -62,30 +62,32 @@ class Signal {
   // Returns the mean of the neighbors minus the vertex, for positions moved by `moves`. Keeps only the components in
   // which the vertex may move.
   [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
-    if (bound_[v] >= kFixed) return glm::dvec3(0);
+    if (constraints_[v] >= kFixed) return glm::dvec3(0);
     const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);
     glm::dvec3 sum(0);
     const auto near = neighbors_.at(v);
     for (const std::uint32_t n : near) sum += glm::dvec3(mesh_.positions[n]) + glm::dvec3(moves[n]) - here;
     sum /= static_cast<double>(near.size());
-    return allowed_part(bound_[v], sum);
+    return allowed_part(constraints_[v], sum);
   }
 
   // Returns the part of a move that a vertex with these bits may make.
-  [[nodiscard]] glm::dvec3 allowed_part(std::uint8_t bound, const glm::dvec3& move) const {
-    if (bound >= kFixed) return glm::dvec3(0);
-    if (bound == 0) return move;
+  [[nodiscard]] glm::dvec3 allowed_part(std::uint8_t constraints, const glm::dvec3& move) const {
+    if (constraints >= kFixed) return glm::dvec3(0);
+    if (constraints == 0) return move;
     glm::dvec3 in_box = walls_->to_box * move;
     for (int axis = 0; axis < 3; ++axis) {
-      if ((bound >> axis & 1) != 0) in_box[axis] = 0;
+      if ((constraints >> axis & 1) != 0) in_box[axis] = 0;
     }
     return from_box_ * in_box;
   }
 
   // Returns the bits that all corners of a triangle have: those of the cap that it belongs to.
-  [[nodiscard]] std::uint8_t sides_of(const glm::uvec3& t) const { return bound_[t.x] & bound_[t.y] & bound_[t.z]; }
+  [[nodiscard]] std::uint8_t sides_of(const glm::uvec3& t) const {
+    return constraints_[t.x] & constraints_[t.y] & constraints_[t.z];
+  }
 
-  [[nodiscard]] std::uint8_t bound(std::size_t v) const { return bound_[v]; }
+  [[nodiscard]] std::uint8_t constraints(std::size_t v) const { return constraints_[v]; }
   [[nodiscard]] std::span<const std::uint32_t> neighbors(std::size_t v) const { return neighbors_.at(v); }
 
  private:
@@ -95,7 +97,7 @@ class Signal {
     for_each_vertex(mesh_.positions.size(), [&](std::size_t v) {
       const glm::dvec3 p = mesh_.position(v);
       if (std::ranges::any_of(cuts, [&](const mesh::HalfSpace& cut) { return std::abs(cut.depth(p)) <= on_plane; })) {
-        if (bound_[v] != kFixed) bound_[v] = kInCut;
+        if (constraints_[v] != kFixed) constraints_[v] = kInCut;
       }
     });
   }
@@ -115,7 +117,7 @@ class Signal {
 
   const mesh::Mesh& mesh_;
   Neighbors neighbors_;
-  Buffer<std::uint8_t> bound_;
+  Buffer<std::uint8_t> constraints_;
   std::optional<DataBox> walls_;
   glm::dmat3 from_box_{1.0};
 };

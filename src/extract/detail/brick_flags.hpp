@@ -26,9 +26,9 @@ class BrickFlags {
         slabs_(slabs),
         words_((dims.x + 63) / 64),
         rows_y_((dims.y + kBrickRows - 1) / kBrickRows),
-        rows_z_(slabs_of(dims)) {}
+        rows_z_(count_slabs(dims)) {}
 
-  [[nodiscard]] static int slabs_of(const glm::ivec3& dims) { return (dims.z + kBrickRows - 1) / kBrickRows; }
+  [[nodiscard]] static int count_slabs(const glm::ivec3& dims) { return (dims.z + kBrickRows - 1) / kBrickRows; }
 
   [[nodiscard]] std::uint64_t bytes() const { return offset(0, slabs_.end); }
   void allocate() { crossed_ = Buffer<std::uint8_t>(bytes()); }
@@ -52,7 +52,7 @@ class BrickFlags {
   }
 
   // Marks the crossed bricks of brick row (bj, bk).
-  void measure(const DenseMasks& masks, int bj, int bk) {
+  void mark_crossed(const DenseMasks& masks, int bj, int bk) {
     std::array<const std::uint64_t*, (kBrickRows + 1) * (kBrickRows + 1)> rows;
     std::size_t count = 0;
     for (int k = kBrickRows * bk; k < std::min(kBrickRows * (bk + 1) + 1, dims_.z); ++k) {

@@ -47,9 +47,10 @@ class DenseExtraction final : private VariantChooser {
         directions_(static_cast<int>(table_.directions.size())),
         placement_(output_placement(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
         masks_(std::move(masks)),
-        own_(own_slabs(BrickFlags::slabs_of(view_.dims), ranks)),
+        own_(own_slabs(BrickFlags::count_slabs(view_.dims), ranks)),
         // A cell next to the slabs of the next rank has vertices of theirs, whose numbers follow from counting them.
-        counted_{own_.begin, own_.count() == 0 ? own_.end : std::min(own_.end + 1, BrickFlags::slabs_of(view_.dims))},
+        counted_{own_.begin,
+                 own_.count() == 0 ? own_.end : std::min(own_.end + 1, BrickFlags::count_slabs(view_.dims))},
         bricks_(view_.dims, counted_),
         rows_(view_.dims.y, directions_, slices_below(own_.begin), slices_below(counted_.end)) {}
 
@@ -317,7 +318,7 @@ class DenseExtraction final : private VariantChooser {
   // Does the same for one row of bricks.
   std::uint64_t count_brick_row(const DenseMasks& masks, int bj, int bk) {
     std::uint64_t left_out = 0;
-    bricks_.measure(masks, bj, bk);
+    bricks_.mark_crossed(masks, bj, bk);
     for_each_row(bj, bk, [&](int j, int k) {
       const RowCounts counts = count_cells(*drawings_, cell_row(masks, j, k), *this);
       const std::size_t row = rows_.index(j, k);

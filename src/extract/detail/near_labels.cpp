@@ -30,7 +30,7 @@ NearLabels::NearLabels(const LabelChunks& labels, const glm::ivec3& origin) {
   }
 }
 
-std::uint64_t NearLabels::used(int y, int z) const {
+std::uint64_t NearLabels::corners_between_labels(int y, int z) const {
   std::uint64_t found = 0;
   for_each_in_row(y, z, [&](const Entry& /*entry*/, const CornerWords& words) { found |= mixed(words); });
   return found;

@@ -32,7 +32,7 @@ class NearLabels {
 
   // Returns a bit for each corner of a row that has at least two labels around it. Voxels without a label count as one
   // more label.
-  [[nodiscard]] std::uint64_t used(int y, int z) const;
+  [[nodiscard]] std::uint64_t corners_between_labels(int y, int z) const;
 
  private:
   void put(const LabelChunk& chunk, int n);

@@ -29,7 +29,7 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
   for_each_index(candidates.size(), [&](std::size_t c) {
     const NearLabels near(labels, candidates[c]);
     std::uint64_t used = 0;
-    for (int row = 0; row < 64 && used == 0; ++row) used = near.used(row & 7, row >> 3);
+    for (int row = 0; row < 64 && used == 0; ++row) used = near.corners_between_labels(row & 7, row >> 3);
     flags->values[c] = used != 0 ? 1 : 0;
   });
   TRY(context.check());
@@ -55,7 +55,7 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
     const NearLabels near(labels, grid.origins_[c]);
     for (int z = 0; z < 8; ++z) {
       for (int y = 0; y < 8; ++y) {
-        const std::uint64_t used = near.used(y, z);
+        const std::uint64_t used = near.corners_between_labels(y, z);
         grid.used_[c][chunk_row(y, z)] = used;
         grid.first_[c][chunk_row(y, z)] = static_cast<std::uint32_t>(count_bits(used));
       }

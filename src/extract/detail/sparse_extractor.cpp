@@ -94,7 +94,7 @@ class SparseExtraction final : private VariantChooser {
       emit_vertices(mesh, s);
       const SitePlanes planes = sites_.planes(s);
       write_site_cells(table_, *drawings_, sites_.origins()[s], planes, sites_.active_cells(s, planes), *this,
-                       vertices_, sites_.near(s), mesh.triangles.data() + triangle_base_[s]);
+                       vertices_, sites_.upper_neighbors(s), mesh.triangles.data() + triangle_base_[s]);
     });
     return {};
   }

@@ -67,7 +67,7 @@ std::uint64_t AxisWeights::bytes(int old_count, int new_count) {
 }
 
 AxisWeights::AxisWeights(int old_count, int new_count, ResampleKernel kernel, bool means)
-    : mean_(means && new_count < old_count && !makes_no_values(kernel)),
+    : mean_(means && new_count < old_count && !takes_old_samples(kernel)),
       convex_(mean_ || kernel != ResampleKernel::cubic) {
   entries_.reserve(static_cast<std::size_t>(new_count));
   const std::int64_t steps = new_count - 1;
@@ -116,7 +116,7 @@ void AxisWeights::add_mean(Entry entry, double half_width, int old_count) {
 
 void AxisWeights::add_kernel(Entry entry, ResampleKernel kernel, int old_count) {
   const bool passes_through = kernel != ResampleKernel::bspline;
-  if (makes_no_values(kernel) || (passes_through && entry.t == 0)) {
+  if (takes_old_samples(kernel) || (passes_through && entry.t == 0)) {
     entry.first = entry.t > 0.5 ? entry.below + 1 : entry.below;
     entry.count = 1;
     weights_.push_back(1);

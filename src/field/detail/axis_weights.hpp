@@ -21,7 +21,7 @@ struct SampleWeights {
 
 // Returns whether the kernel takes every new sample from an old one. On the axes that AxisWeights handles, majority
 // works like nearest.
-[[nodiscard]] constexpr bool makes_no_values(ResampleKernel kernel) {
+[[nodiscard]] constexpr bool takes_old_samples(ResampleKernel kernel) {
   return kernel == ResampleKernel::nearest || kernel == ResampleKernel::majority;
 }
 

@@ -189,7 +189,7 @@ void DenseSource::skip_resident_bricks(std::vector<BrickHash>& hashes) {
         if (needed == 0) continue;
         const field::IndexBox box = brick_box({x, y, z});
         const BrickHash now = brick_hash(*samples_, box);
-        BrickHash& resident = hashes[options_.resident->place(first_brick_ + glm::ivec3(x, y, z))];
+        BrickHash& resident = hashes[options_.resident->hash_index(first_brick_ + glm::ivec3(x, y, z))];
         if (resident == now) {
           needed = 0;
           kept.fetch_add(1, std::memory_order_relaxed);

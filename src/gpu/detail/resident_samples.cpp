@@ -49,14 +49,14 @@ Result<bool> ResidentSamples::make_room(const gl::GlContext& context, const Bric
                                         const Context& host) {
   const glm::ivec3 wanted(bricks.dims());
   const bool is_same = lattice == lattice_;
-  if (is_same && glm::all(glm::lessThanEqual(wanted, places_))) return true;
+  if (is_same && glm::all(glm::lessThanEqual(wanted, bricks_per_axis_))) return true;
   const auto fits = [&](const glm::ivec3& places) {
     const glm::i64vec3 size = std::int64_t{kBrickSamples} * glm::i64vec3(places);
     return std::max({size.x, size.y, size.z}) <= limits.size &&
            count_of(places) * kSamplesOfBrick * field::sample_size(lattice.type) <= limits.bytes;
   };
   // Growing to the maximum of both sizes makes reallocations rare for fields that move.
-  const glm::ivec3 either = is_same ? glm::max(wanted, places_) : wanted;
+  const glm::ivec3 either = is_same ? glm::max(wanted, bricks_per_axis_) : wanted;
   const glm::ivec3 places = fits(either) ? either : wanted;
   drop();
   if (!fits(places)) return false;
@@ -64,7 +64,7 @@ Result<bool> ResidentSamples::make_room(const gl::GlContext& context, const Bric
   if (!memory) return false;  // extraction works without resident samples
   auto texture = TRY(make_sample_texture(context, lattice.type, kBrickSamples * places));
   lattice_ = lattice;
-  places_ = places;
+  bricks_per_axis_ = places;
   texture_ = std::move(texture);
   memory_ = std::move(*memory);
   return true;
@@ -72,15 +72,15 @@ Result<bool> ResidentSamples::make_room(const gl::GlContext& context, const Bric
 
 void ResidentSamples::drop() { *this = ResidentSamples(); }
 
-std::size_t ResidentSamples::place(const glm::ivec3& brick) const {
-  const glm::u64vec3 at(brick % places_);
-  const glm::u64vec3 places(places_);
-  return at.x + places.x * (at.y + places.y * at.z);
+std::size_t ResidentSamples::hash_index(const glm::ivec3& brick) const {
+  const glm::u64vec3 at(brick % bricks_per_axis_);
+  const glm::u64vec3 size(bricks_per_axis_);
+  return at.x + size.x * (at.y + size.y * at.z);
 }
 
 std::vector<BrickHash> ResidentSamples::take_hashes() {
   std::vector<BrickHash> hashes = std::exchange(hashes_, {});
-  hashes.resize(count_of(places_));
+  hashes.resize(count_of(bricks_per_axis_));
   return hashes;
 }
 

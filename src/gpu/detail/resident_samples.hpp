@@ -54,9 +54,9 @@ class ResidentSamples {
 
   [[nodiscard]] const gl::GlTexture& texture() const { return texture_; }
   // Returns the size in samples. Sample p is at texel (p - lattice origin) % size().
-  [[nodiscard]] glm::ivec3 size() const { return kBrickSamples * places_; }
+  [[nodiscard]] glm::ivec3 size() const { return kBrickSamples * bricks_per_axis_; }
   // Returns the index of a brick in the hashes.
-  [[nodiscard]] std::size_t place(const glm::ivec3& brick) const;
+  [[nodiscard]] std::size_t hash_index(const glm::ivec3& brick) const;
 
   // Take the hashes before an upload and give the new ones back after it. If the upload fails in between, the hashes
   // are lost and all bricks count as unknown.
@@ -65,9 +65,9 @@ class ResidentSamples {
 
  private:
   BrickLattice lattice_;
-  glm::ivec3 places_{0};
+  glm::ivec3 bricks_per_axis_{0};
   gl::GlTexture texture_;
-  std::vector<BrickHash> hashes_;  // by place; empty if nothing is known
+  std::vector<BrickHash> hashes_;  // by hash_index(); empty if nothing is known
   Reservation memory_;             // for the hashes
 };
 

@@ -69,7 +69,7 @@ Result<bool> AnimatedGlb::add(const std::string& name, std::span<const GltfPart>
   const int node = model.add_frame(name, parts, !keys_.empty());
   bool fits = false;
   std::uint64_t json_of_frame = 0;
-  model.take([&](const nlohmann::json& document) {
+  model.flush([&](const nlohmann::json& document) {
     json_of_frame = printable_json(document.dump()).size();
     fits = bytes_with(json_.bytes() + json_of_frame, model.binary_bytes(), keys_.size() + 1) <= largest_;
     if (fits) json_.add(document);
@@ -179,7 +179,7 @@ std::string AnimatedGlb::describe() {
     json_.add("buffers", unpacked.dump());
   }
   // Adds the asset if there was no frame.
-  model_.take([&](const nlohmann::json& document) { json_.add(document); });
+  model_.flush([&](const nlohmann::json& document) { json_.add(document); });
   std::string json = json_.take();
   pad_glb_json(json);
   return json;

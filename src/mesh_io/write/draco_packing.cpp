@@ -69,7 +69,7 @@ class Comparison {
         packed.bounds = {glm::min(packed.bounds.min, local), glm::max(packed.bounds.max, local)};
         const glm::dvec3 by = glm::abs(packing_.lattice.origin + glm::dvec3(local) - position(same->a[i].number));
         measured.largest_axis_move = std::max({measured.largest_axis_move, by.x, by.y, by.z});
-        measured.largest = std::max(measured.largest, glm::length(by));
+        measured.largest_move = std::max(measured.largest_move, glm::length(by));
         if (normals == nullptr) continue;
         largest_turn =
             std::max(largest_turn, smallest_normal_angle(*same, first, end, vector_at(*normals, same->b[i].number)));

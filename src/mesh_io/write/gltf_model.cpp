@@ -82,7 +82,7 @@ void GltfModel::add(const GltfPart& part) {
   constexpr std::size_t kNodesAtOnce = 128;
   scene_.nodes.push_back(node(part));
   if (model_.nodes.size() < kNodesAtOnce) return;
-  take([&](nlohmann::json& document) {
+  flush([&](nlohmann::json& document) {
     fix_empty_entries(document);
     earlier_.add(document);
   });
@@ -105,7 +105,7 @@ int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> part
   return push(std::move(frame));
 }
 
-void GltfModel::take(const std::function<void(nlohmann::json& document)>& look) {
+void GltfModel::flush(const std::function<void(nlohmann::json& document)>& look) {
   JsonTree tree(document_of(model_, placement_));
   describe_packed_views(tree.root());
   look(tree.root());

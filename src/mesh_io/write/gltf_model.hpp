@@ -37,11 +37,11 @@ class GltfModel {
 
   // Adds one node for all parts of a frame and returns its number; no scene refers to it yet. A hidden node has scale
   // 0. Skips parts without triangles, but at least one part must have triangles.
-  // Used with take() instead of add() and json() for files whose model is never complete in memory.
+  // Used with flush() instead of add() and json() for files whose model is never complete in memory.
   [[nodiscard]] int add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden);
-  // Calls look() with the JSON of everything added since the last take(), without scenes and buffers; then forgets it.
+  // Calls look() with the JSON of everything added since the last flush(), without scenes and buffers; then forgets it.
   // Later nodes, meshes and accessors continue the numbering.
-  void take(const std::function<void(nlohmann::json& document)>& look);
+  void flush(const std::function<void(nlohmann::json& document)>& look);
   [[nodiscard]] Notes release_notes();
   [[nodiscard]] std::uint64_t binary_bytes() const { return offset_; }
   // Returns the second buffer of the file, a placeholder for the bytes that compressed views decode to
@@ -49,7 +49,7 @@ class GltfModel {
   [[nodiscard]] nlohmann::json unpacked_buffer() const;
 
  private:
-  // The number of entries of each list that take() has removed.
+  // The number of entries of each list that flush() has removed.
   struct Taken {
     std::size_t nodes = 0;
     std::size_t meshes = 0;

@@ -76,13 +76,13 @@ glm::dvec3 step_to_layer(const CellGrid& grid, std::size_t spot, const glm::dvec
   const double deep = kDeepInside * support;
   if (!(length > deep)) return glm::dvec3(0.0);
   const glm::dvec3 inward = to_mean / length;
-  const glm::dvec3 at = grid.place(spot);
+  const glm::dvec3 at = grid.position(spot);
   const double radius = kLayerRadius * support;
   double sum = 0;
   double total = 0;
   grid.for_each_spot_run(at - radius, at + radius, [&](std::size_t first, std::size_t last) {
     for (std::size_t s = first; s != last; ++s) {
-      const glm::dvec3 d = (grid.place(s) - at) / radius;
+      const glm::dvec3 d = (grid.position(s) - at) / radius;
       const double depth = glm::dot(d, inward) * (kLayerRadius / kLayerDepth);
       const double near = 1 - glm::dot(d, d);
       const double level = 1 - depth * depth;
@@ -144,7 +144,7 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
     if (context.cancelled()) return;
     for (std::size_t s = begin; s != end; ++s) {
       const glm::dvec3 to_mean(shaped->values[s].to_mean);
-      centers->values[s] = grid.place(s) + options.lambda * step_to_layer(grid, s, to_mean, support);
+      centers->values[s] = grid.position(s) + options.lambda * step_to_layer(grid, s, to_mean, support);
     }
     context.progress().advance(end - begin);
   });

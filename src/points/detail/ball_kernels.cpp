@@ -36,11 +36,11 @@ Result<BallKernels> BallKernels::make(const CellGrid& grid, std::span<const floa
   for_each_range(grid.size(), 1024, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
     for (std::size_t s = begin; s != end; ++s) {
-      const glm::dvec3& p = grid.place(s);
+      const glm::dvec3& p = grid.position(s);
       double density = 0;
       grid.for_each_spot_run(p - reach, p + reach, [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k != last; ++k) {
-          const glm::dvec3 away = grid.place(k) - p;
+          const glm::dvec3 away = grid.position(k) - p;
           const double squared = glm::dot(away, away);
           const double other = support * radius_of(k);
           if (squared < other * other) density += spline_shape(std::sqrt(squared) / other);

@@ -48,7 +48,7 @@ void KernelBricks::for_each_near(const glm::ivec3& origin, double part, const F&
   kernels_.grid->for_each_spot_run(low - most, high + most, [&](std::size_t first, std::size_t last) {
     for (std::size_t s = first; goes_on && s != last; ++s) {
       const double reach = kernels_.shapes != nullptr ? part * static_cast<double>(kernels_.shapes[s].reach) : most;
-      const glm::dvec3& p = kernels_.grid->place(s);
+      const glm::dvec3& p = kernels_.grid->position(s);
       const double x = distance_to_interval(p.x, low.x, high.x);
       const double y = distance_to_interval(p.y, low.y, high.y);
       const double z = distance_to_interval(p.z, low.z, high.z);
@@ -80,7 +80,7 @@ void KernelBricks::sum(const glm::ivec3& origin, float part, float* values, cons
     batch.size = 0;
   };
   for_each_near(origin, static_cast<double>(part), [&](std::size_t s) {
-    const glm::vec3 p((kernels_.grid->place(s) - low) * step);
+    const glm::vec3 p((kernels_.grid->position(s) - low) * step);
     const std::size_t n = batch.size++;
     batch.x[n] = p.x;
     batch.y[n] = p.y;

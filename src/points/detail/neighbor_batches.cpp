@@ -6,7 +6,7 @@
 
 namespace isoextract::points {
 
-std::uint64_t count_neighbor_pairs(const CellGrid& grid, double radius, std::uint64_t most) {
+std::uint64_t count_candidate_pairs(const CellGrid& grid, double radius, std::uint64_t most) {
   const int rings = static_cast<int>(std::ceil(radius / grid.side()));
   std::atomic<std::uint64_t> pairs{0};
   for_each_range(grid.cell_count(), 32, [&](std::size_t begin, std::size_t end) {

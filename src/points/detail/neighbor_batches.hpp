@@ -26,7 +26,7 @@ struct CellTargets {
 
 // Counts the pairs that for_each_neighbor_batch() visits (a spot with each spot near it, itself included), a measure of
 // run time. Stops soon after `most`. Up to `most`, the result is the same for any number of threads.
-[[nodiscard]] std::uint64_t count_neighbor_pairs(const CellGrid& grid, double radius, std::uint64_t most);
+[[nodiscard]] std::uint64_t count_candidate_pairs(const CellGrid& grid, double radius, std::uint64_t most);
 
 // Visits the spots of cell c, 64 at a time: calls begin(targets), then add(targets, batch) for each batch of source
 // spots, then end(targets). The batches have every spot within `radius` of a target and some farther ones; the weight
@@ -45,7 +45,7 @@ void for_each_neighbor_batch(const CellGrid& grid, std::size_t c, double radius,
     targets.size = std::min(CellTargets::kMost, grid.cell_end(c) - first);
     targets.padded = (targets.size + 7) / 8 * 8;
     for (std::size_t t = 0; t < targets.size; ++t) {
-      const glm::vec3 p((grid.place(first + t) - corner) * scale);
+      const glm::vec3 p((grid.position(first + t) - corner) * scale);
       targets.x[t] = p.x;
       targets.y[t] = p.y;
       targets.z[t] = p.z;
@@ -60,7 +60,7 @@ void for_each_neighbor_batch(const CellGrid& grid, std::size_t c, double radius,
         float* const z = batch.z.data() + batch.size;
         float* const weight = batch.weight.data() + batch.size;
         for (std::size_t n = 0; n < count; ++n) {
-          const glm::vec3 p((grid.place(s + n) - corner) * scale);
+          const glm::vec3 p((grid.position(s + n) - corner) * scale);
           x[n] = p.x;
           y[n] = p.y;
           z[n] = p.z;

@@ -103,7 +103,7 @@ Result<RepeatedKernels> repeat_kernels(const KernelSet& kernels, const std::func
     const double reach = kernels.shapes != nullptr ? static_cast<double>(kernels.shapes[s].reach) : kernels.reach;
     return reach_of_images(box.extent_of_ball(reach), more);
   };
-  const auto index_of = [&](std::size_t s) { return box.index_from_cartesian() * from.place(s); };
+  const auto index_of = [&](std::size_t s) { return box.index_from_cartesian() * from.position(s); };
   double images = 0;
   for (std::size_t s = 0; s < from.size(); ++s) {
     if (is_original(s)) images += box.count_images(index_of(s), reach_of(s));

@@ -53,7 +53,7 @@ class Binder {
 
   [[noreturn]] void fail_at(const SelectionStep& step, const std::string& message, const std::string& hint = {}) const {
     throw Error{ErrorCode::input, fmt::format("{}: {}", particles_.label, message),
-                fmt::format("{}{}{}", hint, hint.empty() ? "" : "; ", condition_.mark(step.place))};
+                fmt::format("{}{}{}", hint, hint.empty() ? "" : "; ", condition_.mark(step.offset))};
   }
 
   [[noreturn]] void wants(const Operand& operand, std::string_view expected) const {

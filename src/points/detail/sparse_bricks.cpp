@@ -28,7 +28,7 @@ using Flags = Buffer<std::uint8_t>;
 // Returns the bricks that contain a spot, each once and in order.
 Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, const std::string& label) {
   const auto brick_of = [&](std::size_t spot) {
-    return glm::ivec3(glm::floor(grid.place(spot) / static_cast<double>(kSide)));
+    return glm::ivec3(glm::floor(grid.position(spot) / static_cast<double>(kSide)));
   };
   // Consecutive spots mostly share a brick, so only the first of each run is listed.
   constexpr std::size_t kChunk = 1 << 16;

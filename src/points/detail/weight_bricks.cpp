@@ -22,7 +22,7 @@ void WeightBricks::for_each_share(const glm::ivec3& origin, const F& f) const {
   };
   grid_.for_each_spot_run(low - 1.0, low + static_cast<double>(kWeightSide), [&](std::size_t first, std::size_t last) {
     for (std::size_t s = first; s != last; ++s) {
-      const glm::dvec3& p = grid_.place(s);
+      const glm::dvec3& p = grid_.position(s);
       if (deposit_ == Deposit::nearest) {
         add(s, glm::ivec3(glm::floor(p + 0.5)), 1);
         continue;

@@ -45,8 +45,8 @@ Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& sc
     if (view.is_smooth(s)) normals += count;
     if (view.colors(s) != nullptr) colors += count;
     if (surface.mesh->triangles.empty()) continue;
-    made.has_opaque_ = made.has_opaque_ || view.hides(s);
-    made.has_see_through_ = made.has_see_through_ || !view.hides(s);
+    made.has_opaque_ = made.has_opaque_ || view.is_opaque(s);
+    made.has_see_through_ = made.has_see_through_ || !view.is_opaque(s);
   }
   if (made.empty()) return made;
   TRY(made.take_arrays(gl, vertices, normals, colors, memory));
@@ -131,7 +131,7 @@ Result<void> GpuSurfaces::draw(const gl::GlContext& gl, const gl::ShaderProgram&
                                const Context& context) const {
   program.use();
   for (std::size_t s = 0; s < records_.size(); ++s) {
-    if (view_->hides(s) != hiding) continue;
+    if (view_->is_opaque(s) != hiding) continue;
     const Record& record = records_[s];
     const std::uint64_t count = scene_->surfaces[s].mesh->triangles.size();
     program.set("vertex_base", record.vertex_base);

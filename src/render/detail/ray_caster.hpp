@@ -146,7 +146,7 @@ class RayCaster {
                       along,
                       volume_.box.min,
                       volume_.box.max - 1.0};
-    Way state{fragments, slabs};
+    RayProgress state{fragments, slabs};
     batch_.size = 0;
     std::int64_t k = 0;
     while (k < slabs) {
@@ -160,7 +160,7 @@ class RayCaster {
       }
       const glm::ivec3 brick = cell_at(way, k) >> 3;
       const std::int64_t next = next_slab(brick, along, enter, step, k, slabs);
-      if (volume_.bricks != nullptr && !volume_.bricks->seen(brick)) {
+      if (volume_.bricks != nullptr && !volume_.bricks->is_visible(brick)) {
         k = next;
         continue;
       }
@@ -177,8 +177,7 @@ class RayCaster {
     return state.fragments;
   }
 
-  // The progress of a ray.
-  struct Way {
+  struct RayProgress {
     std::span<const Fragment> fragments;  // fragments that the ray has not passed yet
     std::int64_t passed;                  // slabs passed; all of them unless the ray ended early
     std::int64_t samples = 0;             // samples taken
@@ -200,7 +199,7 @@ class RayCaster {
   // Composites the slabs of the batch with the fragments among them, and empties the batch. Returns whether the ray
   // goes on.
   template <class Meet>
-  bool composite(Ray& ray, const SlabRay& way, Way& state, const Meet& meet) {
+  bool composite(Ray& ray, const SlabRay& way, RayProgress& state, const Meet& meet) {
     if (batch_.size == 0) return true;
     place(way, batch_);
     corners_->shade(way, batch_);
@@ -229,7 +228,7 @@ class RayCaster {
 
   // Composites a slab that contains fragments.
   template <class Meet>
-  void divide(Ray& ray, const SlabRay& way, std::size_t slab, Way& state, const Meet& meet) {
+  void divide(Ray& ray, const SlabRay& way, std::size_t slab, RayProgress& state, const Meet& meet) {
     const double first = batch_.first[slab];
     const double last = batch_.last[slab];
     const glm::vec4& entry = batch_.entry[slab];

@@ -148,7 +148,7 @@ Result<void> SurfaceTiles::draw(std::size_t number, TileFragments& fragments) co
   bool see_through = false;
   for (const std::uint32_t triangle : of_tile) {
     const std::size_t surface = view_->surface_of(triangle);
-    if (!view_->hides(surface)) {
+    if (!view_->is_opaque(surface)) {
       see_through = true;
       continue;
     }
@@ -163,7 +163,7 @@ Result<void> SurfaceTiles::draw(std::size_t number, TileFragments& fragments) co
   for (std::size_t i = 0; see_through && i < of_tile.size(); ++i) {
     const std::uint32_t triangle = of_tile[i];
     const std::size_t surface = view_->surface_of(triangle);
-    if (view_->hides(surface)) continue;
+    if (view_->is_opaque(surface)) continue;
     auto drawn = draw_triangle(triangle, surface, [&](std::uint32_t pixel, double depth) -> Result<void> {
       ++fragments.met_;
       const auto& nearest = fragments.opaque_[pixel];

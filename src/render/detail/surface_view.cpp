@@ -35,7 +35,7 @@ SurfaceView::SurfaceView(const Scene& scene, const Camera& camera, const Picture
         return attribute.role == mesh::AttributeRole::color;
       });
     }
-    look.hides = surface.opacity == 1 && (look.colors == nullptr || look.colors->components < 4);
+    look.is_opaque = surface.opacity == 1 && (look.colors == nullptr || look.colors->components < 4);
     looks_.push_back(look);
   }
   for (const Light& light : scene.lights) {

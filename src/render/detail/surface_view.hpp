@@ -33,7 +33,7 @@ class SurfaceView {
   [[nodiscard]] Corners corners(std::uint64_t triangle) const { return corners(surface_of(triangle), triangle); }
   [[nodiscard]] Corners corners(std::size_t surface, std::uint64_t triangle) const;
   // Returns whether the surface is opaque everywhere.
-  [[nodiscard]] bool hides(std::size_t surface) const { return looks_[surface].hides; }
+  [[nodiscard]] bool is_opaque(std::size_t surface) const { return looks_[surface].is_opaque; }
   [[nodiscard]] bool is_smooth(std::size_t surface) const { return looks_[surface].smooth; }
   // Returns the vertex colors, or null if the surface has one color.
   [[nodiscard]] const mesh::Attribute* colors(std::size_t surface) const { return looks_[surface].colors; }
@@ -65,7 +65,7 @@ class SurfaceView {
     field::Affine view;                       // from stored positions
     const mesh::Attribute* colors = nullptr;  // vertex colors, or null
     bool smooth = false;
-    bool hides = true;
+    bool is_opaque = true;
   };
 
   const Scene& scene_;

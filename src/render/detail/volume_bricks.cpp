@@ -97,7 +97,7 @@ Result<VolumeBricks> VolumeBricks::measure(const VolumeSamples& samples, const C
   return bricks;
 }
 
-bool VolumeBricks::seen(const glm::ivec3& brick) const {
+bool VolumeBricks::is_visible(const glm::ivec3& brick) const {
   if (samples_->dense() != nullptr) {
     return seen_[static_cast<std::size_t>(brick.x + dims_.x * (brick.y + dims_.y * brick.z))] != 0;
   }

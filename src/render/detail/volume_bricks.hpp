@@ -16,7 +16,7 @@ namespace isoextract::render::detail {
 // brick is invisible if every lookup between its least and its greatest sample has sigma 0. NaN samples have sigma 0.
 //
 // For sparse fields only bricks around stored blocks are listed. Any other brick has the constant values of tiles or
-// background at its corners, and seen() looks these up on demand.
+// background at its corners, and is_visible() looks these up on demand.
 class VolumeBricks {
  public:
   static constexpr int kCells = 8;
@@ -25,7 +25,7 @@ class VolumeBricks {
   // Context::reserve() and Context::check() do.
   [[nodiscard]] static Result<VolumeBricks> measure(const VolumeSamples& samples, const Context& context);
 
-  [[nodiscard]] bool seen(const glm::ivec3& brick) const;
+  [[nodiscard]] bool is_visible(const glm::ivec3& brick) const;
   [[nodiscard]] std::uint64_t count() const { return seen_.size(); }
   [[nodiscard]] std::uint64_t count_invisible() const;
 

@@ -34,7 +34,7 @@ class VolumeNodes::Lister {
                                     ? std::numeric_limits<std::uint64_t>::max() / 64
                                     : dims.x * dims.y * dims.z;
     TRY(take(nodes * sizeof(std::int32_t), "brick indices"));
-    list_.nodes_.assign(nodes, kUnseen);
+    list_.nodes_.assign(nodes, kInvisible);
     find_nodes();
     std::int32_t count = 0;
     for (std::int32_t& node : list_.nodes_) {
@@ -51,7 +51,7 @@ class VolumeNodes::Lister {
                   {Remedy::use, Setting::cpu_backend});
     }
     TRY(take(bricks * sizeof(std::int32_t), "brick indices"));
-    list_.bricks_.assign(bricks, kUnseen);
+    list_.bricks_.assign(bricks, kInvisible);
     find_bricks();
     TRY(context_.check());
     const auto own = static_cast<std::uint64_t>(std::ranges::count(list_.bricks_, kOwn));
@@ -77,7 +77,7 @@ class VolumeNodes::Lister {
   }
   [[nodiscard]] static glm::ivec3 brick_in_node(std::size_t b) { return glm::ivec3(b >> 8, b >> 4 & 15, b & 15); }
 
-  // Classifies a cube of cells whose samples all have the constant values of the places around its corners: kUnseen,
+  // Classifies a cube of cells whose samples all have the constant values of the places around its corners: kInvisible,
   // kConstant if there is one value, otherwise kOwn.
   template <class Place>
   [[nodiscard]] std::int32_t kind_of_constants(const Place& place) const {
@@ -91,7 +91,7 @@ class VolumeNodes::Lister {
       if (position < low) low = position;
       if (position > high) high = position;
     }
-    if (bricks_ != nullptr && !(low <= high && samples_.transfer().is_visible_between(low, high))) return kUnseen;
+    if (bricks_ != nullptr && !(low <= high && samples_.transfer().is_visible_between(low, high))) return kInvisible;
     return same ? kConstant : kOwn;
   }
 
@@ -105,7 +105,7 @@ class VolumeNodes::Lister {
       // Blocks and small tiles are in nodes of the lookup, which have the same size. The last samples of a node belong
       // to the next one.
       const glm::ivec3 origin = kCells * node_at(n);
-      list_.nodes_[n] = kUnseen;
+      list_.nodes_[n] = kInvisible;
       std::int32_t places[8];
       for (int c = 0; c < 8; ++c) {
         const glm::ivec3 at = origin + kCells * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
@@ -139,7 +139,7 @@ class VolumeNodes::Lister {
         return kind_of_constants([&](int n) { return group[static_cast<std::size_t>(n)]; });
       }
     }
-    return bricks_ == nullptr || bricks_->seen(brick) ? kOwn : kUnseen;
+    return bricks_ == nullptr || bricks_->is_visible(brick) ? kOwn : kInvisible;
   }
 
   void number_slots() {

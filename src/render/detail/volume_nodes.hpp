@@ -20,7 +20,7 @@ class VolumeNodes {
  public:
   static constexpr int kSide = 16;  // bricks per axis of a node
   static constexpr int kCells = kSide * VolumeBricks::kCells;
-  static constexpr std::int32_t kUnseen = -1;
+  static constexpr std::int32_t kInvisible = -1;
 
   // Lists the visible bricks of the cells from `first` to `last`, or all bricks if `bricks` is null. The result holds
   // its memory reservation. Fails with ErrorCode::unavailable for 2^31 bricks or more, and as Context::reserve() does.
@@ -30,9 +30,9 @@ class VolumeNodes {
 
   [[nodiscard]] const glm::ivec3& first() const { return first_; }  // in nodes
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
-  // Returns, per node, x fastest: its number in bricks(), kUnseen, or ~(slot + 1) if the whole node uses one slot.
+  // Returns, per node, x fastest: its number in bricks(), kInvisible, or ~(slot + 1) if the whole node uses one slot.
   [[nodiscard]] const std::vector<std::int32_t>& nodes() const { return nodes_; }
-  // Returns, per brick of each listed node, z fastest: its slot, or kUnseen.
+  // Returns, per brick of each listed node, z fastest: its slot, or kInvisible.
   [[nodiscard]] const std::vector<std::int32_t>& bricks() const { return bricks_; }
   // Returns, per slot: the first sample of a brick with the slot's values.
   [[nodiscard]] const std::vector<glm::ivec3>& slots() const { return slots_; }

@@ -30,7 +30,7 @@ bool NeighborLists::Block::make_room(std::size_t count, const Context& context) 
 }
 
 void NeighborLists::fill(Block& block, std::size_t first_cell, std::size_t last_cell, const points::CellGrid& grid,
-                         std::span<const glm::dvec3> places, double reach, const Context& context) {
+                         std::span<const glm::dvec3> positions, double reach, const Context& context) {
   const double reach2 = reach * reach;
   block.used = 0;
   block.error.reset();
@@ -47,11 +47,11 @@ void NeighborLists::fill(Block& block, std::size_t first_cell, std::size_t last_
     });
     for (std::size_t i = cell.first; i != grid.cell_end(c); ++i) {
       if (!block.make_room(candidates, context)) return;
-      const glm::dvec3 place = places[i];
+      const glm::dvec3 position = positions[i];
       std::uint32_t* next = block.neighbors.data() + block.used;
       for (std::size_t r = 0; r < run_count; ++r) {
         for (std::size_t j = runs[r].first; j != runs[r].second; ++j) {
-          const glm::dvec3 d = place - places[j];
+          const glm::dvec3 d = position - positions[j];
           // Always writes, to avoid a branch; there is room, as one candidate is i itself.
           *next = static_cast<std::uint32_t>(j);
           next += static_cast<std::size_t>(glm::dot(d, d) < reach2) & static_cast<std::size_t>(j != i);
@@ -70,10 +70,10 @@ void NeighborLists::fill(Block& block, std::size_t first_cell, std::size_t last_
   }
 }
 
-Result<void> NeighborLists::make(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach,
+Result<void> NeighborLists::make(const points::CellGrid& grid, std::span<const glm::dvec3> positions, double reach,
                                  const Context& context) {
-  if (lists_.size() < places.size()) {
-    const std::size_t wanted = places.size() + places.size() / 4;
+  if (lists_.size() < positions.size()) {
+    const std::size_t wanted = positions.size() + positions.size() / 4;
     lists_ = {};
     lists_memory_.release();
     lists_memory_ = TRY(context.reserve(std::uint64_t{wanted} * sizeof(std::span<const std::uint32_t>), kWhat));
@@ -82,7 +82,8 @@ Result<void> NeighborLists::make(const points::CellGrid& grid, std::span<const g
   const std::size_t blocks = (grid.cell_count() + kBlockCells - 1) / kBlockCells;
   if (blocks_.size() < blocks) blocks_.resize(blocks);
   for_each_index(blocks, [&](std::size_t b) {
-    fill(blocks_[b], b * kBlockCells, std::min(grid.cell_count(), (b + 1) * kBlockCells), grid, places, reach, context);
+    fill(blocks_[b], b * kBlockCells, std::min(grid.cell_count(), (b + 1) * kBlockCells), grid, positions, reach,
+         context);
   });
   for (std::size_t b = 0; b < blocks; ++b) {
     if (blocks_[b].error) return tl::unexpected(*blocks_[b].error);

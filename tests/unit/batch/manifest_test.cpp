@@ -102,13 +102,13 @@ TEST(Manifest, KeepsRecordUntilFrameBeginsAgain) {
   {
     Manifest manifest = must_open(folder, batch, false);
     EXPECT_EQ(manifest.find(first.job), nullptr) << "nothing was to be resumed";
-    ASSERT_TRUE(manifest.begin(first.job));
+    ASSERT_TRUE(manifest.revoke(first.job));
   }
   {
     Manifest manifest = must_open(folder, batch, true);
     EXPECT_EQ(manifest.find(first.job), nullptr);
     ASSERT_NE(manifest.find(second.job), nullptr) << "it was not started";
-    ASSERT_TRUE(manifest.begin(second.job));
+    ASSERT_TRUE(manifest.revoke(second.job));
     EXPECT_EQ(manifest.find(second.job), nullptr);
     ASSERT_TRUE(manifest.add(second));
   }

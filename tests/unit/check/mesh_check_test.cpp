@@ -74,7 +74,7 @@ TEST(MeshCheckTest, AcceptsCube) {
   EXPECT_EQ(component.triangles, 12U);
   EXPECT_EQ(component.bounds.min, glm::dvec3(-0.5));
   EXPECT_TRUE(found.loops.empty());
-  EXPECT_FALSE(found.joined);
+  EXPECT_FALSE(found.welded);
 }
 
 TEST(MeshCheckTest, CountsAndMeasuresHoles) {
@@ -182,7 +182,7 @@ TEST(MeshCheckTest, FindsNestedShells) {
       nest.push_back(centered_cube(static_cast<float>(i + 1), (depth - i) % 2 == 1));
     const MeshCheck found = check(together(std::move(nest)));
     for (std::uint32_t i = 0; i <= depth; ++i) {
-      EXPECT_EQ(found.components[i].within, depth - i);
+      EXPECT_EQ(found.components[i].enclosing_shells, depth - i);
       EXPECT_EQ(found.components[i].shell, (depth - i) % 2 == 1 ? Shell::cavity : Shell::body);
     }
   }
@@ -225,7 +225,7 @@ TEST(MeshCheckTest, FindsNestedShellsWithSlantedFaces) {
   };
   const auto within = [](const MeshCheck& found) {
     std::vector<std::uint32_t> depths;
-    for (const Component& component : found.components) depths.push_back(component.within);
+    for (const Component& component : found.components) depths.push_back(component.enclosing_shells);
     return depths;
   };
   using Depths = std::vector<std::uint32_t>;
@@ -261,9 +261,9 @@ TEST(MeshCheckTest, ReportsSeamsOfDuplicatedVertices) {
   EXPECT_EQ(apart.repeated_vertices, 36U - 8);
   EXPECT_EQ(apart.topology.open_edges, 36U);
   EXPECT_EQ(apart.components.size(), 12U);
-  ASSERT_TRUE(apart.joined);
-  EXPECT_EQ(apart.joined->open_edges, 0U);
-  EXPECT_EQ(apart.joined->components, 1U);
+  ASSERT_TRUE(apart.welded);
+  EXPECT_EQ(apart.welded->open_edges, 0U);
+  EXPECT_EQ(apart.welded->components, 1U);
   EXPECT_EQ(apart.intersections.pairs, 0U);
   EXPECT_EQ(apart.topology.unused_vertices, 1U);
   ASSERT_TRUE(weld_coincident_vertices(mesh, Context()));
@@ -345,7 +345,7 @@ TEST(MeshCheckTest, IsIndependentOfThreads) {
   for (std::size_t i = 0; i < one.loops.size(); ++i) EXPECT_EQ(one.loops[i].length, four.loops[i].length);
   for (std::size_t i = 0; i < one.components.size(); ++i) {
     EXPECT_EQ(one.components[i].volume, four.components[i].volume);
-    EXPECT_EQ(one.components[i].within, four.components[i].within);
+    EXPECT_EQ(one.components[i].enclosing_shells, four.components[i].enclosing_shells);
   }
 }
 

@@ -39,7 +39,7 @@ ConversionJob full_job() {
                           .smoothing_length = 1.2,
                           .weight = 0.3,
                           .deposit = points::Deposit::nearest,
-                          .bad = points::NonFiniteParticles::skip,
+                          .non_finite = points::NonFiniteParticles::skip,
                           .columns = std::array<std::string, 3>{"x", "2", "z"},
                           .select = "type == 2",
                           .stride = 3,

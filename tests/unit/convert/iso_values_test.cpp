@@ -69,8 +69,8 @@ TEST(SurfaceId, HoldsIsoValueOrLabel) {
   // The meshes of a mesh file are texts in JSON.
   const SurfaceId third = FileMesh{3};
   EXPECT_EQ(third.name(), "mesh 3");
-  EXPECT_EQ(third.place(), " of mesh 3");
-  EXPECT_EQ(SurfaceId(kWholeFile).place(), "");
+  EXPECT_EQ(third.at_text(), " of mesh 3");
+  EXPECT_EQ(SurfaceId(kWholeFile).at_text(), "");
   for (const SurfaceId& mesh : {third, SurfaceId(kWholeFile)}) EXPECT_EQ(surface_id_of(json_of(mesh)), mesh);
   // Terrain is iso 0 in records, but texts do not name an iso value.
   const SurfaceId terrain = SurfaceId::terrain();

@@ -198,15 +198,15 @@ TEST(Pieces, FindsNestingOfManyBalls) {
     const mesh::Components components(piece.triangles.span(), piece.positions.size());
     const auto facts = measure_components(piece, components, glm::dmat3(1.0), Context()).value();
     ASSERT_LE(facts.size(), 2U);
-    const bool first_is_wall = facts[0].is_cavity();
+    const bool first_is_wall = facts[0].faces_inward();
     const mesh::ComponentFacts& body = facts[first_is_wall ? 1 : 0];
-    EXPECT_FALSE(body.is_cavity());
+    EXPECT_FALSE(body.faces_inward());
     for (const mesh::ComponentFacts& shell : facts) {
       EXPECT_TRUE(shell.is_closed());
       EXPECT_EQ(shell.topology.genus(), 0);
       EXPECT_TRUE(glm::all(glm::lessThanEqual(body.bounds.min, shell.bounds.min)));
       EXPECT_TRUE(glm::all(glm::greaterThanEqual(body.bounds.max, shell.bounds.max)));
-      cavities += shell.is_cavity() ? 1 : 0;
+      cavities += shell.faces_inward() ? 1 : 0;
     }
   }
   EXPECT_EQ(cavities, hollow);

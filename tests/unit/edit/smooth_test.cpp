@@ -192,7 +192,7 @@ TEST_P(SmoothMethods, RemovesNoiseAndKeepsSize) {
   EXPECT_LT(roughness(mesh, 18), 0.6 * roughness(before, 18));
   EXPECT_NEAR(facts.volume_after / facts.volume_before, 1, 0.01);
   EXPECT_DOUBLE_EQ(facts.volume_after, mesh::measure_size(mesh).volume);
-  EXPECT_EQ(facts.border_vertices, 0U);
+  EXPECT_EQ(facts.boundary_vertices, 0U);
   EXPECT_EQ(facts.vertices, mesh.positions.size());
   double most = 0;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -202,7 +202,7 @@ TEST_P(SmoothMethods, RemovesNoiseAndKeepsSize) {
     EXPECT_GT(glm::dot(glm::dvec3(mesh.normals[v]), outward), 0.4);
     EXPECT_NEAR(glm::length(mesh.normals[v]), 1, 1e-6);
   }
-  EXPECT_DOUBLE_EQ(facts.max_displacement_world, most);
+  EXPECT_DOUBLE_EQ(facts.greatest_move_world, most);
   EXPECT_GT(most, 0.1);
   EXPECT_LT(most, 2);
 }
@@ -262,7 +262,7 @@ TEST_P(SmoothMethods, KeepsOpenBorders) {
     EXPECT_EQ(mesh.positions[v], p);
     ++stayed;
   }
-  EXPECT_EQ(facts.border_vertices, stayed);
+  EXPECT_EQ(facts.boundary_vertices, stayed);
   EXPECT_GT(stayed, 100U);
 }
 

@@ -216,7 +216,7 @@ class SparseSurface {
     sites_.field = &field;
     sites_.options = options;
     sites_.origins = leaves_.origins();
-    sites_.near = [this](std::size_t site) { return leaves_.near(site); };
+    sites_.near = [this](std::size_t site) { return leaves_.upper_neighbors(site); };
     sites_.inside = [this](const glm::ivec3& p) { return leaves_.inside(p); };
     sites_.value = [this](const glm::ivec3& p) { return leaves_.value(p); };
     sites_.keys =

@@ -20,7 +20,7 @@ TEST(AnimationTimes, ShowsFramesFromGivenTimes) {
   const std::vector<std::int64_t> frames{3, 4, 5, 8};
   const mesh::Mesh triangle = test::make_mesh("surface", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   AnimationWriter writer = make();
-  writer.span(3, 8);
+  writer.set_span(3, 8);
   writer.set_starts(frames, std::vector{0.0, 0.05, 0.4, 0.5});
   ASSERT_TRUE(writer.check_times(frames));
   for (const std::int64_t frame : {3, 4, 8}) ASSERT_TRUE(writer.add(std::to_string(frame), frame, triangle));

@@ -119,7 +119,7 @@ TEST_P(Packing, KeepsTheMeshWithinHalfAStep) {
   }
   EXPECT_GT(facts.positions->largest_axis_move, 0);
   EXPECT_LE(facts.positions->largest_axis_move, facts.positions->step / 2);
-  EXPECT_LE(facts.positions->largest, std::sqrt(3.0) * facts.positions->largest_axis_move);
+  EXPECT_LE(facts.positions->largest_move, std::sqrt(3.0) * facts.positions->largest_axis_move);
   EXPECT_LE(farthest_vertex(meshes[0], found), facts.positions->largest_axis_move * (1 + 1e-12));
   EXPECT_EQ(std::exp2(std::round(std::log2(facts.positions->step))), facts.positions->step);
   if (GetParam().packing.voxel > 0) {

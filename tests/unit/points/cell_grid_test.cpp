@@ -38,7 +38,7 @@ TEST(CellGrid, FindsEveryPointOnce) {
     grid.for_each_spot_run(low, high, [&](std::size_t first, std::size_t last) {
       for (std::size_t s = first; s < last; ++s) {
         for (const std::uint32_t point : grid.members(s)) found.insert(point);
-        EXPECT_EQ(grid.place(s), frame(points[grid.members(s)[0]]));
+        EXPECT_EQ(grid.position(s), frame(points[grid.members(s)[0]]));
       }
     });
     for (std::uint32_t i = 0; i < 501; ++i) {

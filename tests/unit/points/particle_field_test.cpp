@@ -290,7 +290,7 @@ TEST(ParticleField, ReportsOrDropsNonFinitePositions) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::input);
   EXPECT_NE(refused.error().message.find("particle 7"), std::string::npos) << refused.error().message;
-  options.bad = NonFiniteParticles::skip;
+  options.non_finite = NonFiniteParticles::skip;
   const ParticleField made = field_of(particles_at(positions), options);
   EXPECT_EQ(made.figures.particles, 40U);
   EXPECT_EQ(made.figures.particles_dropped, 2U);
@@ -314,7 +314,7 @@ TEST(ParticleField, HasLinearWork) {
   const auto pairs_of = [](const std::vector<glm::dvec3>& positions) {
     const auto grid = CellGrid::make(positions, GridFrame{}, kSide, CellGrid::Coinciding::merged, Context(), "test");
     if (!grid) throw std::runtime_error(grid.error().message);
-    return std::pair(count_neighbor_pairs(*grid, kSide, ~std::uint64_t{0}), std::uint64_t{grid->size()});
+    return std::pair(count_candidate_pairs(*grid, kSide, ~std::uint64_t{0}), std::uint64_t{grid->size()});
   };
   // Twice as many particles at the same distances: about twice as many pairs.
   const auto [loose, loose_spots] = pairs_of(random_positions(4000, 40, 1));

@@ -139,7 +139,7 @@ TEST(Region, HasTheRadiusOfTheParticlesInside) {
   positions.emplace_back(std::numeric_limits<double>::quiet_NaN(), 0, 0);
   ParticleSet set = particles_at(positions);
   FieldOptions options;
-  options.bad = NonFiniteParticles::skip;
+  options.non_finite = NonFiniteParticles::skip;
   const field::Box region{glm::dvec3(-1.2), glm::dvec3(1.2)};
   ASSERT_TRUE(keep_region(set, region, options, Context()));
   EXPECT_NEAR(options.suggested_radius.value_or(0), 0.05, 0.002);

@@ -60,7 +60,7 @@ TEST(SphereSet, DropsNonFiniteParticlesWithTheirRadii) {
   EXPECT_EQ(make_spheres(set, spheres(), Context()).error().hint,
             Hint(Remedy::set, Setting::nan_policy, "outside to leave such particles out"));
   FieldOptions skip = spheres();
-  skip.bad = NonFiniteParticles::skip;
+  skip.non_finite = NonFiniteParticles::skip;
   const Context context;
   {
     const auto kept = make_spheres(set, skip, context);

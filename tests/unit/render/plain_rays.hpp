@@ -112,7 +112,7 @@ class PlainRays {
       if (volume_.bricks != nullptr) {
         const glm::ivec3 brick = cell >> 3;
         if (brick != seen_brick) {
-          if (!volume_.bricks->seen(brick)) {
+          if (!volume_.bricks->is_visible(brick)) {
             const std::int64_t next = next_slab(brick, along, enter, step, k, slabs);
             statistics.samples_skipped += static_cast<std::uint64_t>(next - k);
             k = next - 1;

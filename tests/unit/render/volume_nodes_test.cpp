@@ -38,7 +38,7 @@ std::int32_t slot_of(const VolumeNodes& nodes, const glm::ivec3& brick) {
   const glm::ivec3 at = (brick >> 4) - nodes.first();
   const glm::ivec3& dims = nodes.dims();
   const std::int32_t node = nodes.nodes()[static_cast<std::size_t>(at.x + dims.x * (at.y + dims.y * at.z))];
-  if (node == VolumeNodes::kUnseen) return node;
+  if (node == VolumeNodes::kInvisible) return node;
   if (node < 0) return ~node - 1;
   const glm::ivec3 b = brick & 15;
   return nodes.bricks()[static_cast<std::size_t>(node << 12 | b.x << 8 | b.y << 4 | b.z)];
@@ -57,7 +57,7 @@ std::size_t expect_samples(const Listed& listed) {
       for (int x = first.x; x <= last.x; ++x) {
         const glm::ivec3 brick(x, y, z);
         const std::int32_t slot = slot_of(listed.nodes, brick);
-        const bool seen = !listed.bricks || listed.bricks->seen(brick);
+        const bool seen = !listed.bricks || listed.bricks->is_visible(brick);
         EXPECT_EQ(slot >= 0, seen) << x << " " << y << " " << z;
         if (slot < 0) continue;
         ++there;
