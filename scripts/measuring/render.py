@@ -70,16 +70,16 @@ def page(measured):
                       number(row["samples"]), number(row["samples_skipped"]), number(row["samples_terminated"])])
     columns = ["samples", "backend", "shortcuts", "cold, s:", "warm, s:", "cpu / this row:", "samples taken:",
                "skipped in empty bricks:", "skipped by termination:"]
-    return f"""`isoextract render` draws a ball by ray casting, {figures['picture']} pixels ([render](../render.md)). Times are for drawing alone: they
-include the search for empty bricks, but neither reading nor writing.
+    return f"""`isoextract render` draws a ball by ray casting, {figures['picture']} pixels ([render](../render.md)). Times cover the search for empty
+bricks, the upload to the GPU and the drawing, but neither reading nor writing of files.
 
 - **Cold** is the first process. On a GPU, the driver compiles the shaders in it.
 - **Warm** is the median of {figures['repeats']} more processes, each of which opens the device again.
 - **Shortcuts**: rays skip empty bricks (*empty-space skipping*) and end where opaque samples hide the rest (*early termination*).
   The last three columns count samples along all rays: those taken, and those that each shortcut skipped.
-- **cpu / this row** is the CPU's warm time divided by that of the row. The paper on hybrid ray casting ([papers](../papers.md))
-  reports more than 10 for a GTX 780 and a Core i7-4790K, and higher values for larger volumes. If the device is software, such as
-  llvmpipe, this column shows the speed of the pipeline on a processor, not that of a GPU.
+- **cpu / this row** is the warm time of the CPU with the same samples and shortcuts, divided by the warm time of this row. The paper on hybrid ray casting ([papers](../papers.md))
+  reports more than 10 for a GTX 780 and a Core i7-4790K, and higher values for larger volumes. If a processor emulates the GPU
+  (llvmpipe), the rows of the GPU show the speed of the shaders on that processor.
 
 {table(columns, lines)}
 """

@@ -1,5 +1,5 @@
 // Notes: facts about a result that the user may not expect. They are not errors.
-// All rooms create notes; only `cli` prints them, as "isoextract: note[ID]: TEXT".
+// Any room (library, a folder of src) may create notes; only `cli` prints them, as "isoextract: note[ID]: TEXT".
 // `cli/note_guide.hpp` tells the cause and the remedy of each id.
 #pragma once
 
@@ -62,14 +62,14 @@ enum class NoteId {
   particle_radius,
   particles_left_out,
   periodic_box,
-  region_at_samples,
+  region_at_samples,  // the surface ends at samples near the faces of the region
   sparse_made_dense,
   voxel_size,
   // Surfaces
   backend,
   cap_overlaps,
   clipped,
-  corners_joined,
+  corners_joined,  // merged corners of triangles had different attributes
   error_not_measured,
   faces_not_merged,
   iso_chosen,

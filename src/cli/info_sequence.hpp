@@ -20,7 +20,7 @@ struct FrameSummary {
   std::string input;
   std::optional<double> min;
   std::optional<double> max;
-  std::optional<field::SurfaceRange> passable;  // the values that the surface can pass, background included
+  std::optional<field::SurfaceRange> passable;  // the iso values that have a surface, background included
   std::optional<double> iso;                    // the suggested value, if it separates inside from outside
   std::string method;                           // name of the method that found `iso`
   bool has_labels = false;                      // a label map or mask, which has no `iso`

@@ -28,7 +28,7 @@ class Messages {
  public:
   explicit Messages(MessageChoice choice);
 
-  void error(const Error& error) const;       // "isoextract: error: ..." and "  hint: ..."; never silent
+  void error(const Error& error) const;       // "isoextract: error: ..." and "  hint: ..."; even when quiet
   void note(const Note& note) const;          // "isoextract: note[ID]: ..."; not when quiet or hidden
   void summary(std::string_view text) const;  // a line about a written file or a run; not when quiet
   // Prints lines for --explain; not when quiet. The caller checks whether --explain is given.

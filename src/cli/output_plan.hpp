@@ -27,7 +27,7 @@ namespace isoextract::cli {
 [[nodiscard]] Result<batch::OutputTemplate> plan_report_name(const std::string& report);
 
 // Sets the step of each source that has none, if -o or --report contain {step}: reads the header of the source's frame.
-// `read` are the options to read the input. Fails as convert::find_frame_time() does, and with ErrorCode::usage if a
+// `read`: how to read the input. Fails as convert::find_frame_time() does, and with ErrorCode::usage if a
 // name of --report needs a step and the file states none.
 [[nodiscard]] Result<void> find_steps(const ConvertFlags& flags, const convert::SourceOptions& read,
                                       const Context& context, std::span<batch::OutputSource> sources);

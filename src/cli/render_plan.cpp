@@ -173,7 +173,8 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
                      "leave {} out, or give a volume with --tf NAME"));
   }
   if (plan.transfer_file && flags.transfer_range) {
-    return refuse_usage("--tf-range scales named transfer functions, but --tf names a file that states its own values");
+    return refuse_usage("--tf-range scales built-in transfer functions, but --tf gives a file, which states its values",
+                        "leave --tf-range out");
   }
   if (!plan.draws_volume && plan.isos.empty() && inputs.meshes.empty()) {
     return refuse_usage("the scene is empty: --tf none does not draw the volume", "give --iso V, or a mesh");

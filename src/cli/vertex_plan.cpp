@@ -255,9 +255,8 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
   name_alone.name = name_alone.from = wanted.name;
   if (job.source.mesh) {
     if (wanted == name_alone) return {};
-    return refuse_usage(
-        "--color-by takes only the name of an attribute if the input is a mesh, without FROM, '?' or settings",
-        fmt::format("use --color-by {}", wanted.name));
+    return refuse_usage("the input is a mesh, so --color-by takes no =FROM, '?' or settings of the attribute",
+                        fmt::format("use --color-by {}, with :MAP and :MIN,MAX if you like", wanted.name));
   }
   const auto same = std::ranges::find(attributes, wanted.name, &convert::AttributeChoice::name);
   if (same == attributes.end()) {

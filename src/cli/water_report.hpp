@@ -1,4 +1,4 @@
-// Formats the results of `stability` for the two water rules, as a table and as JSON.
+// Formats the results of `stability` for both rules of the water automaton (simulate::WaterRule), as a table and JSON.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 namespace isoextract::cli {
 
 // Returns the table of all cases. The conservative rule alone decides whether a case passes; the table also shows the
-// failures of the rule as printed in the paper.
+// failures of the rule as printed in Kostritskii's report (docs/papers.md).
 [[nodiscard]] std::string water_table(const std::vector<simulate::WaterStabilityRow>& rows);
 [[nodiscard]] convert::Json water_json(const std::vector<simulate::WaterStabilityRow>& rows);
 // Returns the number of cases that fail with the conservative rule.

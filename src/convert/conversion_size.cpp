@@ -58,7 +58,7 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
 // Returns the memory that the inner wall of a surface takes; 0 if the job hollows none.
 std::uint64_t hollow_bytes(const ConversionJob& job, const Source& source, std::uint64_t triangles, double area) {
   if (!job.edits.hollow) return 0;
-  const double thickness = approximate_thickness(*job.edits.hollow, source);
+  const double thickness = thickness_or_zero(*job.edits.hollow, source);
   if (thickness <= 0) return 0;
   return extract::estimated_wall_bytes(triangles, area, wall_cell(thickness, source));
 }

@@ -21,7 +21,7 @@ struct PackedMesh {
 [[nodiscard]] StageReport report_of(const PackedMesh& mesh);
 
 // Returns the packing parameters. The quantization box covers the whole volume whatever region is extracted, so that
-// meshes of regions of one volume meet. It is unset if `options` pack nothing or the field is empty.
+// meshes of regions of one volume meet. The box is unset if `options` pack nothing or the field is empty.
 [[nodiscard]] mesh_io::MeshPacking mesh_packing(const mesh_io::PackingOptions& options, const Source& source);
 
 }  // namespace isoextract::convert

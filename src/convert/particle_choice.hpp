@@ -16,20 +16,20 @@ namespace isoextract::convert {
 
 struct ParticleCount {
   std::uint64_t chosen = 0;
-  std::uint64_t of = 0;  // particles read
+  std::uint64_t of = 0;  // all particles that were read
 };
 
 // Returns the attributes that the condition and the radii of elements need.
 [[nodiscard]] std::vector<particle_io::AttributeOfCondition> attributes_of_condition(const ParticleOptions& options);
 
 // Removes the particles for which the condition is false. Of the others, keeps every ParticleOptions::stride-th, from
-// the first on. Returns the counts; nullopt if there is nothing to choose, without a condition and with a stride of 1.
+// the first on. Returns the counts, or nullopt if there is no condition and the stride is 1, so that all stay.
 // Fails with ErrorCode::usage if the condition has an error, and as points::choose_particles() does.
 [[nodiscard]] Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles,
                                                                const ParticleOptions& options, const Context& context);
 
-// Gives the particles the radii of their elements (ParticleOptions::element_radii), and adds notes about assumptions to
-// the file. Does nothing without the option. Fails as points::set_element_radii() does.
+// Gives the particles the radii of their elements (ParticleOptions::element_radii), and appends notes about its
+// assumptions to file.notes. Does nothing without the option. Fails as points::set_element_radii() does.
 [[nodiscard]] Result<void> give_element_radii(particle_io::ParticleFile& file, const SourceOptions& options,
                                               const Context& context);
 

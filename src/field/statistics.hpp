@@ -43,7 +43,7 @@ enum class WithPercentiles { yes, no };
 [[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr,
                                                  WithPercentiles percentiles = WithPercentiles::yes);
 
-// The range of values that the surface can pass. It covers the samples, the background of a sparse field and, if
+// The range of iso values that have a surface. It covers the samples, the background of a sparse field and, if
 // FieldStatistics::far_inside, the negative of the background.
 struct SurfaceRange {
   double min = 0;

@@ -227,10 +227,10 @@ Result<void> check_options(const FieldOptions& options) {
     TRY(check_positive(value, what));
   }
   for (const auto& [value, what] :
-       {std::pair(anisotropy.shortest, "a shortest axis of kernels in supports"),
-        std::pair(anisotropy.k_n, "a radius k_n of kernels with few neighbors in supports")}) {
+       {std::pair(anisotropy.shortest, "the shortest axis of kernels (in supports)"),
+        std::pair(anisotropy.k_n, "k_n, the radius of kernels with few neighbors (in supports)")}) {
     TRY(check_positive(value, what));
-    if (value > 1) return fail(ErrorCode::usage, fmt::format("expected {} of at most 1, found {}", what, value));
+    if (value > 1) return fail(ErrorCode::usage, fmt::format("expected at most 1 for {}, found {}", what, value));
   }
   if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
     return fail(ErrorCode::usage, fmt::format("expected a lambda from 0 to 1 (how far kernel centers move), found {}",

@@ -5,43 +5,43 @@ namespace isoextract::batch {
 std::optional<std::size_t> FrameQueue::next() const {
   const bool repeats = !again_.empty() && (in_order_ || fresh_ == count_);
   if (!repeats && fresh_ == count_) return std::nullopt;
-  const std::size_t place = repeats ? *again_.begin() : fresh_;
+  const std::size_t position = repeats ? *again_.begin() : fresh_;
   // A frame that runs alone waits for all others, and all others wait for it.
-  const bool waits = is_alone(place) || (running_.size() == 1 && is_alone(*running_.begin()));
-  return waits && !running_.empty() ? std::nullopt : std::optional(place);
+  const bool waits = is_alone(position) || (running_.size() == 1 && is_alone(*running_.begin()));
+  return waits && !running_.empty() ? std::nullopt : std::optional(position);
 }
 
-void FrameQueue::start(std::size_t place) {
-  if (place == fresh_) {
+void FrameQueue::start(std::size_t position) {
+  if (position == fresh_) {
     ++fresh_;
   } else {
-    again_.erase(place);
+    again_.erase(position);
   }
-  running_.insert(place);
+  running_.insert(position);
 }
 
-void FrameQueue::end(std::size_t place) {
-  running_.erase(place);
-  alone_.erase(place);
-  displaced_.erase(place);
+void FrameQueue::end(std::size_t position) {
+  running_.erase(position);
+  alone_.erase(position);
+  turned_away_.erase(position);
 }
 
-void FrameQueue::run_again_alone(std::size_t place) {
-  run_again(place);
-  alone_.insert(place);
-  if (in_order_) displaced_.insert(running_.upper_bound(place), running_.end());
+void FrameQueue::run_again_alone(std::size_t position) {
+  run_again(position);
+  alone_.insert(position);
+  if (in_order_) turned_away_.insert(running_.upper_bound(position), running_.end());
 }
 
-void FrameQueue::run_again(std::size_t place) {
-  running_.erase(place);
-  displaced_.erase(place);
-  again_.insert(place);
+void FrameQueue::run_again(std::size_t position) {
+  running_.erase(position);
+  turned_away_.erase(position);
+  again_.insert(position);
 }
 
-FrameQueue::Turn FrameQueue::turn(std::size_t place) const {
-  if (displaced_.contains(place)) return Turn::turned_away;
+FrameQueue::Turn FrameQueue::turn(std::size_t position) const {
+  if (turned_away_.contains(position)) return Turn::turned_away;
   // No earlier frame waits in again_: putting it back would have turned this one away.
-  return *running_.begin() == place ? Turn::now : Turn::later;
+  return *running_.begin() == position ? Turn::now : Turn::later;
 }
 
 }  // namespace isoextract::batch

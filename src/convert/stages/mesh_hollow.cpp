@@ -68,7 +68,7 @@ double wall_cell(double thickness, const Source& source) {
   return cell;
 }
 
-double approximate_thickness(const HollowChoice& choice, const Source& source) {
+double thickness_or_zero(const HollowChoice& choice, const Source& source) {
   return thickness_of(choice, source).value_or(0);
 }
 

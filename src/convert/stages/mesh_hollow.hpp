@@ -10,7 +10,7 @@ namespace isoextract::convert {
 // most the smallest spacing of the samples. For mesh files, only the thickness counts.
 [[nodiscard]] double wall_cell(double thickness, const Source& source);
 
-// Returns the thickness in the mesh's units, or 0 if its unit cannot be converted.
-[[nodiscard]] double approximate_thickness(const HollowChoice& choice, const Source& source);
+// Returns the thickness in the mesh's units, or 0 if its unit cannot be converted: for estimates, which do not fail.
+[[nodiscard]] double thickness_or_zero(const HollowChoice& choice, const Source& source);
 
 }  // namespace isoextract::convert

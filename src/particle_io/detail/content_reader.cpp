@@ -205,7 +205,7 @@ void check_count(const ContentReader& content, std::uint64_t count, std::uint64_
   const auto least = checked_product(count, least_bytes);
   if (least && *least <= content.max_remaining_bytes()) return;
   throw TruncatedFrame(
-      fmt::format("{} particles or entries need at least {} bytes, at most {} follow from byte {} on", count,
+      fmt::format("{} particles or entries need at least {} bytes; the file has at most {} after byte {}", count,
                   least ? std::to_string(*least) : "2^64", content.max_remaining_bytes(), content.position()),
       fmt::format("its {} particles need more bytes than follow", count));
 }

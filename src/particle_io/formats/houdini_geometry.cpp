@@ -33,7 +33,7 @@ void each_pair(HoudiniJson& json, const JsonToken& first, F&& use) {
     if (name.kind != JsonToken::Kind::text) json.expected("a name");
     if (names.size() == kMostNamesOfMap) json.expected(fmt::format("at most {} names in a map", kMostNamesOfMap));
     if (!names.insert(name.text).second) {
-      throw InvalidParticleFile(fmt::format("expected each name of a map once, found '{}' again before byte {}",
+      throw InvalidParticleFile(fmt::format("expected each key of a JSON map once, found '{}' again before byte {}",
                                             printable(name.text, 80), json.content().position()));
     }
     const JsonToken value = json.next();

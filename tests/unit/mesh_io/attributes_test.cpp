@@ -216,7 +216,7 @@ TEST_F(AttributeTest, RefusesDamagedPly) {
   const auto ply = [&](const std::string& type, const std::string& value) {
     return "ply\nformat ascii 1.0\nelement vertex 1\nproperty " + type + " q\n" + kPlyEnd + value + " 0 0 0\n";
   };
-  expect_error("d.ply", ply("uchar", "256"), "expected a number of type uchar as 'q' of vertex 0, found 256");
+  expect_error("d.ply", ply("uchar", "256"), "expected a uchar for the property 'q' of vertex 0, found 256");
   expect_error("d.ply", ply("int", "1.5"), "type int as 'q'");
   expect_error("d.ply", ply("uint", "-1"), "type uint as 'q'");
   expect_error("d.ply", ply("float", "1e300"), "type float as 'q'");

@@ -79,7 +79,7 @@ TEST(ParticlesPly, RejectsInvalidFiles) {
     std::string bytes;
     const char* message;
   } bad[]{
-      {header + body.substr(1), "3 particles or entries need at least 87 bytes, at most 86 follow"},
+      {header + body.substr(1), "3 particles or entries need at least 87 bytes; the file has at most 86 after byte"},
       {ply_header("binary_little_endian", {}, 4294967296) + body,
        "4294967296 particles or entries need at least 124554051584"},
       {ply_header("binary_little_endian", {}, 18446744073709551615U) + body, "need at least 2^64 bytes"},
@@ -137,7 +137,7 @@ TEST(ParticlesBgeo, RejectsInvalidClassicFiles) {
           {changed(9, 0x7fffffff), "2147483647 particles or entries need at least 77309411292 bytes"},
           {changed(25, 0x7fffffff), "particles or entries need at least"},
           {odd_type, "found type 2"},
-          {good.substr(0, good.size() - 3), "3 particles or entries need at least 108 bytes, at most 107 follow"},
+          {good.substr(0, good.size() - 3), "3 particles or entries need at least 108 bytes; the file has at most 107 after byte"},
           {good.substr(0, 30), "found 1"},
           {"scf1" + good, "blosc compression"},
           {"hello", "not BGEO: expected 'BgeoV'"},
@@ -225,7 +225,7 @@ TEST(ParticlesBgeo, RejectsRepeatedNames) {
   };
   // The first pass would allocate for the last count, while the second would write by the count before the attributes.
   expect_in(particle_refusal({"a.bgeo", inserted(primitives, count(0))}, with_all()).message,
-            "expected each name of a map once, found 'pointcount' again before byte");
+            "expected each key of a JSON map once, found 'pointcount' again before byte");
   expect_in(particle_refusal({"a.bgeo", inserted(primitives, count(1))}, with_all()).message, "'pointcount' again");
   const std::string info = std::string("\x27\x04", 2) + "info";
   expect_in(particle_refusal({"a.bgeo", inserted(info, count(1))}, with_all()).message, "'pointcount' again");
@@ -427,7 +427,7 @@ TEST(ParticlesNpy, RejectsInvalidArrays) {
     std::string bytes;
     const char* message;
   } bad[]{{npy_bytes("'<f8'", "(3, 3)", data.substr(1)),
-           "3 particles or entries need at least 72 bytes, at most 71 follow"},
+           "3 particles or entries need at least 72 bytes; the file has at most 71 after byte"},
           {npy_bytes("'<f8'", "(3, 3)", data + "x"), "found 1 more bytes"},
           {npy_bytes("'<f8'", "(4294967296, 3)", data), "4294967296 particles or entries need at least"},
           {npy_bytes("'<f8'", "(18446744073709551615, 3)", data), "need at least 2^64 bytes"},

@@ -227,7 +227,7 @@ TEST(ParticlesXyz, RejectsInvalidFrames) {
       {"-1\n\n", "expected the number of atoms"},
       {"1.5 2 3\n", "expected the number of atoms"},
       {"2\n\nH 1.000 2.000 3.000\n", "expected 2 lines of particles, found 1"},
-      {"4000000000\n\nH 1 2 3\n", "4000000000 particles or entries need at least 28000000000 bytes, at most 8 follow"},
+      {"4000000000\n\nH 1 2 3\n", "4000000000 particles or entries need at least 28000000000 bytes; the file has at most 8 after byte"},
       {"18446744073709551615\n\nH 1 2 3\n", "18446744073709551615 particles or entries need at least 2^64 bytes"},
       {"99999999999999999999\n\nH 1 2 3\n", "expected the number of atoms"},
       {"1\n\nH 1 2\n", "line 3: expected a number as 'x', found 'H'"},
