@@ -77,7 +77,7 @@ TEST(SurfaceId, HoldsIsoValueOrLabel) {
   EXPECT_EQ(terrain, SurfaceId(0.0));
   EXPECT_EQ(json_of(terrain), json_of(SurfaceId(0.0)));
   EXPECT_EQ(terrain.name(), "terrain");
-  EXPECT_EQ(terrain.place(), "");
+  EXPECT_EQ(terrain.at_text(), "");
   EXPECT_EQ(place_text({IsoChoice::terrain(), terrain, {}}), "");
   EXPECT_TRUE(terrain.is_only_surface());
   EXPECT_FALSE(SurfaceId(0.0).is_only_surface());
