@@ -77,6 +77,7 @@ bricks, the upload to the GPU and the drawing, but neither reading nor writing o
 - **Warm** is the median of {figures['repeats']} more processes, each of which opens the device again.
 - **Shortcuts**: rays skip empty bricks (*empty-space skipping*) and end where opaque samples hide the rest (*early termination*).
   The last three columns count samples along all rays: those taken, and those that each shortcut skipped.
+- Rows other than "all" have `--termination 0`, `--no-skipping` or both. The script writes `ball.tf`, the transfer function.
 - **cpu / this row** is the warm time of the CPU with the same samples and shortcuts, divided by the warm time of this row. The paper on hybrid ray casting ([papers](../papers.md))
   reports more than 10 for a GTX 780 and a Core i7-4790K, and higher values for larger volumes. If a processor emulates the GPU
   (llvmpipe), the rows of the GPU show the speed of the shaders on that processor.

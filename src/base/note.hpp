@@ -199,7 +199,7 @@ constexpr auto words_of(NoteId /*type*/) {
 }
 
 // One note. The text is one sentence without its full stop.
-// Text that comes from files is made printable. Only notes that `cli` creates name options.
+// Text that comes from files is made printable. A note may mention options only if `cli` creates it.
 struct Note {
   NoteId id = NoteId::no_effect;
   std::string text;

@@ -17,13 +17,14 @@
 namespace isoextract::cli {
 
 // Names the outputs of every source by -o, and checks them together with `others` (batch::name_outputs). Fails with
-// ErrorCode::usage, also if -o is empty or its {piece} does not suit --split-components (check_piece_outputs).
+// ErrorCode::usage if outputs share a name, -o is empty, or {piece} does not suit --split-components
+// (check_piece_outputs).
 [[nodiscard]] Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
                                                                    std::span<const batch::OutputSource> sources,
                                                                    mesh_io::MeshFormat format,
                                                                    const batch::OtherFiles& others);
 
-// Parses the value of --report. Fails with ErrorCode::usage, also for {piece}, {label} and {name}.
+// Parses the value of --report. Fails with ErrorCode::usage if it is invalid or contains {piece}, {label} or {name}.
 [[nodiscard]] Result<batch::OutputTemplate> plan_report_name(const std::string& report);
 
 // Sets the step of each source that has none, if -o or --report contain {step}: reads the header of the source's frame.

@@ -1,4 +1,4 @@
-// Packing of meshes into files: parameters that come from the field, and a report with distances in voxels too.
+// Compression and quantization of meshes in files: parameters that come from the field, and a report in voxels as well.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@ struct PackedMesh {
 };
 [[nodiscard]] StageReport report_of(const PackedMesh& mesh);
 
-// Returns the packing parameters. The quantization box covers the whole volume whatever region is extracted, so that
+// Returns the packing parameters. The quantization box covers the whole field whatever region is extracted, so that
 // meshes of regions of one volume meet. The box is unset if `options` pack nothing or the field is empty.
 [[nodiscard]] mesh_io::MeshPacking mesh_packing(const mesh_io::PackingOptions& options, const Source& source);
 

@@ -186,8 +186,8 @@ class MeshInputTest(ProgramTest):
                     self.assertAlmostEqual(float(found["quality"]), values[at], delta=1e-9 + 1e-7 * abs(values[at]))
         self.convert("a.ply", "--color-by", "quality", "-o", "b.glb")
         for option, code, message in (("qualty", 2, "expected the vertex attribute 'qualty', found quality"),
-                                      ("quality?", 1, "without FROM, '?' or settings"),
-                                      ("quality=x.vdb", 1, "without FROM"), ("iso", 1, "only a field has iso values")):
+                                      ("quality?", 1, "takes no =FROM, '?' or settings"),
+                                      ("quality=x.vdb", 1, "takes no =FROM"), ("iso", 1, "only a field has iso values")):
             self.assert_fails(code, self.run_program("a.ply", "--color-by", option, "-o", "c.ply"), message)
             self.assertFalse((self.folder / "c.ply").exists())
         self.assertIn("did you mean 'quality'?", self.run_program("a.ply", "--color-by", "qualty", "-o", "c.ply").err)
