@@ -14,6 +14,7 @@
 #include "convert/particle_source.hpp"
 #include "convert/simulation_box.hpp"
 #include "field/statistics.hpp"
+#include "mesh_io/mesh_reader.hpp"
 #include "points/particle_statistics.hpp"
 #include "points/region.hpp"
 #include "points/sphere_set.hpp"
@@ -169,6 +170,12 @@ Result<std::optional<double>> find_sphere_spacing(const SourceOptions& options, 
 }
 
 Result<std::optional<edit::ValueRange>> find_color_range(const ConversionJob& job, const Context& context) {
+  if (job.source.mesh) {
+    const auto file = TRY(mesh_io::read_mesh(job.source.input, context));
+    const bool has_it = std::ranges::find(file.mesh.attributes, *job.color->attribute, &mesh::Attribute::name) !=
+                        file.mesh.attributes.end();
+    return has_it ? edit::range_of_attribute(file.mesh, *job.color->attribute) : std::nullopt;
+  }
   const SourceOptions options = only_color(job);
   const auto particles = TRY(is_particles(options, context));
   return particles ? range_of_particles(options, context) : range_of_volume(options, context);

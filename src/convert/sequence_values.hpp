@@ -26,10 +26,10 @@ struct FoundRadius {
 [[nodiscard]] Result<std::optional<double>> find_sphere_spacing(const SourceOptions& options, const Context& context);
 
 // Reads the attribute that gives the colors (ColorChoice::attribute), and returns the range of its finite values; for
-// several components, the range of their length. Takes the values of all chosen particles, or of all samples except the
-// background of sparse grids. Components with different sparse blocks give a range from 0 to a bound of the length.
-// Returns nothing if the input lacks the attribute, or if no value is finite. Reads the input as a conversion does, and
-// fails as its reader does.
+// several components, the range of their length. Takes the values of all chosen particles, of all vertices of a mesh
+// file, or of all samples except the background of sparse grids. Components with different sparse blocks give a range
+// from 0 to a bound of the length. Returns nothing if the input lacks the attribute, or if no value is finite. Reads
+// the input as a conversion does, and fails as its reader does.
 [[nodiscard]] Result<std::optional<edit::ValueRange>> find_color_range(const ConversionJob& job,
                                                                        const Context& context);
 

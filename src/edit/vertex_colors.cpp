@@ -34,8 +34,12 @@ class ColorValues {
   const mesh::Attribute& attribute_;
 };
 
-// Returns the range of the finite values, 0 to 0 if there are none.
-ValueRange range_of(const ColorValues& value, std::size_t vertices) {
+const mesh::Attribute& attribute_of(const mesh::Mesh& mesh, const std::string& name) {
+  return *std::ranges::find(mesh.attributes, name, &mesh::Attribute::name);
+}
+
+// Returns the range of the finite values, if there are any.
+std::optional<ValueRange> range_of(const ColorValues& value, std::size_t vertices) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const ValueRange range = reduce_ranges(
       vertices, 1 << 14, ValueRange{kInfinity, -kInfinity},
@@ -49,7 +53,7 @@ ValueRange range_of(const ColorValues& value, std::size_t vertices) {
       [](const ValueRange& a, const ValueRange& b) {
         return ValueRange{std::min(a[0], b[0]), std::max(a[1], b[1])};
       });
-  return range[0] <= range[1] ? range : ValueRange{0, 0};
+  return range[0] <= range[1] ? std::optional(range) : std::nullopt;
 }
 
 template <class T>
@@ -93,6 +97,10 @@ double place_in(const ValueRange& range, double value) {
   return 0.5;
 }
 
+std::optional<ValueRange> range_of_attribute(const mesh::Mesh& mesh, const std::string& attribute) {
+  return range_of(ColorValues(attribute_of(mesh, attribute)), mesh.positions.size());
+}
+
 Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribute, Colormap map,
                                     const std::optional<ValueRange>& range, ColorStorage storage,
                                     const Context& context) {
@@ -101,8 +109,8 @@ Result<ValueColors> color_by_values(mesh::Mesh& mesh, const std::string& attribu
   auto memory = TRY(reserve_colors(vertices, made, context));
   made.values = Buffer<std::byte>(vertices * made.stride());
 
-  const ColorValues value(*std::ranges::find(mesh.attributes, attribute, &mesh::Attribute::name));
-  const ValueRange ends = range ? *range : range_of(value, vertices);  // range_of() reads every vertex
+  const ColorValues value(attribute_of(mesh, attribute));
+  const ValueRange ends = range ? *range : range_of(value, vertices).value_or(ValueRange{});
   const bool linear = storage == ColorStorage::linear_u16;
   std::atomic<std::uint64_t> not_numbers{0};
   for_each_range(vertices, 4096, [&](std::size_t begin, std::size_t end) {

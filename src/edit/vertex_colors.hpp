@@ -31,6 +31,10 @@ struct ValueColors {
   std::uint64_t not_numbers = 0;  // vertices with a NaN value, which are gray
 };
 
+// Returns the range of the finite values of an attribute, which the mesh must have; of the lengths if it has several
+// components. Returns nullopt if no value is finite.
+[[nodiscard]] std::optional<ValueRange> range_of_attribute(const mesh::Mesh& mesh, const std::string& attribute);
+
 // Colors the vertices by an attribute, which the mesh must have. An attribute of several components counts by its
 // length as a vector. Replaces the present colors. Without `range` uses the range of the finite values, 0 to 0 if there
 // are none. Fails with ErrorCode::out_of_memory if memory is short.

@@ -162,6 +162,15 @@ class MeshInputTest(ProgramTest):
         self.assertLess(abs(linear[:, :3] - expected).max(), 1e-5)
         self.assertEqual(linear[:, 3].min(), 1)
 
+    def test_frames_of_meshes_share_the_range_of_colors(self):
+        vertices, triangles = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+        for frame, values in ((1, [0, 1, 2, 3]), (2, [1, -2, 2, 2])):
+            (self.folder / f"m_{frame}.ply").write_text(ply_text(vertices, triangles, quality=values))
+        run = self.convert("m_{}.ply", "--color-by", "quality", "-o", "out_{}.ply", "--report", "r_{}.json")
+        self.assertIn("the colors range from -2 to 3, the values of all 2 frames", run.err)
+        for frame in (1, 2):
+            self.assertRegex((self.folder / f"r_{frame}.json").read_text(), r'"range": \[\s*-2.0,\s*3.0\s*\]')
+
     def test_colors_by_an_attribute_of_the_file(self):
         vertices = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
         triangles = [(0, 3, 1), (0, 2, 3), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
