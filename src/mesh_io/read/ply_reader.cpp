@@ -381,7 +381,7 @@ void read_vertices(Body& body, const Element& element, const MeshSource& source,
       FileAttribute& attribute = surface.attributes[first + a];
       for (const std::size_t column : attributes[a].columns) {
         if (append(attribute.values, attribute.kind.type, reader.scalar(column))) continue;
-        throw DamagedMesh(fmt::format("expected a {} for the property '{}' of vertex {}, found {}",
+        throw DamagedMesh(fmt::format("expected a value of type {} for the property '{}' of vertex {}, found {}",
                                       element.properties[column].type.name, element.properties[column].name, v,
                                       reader.scalar(column)));
       }

@@ -216,10 +216,11 @@ TEST_F(AttributeTest, RefusesDamagedPly) {
   const auto ply = [&](const std::string& type, const std::string& value) {
     return "ply\nformat ascii 1.0\nelement vertex 1\nproperty " + type + " q\n" + kPlyEnd + value + " 0 0 0\n";
   };
-  expect_error("d.ply", ply("uchar", "256"), "expected a uchar for the property 'q' of vertex 0, found 256");
-  expect_error("d.ply", ply("int", "1.5"), "type int as 'q'");
-  expect_error("d.ply", ply("uint", "-1"), "type uint as 'q'");
-  expect_error("d.ply", ply("float", "1e300"), "type float as 'q'");
+  expect_error("d.ply", ply("uchar", "256"),
+               "expected a value of type uchar for the property 'q' of vertex 0, found 256");
+  expect_error("d.ply", ply("int", "1.5"), "type int for the property 'q'");
+  expect_error("d.ply", ply("uint", "-1"), "type uint for the property 'q'");
+  expect_error("d.ply", ply("float", "1e300"), "type float for the property 'q'");
   expect_error("d.ply",
                "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
                "element vertex 1\nproperty uchar q\n" +

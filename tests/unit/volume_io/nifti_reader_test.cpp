@@ -200,7 +200,7 @@ TEST(NiftiReaderPlace, ReadsQformQuaternionAndSign) {
 TEST(NiftiReaderPlace, NotesSpacingsAlone) {
   const field::ScalarField field = read_nifti(NiftiFile().pixdim({1, 2, 3, 4, 0, 0, 0, 0}).bytes + kSamples);
   expect_near(field.index_to_world({1, 1, 1}), {2, 3, 4});
-  EXPECT_TRUE(has_note(field, "unknown orientation"));
+  EXPECT_TRUE(has_note(field, "states spacings but no orientation"));
 }
 
 TEST(NiftiReaderPlace, RequiresASpacingForInvalidFrames) {

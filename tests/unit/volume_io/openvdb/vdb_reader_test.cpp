@@ -313,7 +313,7 @@ TEST(VdbReaderGrids, ReadTheOnlyScalarGridAndNoteOthers) {
   const field::ScalarField field = must_read(folder / "v.vdb");
   EXPECT_EQ(field.name, "density");
   EXPECT_EQ(field.format, "OpenVDB");
-  EXPECT_TRUE(has_note(field, "the reader takes grid 'density' of 2"));
+  EXPECT_TRUE(has_note(field, "the reader takes grid 'density', the only scalar one of 2"));
   write_vdb(folder / "v.vdb", {ball("density")});
   EXPECT_TRUE(must_read(folder / "v.vdb").notes.empty());
   write_vdb(folder / "v.vdb", {velocity});
