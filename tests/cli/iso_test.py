@@ -142,7 +142,7 @@ class IsoTest(ProgramTest):
         (self.folder / "p.csv").write_text("x,y,z\n0,0,0\n1,0,0\n0,1,0\n")
         self.assert_fails(1, self.run_program("p.csv", "--particles", "sph", "--radius", "1", "--iso", "zero", "-o", "b.ply"),
                           "p.csv: the iso value 'zero' is for level sets: expected a level set, found a density (SPH interpolation)")
-        self.assertEqual(self.files(), ["a.ply", "ls.raw", "p.csv"])
+        self.assertEqual(self.files(), ["a.ply", "a.raw", "ls.raw", "p.csv"])
 
     def test_words_that_are_none(self):
         for word in ("Auto", "p", "p101", "p-1", "p1e1", "50%", "p0.0000001", "median", "nan", ""):
