@@ -47,7 +47,8 @@ struct Counts {
 // Places of voxels in a window of a chunk and the voxels below it.
 constexpr glm::ivec3 kWindow = kVoxelChunk + 1;
 constexpr std::size_t place_of(int x, int y, int z) {
-  return static_cast<std::size_t>(x + kWindow.x * (y + kWindow.y * z));
+  const int place = x + kWindow.x * (y + kWindow.y * z);
+  return static_cast<std::size_t>(place);
 }
 // Steps from a voxel down to those that share its lowest corner: one along x for bit 0, y for bit 1, z for bit 2.
 constexpr std::array<std::size_t, 8> kBelow{0,
@@ -159,17 +160,18 @@ class LabelWindow {
     const int first = std::max(rows.begin, below.x != 0 ? kVoxelChunk.x - 1 : 0);
     std::int64_t last_label = kNone;
     bool is_wanted = false;
+    const auto put_one = [&](const glm::ivec3& voxel, std::int64_t label) {
+      if (label != last_label) is_wanted = filter(label);
+      last_label = label;
+      const glm::ivec3 at = voxel + 1 - kVoxelChunk * below;
+      if (is_wanted) labels_[place_of(at.x, at.y, at.z)] = label;
+    };
     for (int z = below.z != 0 ? kVoxelChunk.z - 1 : 0; z < kVoxelChunk.z; ++z) {
       for (int y = below.y != 0 ? kVoxelChunk.y - 1 : 0; y < kVoxelChunk.y; ++y) {
         const T* const row = rows.rows[chunk_row(y, z)];
         if (row == nullptr) continue;
         for (int x = first; x < rows.end; ++x) {
-          if (is_no_number(row[x]) || !is_label(row[x])) continue;
-          const auto label = static_cast<std::int64_t>(row[x]);
-          if (label != last_label) is_wanted = filter(label);
-          last_label = label;
-          const glm::ivec3 at = glm::ivec3(x, y, z) + 1 - kVoxelChunk * below;
-          if (is_wanted) labels_[place_of(at.x, at.y, at.z)] = label;
+          if (!is_no_number(row[x]) && is_label(row[x])) put_one({x, y, z}, static_cast<std::int64_t>(row[x]));
         }
       }
     }
@@ -265,9 +267,9 @@ Counts count_dense(const field::DenseSamples& samples, const field::IndexBox& re
 Result<Counts> count_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
                             const field::IndexBox& region, const LabelFilter& filter, const Context& context,
                             double& scale) {
-  std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
+  const std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
   const auto held = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), field.source));
-  const field::SparseLookup lookup(samples, std::move(nodes));
+  const field::SparseLookup lookup(samples, nodes);
   Reservation list_memory;
   const auto origins = TRY(sparse_chunks(field, samples, region, false,
                                          std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory));

@@ -222,23 +222,23 @@ TEST(ParticlesXyz, RejectsInvalidFrames) {
   const struct {
     const char* text;
     const char* message;
-  } bad[]{
-      {"hello\n", "line 1: expected the number of atoms alone in a line, found 'hello'"},
-      {"-1\n\n", "expected the number of atoms"},
-      {"1.5 2 3\n", "expected the number of atoms"},
-      {"2\n\nH 1.000 2.000 3.000\n", "expected 2 lines of particles, found 1"},
-      {"4000000000\n\nH 1 2 3\n", "4000000000 particles or entries need at least 28000000000 bytes; the file has at most 8 after byte"},
-      {"18446744073709551615\n\nH 1 2 3\n", "18446744073709551615 particles or entries need at least 2^64 bytes"},
-      {"99999999999999999999\n\nH 1 2 3\n", "expected the number of atoms"},
-      {"1\n\nH 1 2\n", "line 3: expected a number as 'x', found 'H'"},
-      {"1\n\nH 1\n", "line 3: expected x, y and z, with or without the name of an element"},
-      {"2\n\nH 1 2 3\nH 1 2 3 4\n", "line 4: expected 4 values of a particle (not 5)"},
-      {"1\nProperties=pos:R:0\n1 2 3\n", "a number of columns in Properties"},
-      {"1\nProperties=pos:Q:3\n1 2 3\n", "expected R, I, S or L"},
-      {"1\nProperties=pos:R:99999999999\n1 2 3\n", "a number of columns in Properties"},
-      {"1\nProperties=pos:R\n1 2 3\n", "in Properties"},
-      {"1\nProperties=force:R:3\n1 2 3\n", "expected columns x, y and z"},
-      {"1", "expected a comment"}};
+  } bad[]{{"hello\n", "line 1: expected the number of atoms alone in a line, found 'hello'"},
+          {"-1\n\n", "expected the number of atoms"},
+          {"1.5 2 3\n", "expected the number of atoms"},
+          {"2\n\nH 1.000 2.000 3.000\n", "expected 2 lines of particles, found 1"},
+          {"4000000000\n\nH 1 2 3\n",
+           "4000000000 particles or entries need at least 28000000000 bytes; the file has at most 8 after byte"},
+          {"18446744073709551615\n\nH 1 2 3\n", "18446744073709551615 particles or entries need at least 2^64 bytes"},
+          {"99999999999999999999\n\nH 1 2 3\n", "expected the number of atoms"},
+          {"1\n\nH 1 2\n", "line 3: expected a number as 'x', found 'H'"},
+          {"1\n\nH 1\n", "line 3: expected x, y and z, with or without the name of an element"},
+          {"2\n\nH 1 2 3\nH 1 2 3 4\n", "line 4: expected 4 values of a particle (not 5)"},
+          {"1\nProperties=pos:R:0\n1 2 3\n", "a number of columns in Properties"},
+          {"1\nProperties=pos:Q:3\n1 2 3\n", "expected R, I, S or L"},
+          {"1\nProperties=pos:R:99999999999\n1 2 3\n", "a number of columns in Properties"},
+          {"1\nProperties=pos:R\n1 2 3\n", "in Properties"},
+          {"1\nProperties=force:R:3\n1 2 3\n", "expected columns x, y and z"},
+          {"1", "expected a comment"}};
   for (const auto& [text, message] : bad) {
     SCOPED_TRACE(text);
     expect_in(particle_refusal({"a.xyz", text}).message, message);
