@@ -419,9 +419,10 @@ Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& b
   std::unordered_set<std::string> meshes;  // these, and files that labels may get
   ExistingFiles existing;
   for (const FrameJob& frame : batch.frames) {
-    for (const fs::path& file : existing.find(frame.job)) meshes.insert(file.lexically_normal().string());
     std::ranges::copy_if(files_of(frame.job), std::back_inserter(there), files::is_there);
+    for (const fs::path& file : existing.find_label_files(frame.job)) meshes.insert(file.lexically_normal().string());
   }
+  for (const fs::path& file : there) meshes.insert(file.lexically_normal().string());
   TRY(check_replaced_shard(manifest_folder(batch), batch, shard, meshes));
   for (const NamedFile& file : others.written) {
     if (files::is_there(file.path)) there.emplace_back(file.path);

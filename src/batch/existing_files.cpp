@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <iterator>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -109,13 +110,17 @@ std::vector<ExistingFiles::Match> ExistingFiles::find_matches(const fs::path& ou
 }
 
 std::vector<fs::path> ExistingFiles::find(const convert::ConversionJob& job) {
+  std::vector<fs::path> found = find_label_files(job);
+  std::ranges::copy_if(files_of(job), std::back_inserter(found),
+                       [](const fs::path& file) { return !has_label_word(file) && files::is_there(file); });
+  return found;
+}
+
+std::vector<fs::path> ExistingFiles::find_label_files(const convert::ConversionJob& job) {
   std::vector<fs::path> found;
-  for (fs::path& file : files_of(job)) {
-    if (has_label_word(file)) {
-      for (Match& match : find_matches(file)) found.push_back(std::move(match.file));
-    } else if (files::is_there(file)) {
-      found.push_back(std::move(file));
-    }
+  for (const fs::path& file : files_of(job)) {
+    if (!has_label_word(file)) continue;
+    for (Match& match : find_matches(file)) found.push_back(std::move(match.file));
   }
   return found;
 }

@@ -29,6 +29,8 @@ class ExistingFiles {
   // Returns the files of files_of(job) that exist. In a file name (not in the name of a folder), {label} and {name}
   // stand for all texts that match_output_name() allows.
   [[nodiscard]] std::vector<std::filesystem::path> find(const convert::ConversionJob& job);
+  // Returns those of them whose names have {label} or {name}.
+  [[nodiscard]] std::vector<std::filesystem::path> find_label_files(const convert::ConversionJob& job);
 
   // Returns an output with the name of each existing label file, for the outputs of the job with {label} or {name} in
   // the file name. Of labels split into bodies, finds those whose first body has a file; kPiecePlaceholder stays.

@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t kMostChunks = 8192;  // to count
 
-// What a part of the chunks has.
+// Sums over a part of the chunks.
 struct Counts {
   std::uint64_t parts = 0;    // labels of each chunk
   std::uint64_t chunks = 0;   // chunks with points
@@ -75,9 +75,9 @@ class LabelWindow {
     }
   }
 
-  // Sets `found` to the labels of the chunk, each once.
-  void list(std::vector<std::int64_t>& found) const {
-    found.clear();
+  // Returns the number of different labels in the chunk.
+  [[nodiscard]] std::size_t count_labels() const {
+    std::vector<std::int64_t> found;
     std::int64_t last = kNone;
     for (int z = 1; z <= kVoxelChunk.z; ++z) {
       for (int y = 1; y <= kVoxelChunk.y; ++y) {
@@ -89,6 +89,7 @@ class LabelWindow {
         }
       }
     }
+    return found.size();
   }
 
   // Counts the corners and faces at the lower sides of the chunk's voxels.
@@ -228,12 +229,10 @@ Counts count_chunks(const ChunkSample& sample, const LabelFilter& filter, const 
       sample.origins.size(), kGrain, Counts(),
       [&](std::size_t begin, std::size_t end, Counts counts) {
         auto rows = make_rows();
-        std::vector<std::int64_t> labels;
         for (std::size_t n = begin; n < end && !context.cancelled(); ++n) {
           const LabelWindow window(sample.origins[n], filter, rows);
           window.count(counts);
-          window.list(labels);
-          counts.parts += labels.size();
+          counts.parts += window.count_labels();
         }
         return counts;
       },
