@@ -42,8 +42,8 @@ int last_number(std::size_t taken, const List& list) {
   return static_cast<int>(taken + list.size()) - 1;
 }
 
-// Returns TinyGLTF's JSON of the model, without buffers.
-nlohmann::json document_of(tinygltf::Model& model, const std::string& placement) {
+// Returns TinyGLTF's JSON of the model, without buffers. `placement` is MeshWriteOptions::placement.
+nlohmann::json tinygltf_json(tinygltf::Model& model, const std::string& placement) {
   model.asset.generator = generator();
   model.asset.version = "2.0";
   std::ostringstream stream;
@@ -80,12 +80,36 @@ void place_packed(const GltfPackedPart& packed, tinygltf::Node& node) {
 
 void GltfModel::add(const GltfPart& part) {
   constexpr std::size_t kNodesAtOnce = 128;
+  constexpr std::size_t kPortionsAtOnce = 8;
   scene_.nodes.push_back(node(part));
   if (model_.nodes.size() < kNodesAtOnce) return;
-  flush([&](nlohmann::json& document) {
-    fix_empty_entries(document);
-    earlier_.add(document);
+  portions_.push_back(take_portion());
+  if (portions_.size() == kPortionsAtOnce) convert_portions();
+}
+
+GltfModel::Portion GltfModel::take_portion() {
+  Portion portion{std::exchange(model_, {}), std::exchange(meshopt_views_, {}), taken_.views};
+  taken_ = {taken_.nodes + portion.model.nodes.size(), taken_.meshes + portion.model.meshes.size(),
+            taken_.materials + portion.model.materials.size(), taken_.views + portion.model.bufferViews.size(),
+            taken_.accessors + portion.model.accessors.size()};
+  return portion;
+}
+
+nlohmann::json GltfModel::document_of(Portion& portion) const {
+  JsonTree tree(tinygltf_json(portion.model, placement_));
+  fix_empty_entries(tree.root());
+  describe_packed_views(portion, tree.root());
+  return std::move(tree.root());
+}
+
+void GltfModel::convert_portions() {
+  std::vector<std::vector<JsonLists::Member>> members(portions_.size());
+  for_each_index(portions_.size(), [&](std::size_t i) {
+    JsonTree tree(document_of(portions_[i]));
+    members[i] = JsonLists::members_of(tree.root());
   });
+  for (std::vector<JsonLists::Member>& portion : members) earlier_.add(std::move(portion));
+  portions_.clear();
 }
 
 int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden) {
@@ -106,14 +130,9 @@ int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> part
 }
 
 void GltfModel::flush(const std::function<void(nlohmann::json& document)>& look) {
-  JsonTree tree(document_of(model_, placement_));
-  describe_packed_views(tree.root());
+  Portion portion = take_portion();
+  JsonTree tree(document_of(portion));
   look(tree.root());
-  meshopt_views_.clear();
-  taken_ = {taken_.nodes + model_.nodes.size(), taken_.meshes + model_.meshes.size(),
-            taken_.materials + model_.materials.size(), taken_.views + model_.bufferViews.size(),
-            taken_.accessors + model_.accessors.size()};
-  model_ = tinygltf::Model();
 }
 
 Notes GltfModel::release_notes() {
@@ -161,16 +180,16 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   notes.insert(notes.end(), own.begin(), own.end());
   model_.scenes = {scene_};
   model_.defaultScene = 0;
-  JsonTree tree(document_of(model_, placement_));
+  convert_portions();
+  Portion last = take_portion();
+  JsonTree tree(document_of(last));
   nlohmann::json& document = tree.root();
-  fix_empty_entries(document);
   if (offset_ > 0) {
     document["buffers"] = nlohmann::json::array();
     nlohmann::json& buffer = document["buffers"].emplace_back(nlohmann::json::object());
     buffer["byteLength"] = offset_;
     if (!uri.empty()) buffer["uri"] = uri;
   }
-  describe_packed_views(document);
   if (const nlohmann::json unpacked = unpacked_buffer(); !unpacked.is_null()) document["buffers"].push_back(unpacked);
   if (earlier_.empty()) return printable_json(document.dump(indent));
   earlier_.add(document);

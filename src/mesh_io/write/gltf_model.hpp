@@ -49,7 +49,7 @@ class GltfModel {
   [[nodiscard]] nlohmann::json unpacked_buffer() const;
 
  private:
-  // The number of entries of each list that flush() has removed.
+  // The number of entries of each list that take_portion() has moved out.
   struct Taken {
     std::size_t nodes = 0;
     std::size_t meshes = 0;
@@ -57,6 +57,29 @@ class GltfModel {
     std::size_t views = 0;
     std::size_t accessors = 0;
   };
+
+  struct MeshoptView {
+    int view;  // into the placeholder buffer for decoded bytes
+    std::uint64_t offset;
+    std::uint64_t bytes;
+    std::uint64_t count;
+    std::size_t stride;
+    MeshoptMode mode;
+  };
+
+  // A range of consecutive entries of the model.
+  struct Portion {
+    tinygltf::Model model;
+    std::vector<MeshoptView> meshopt_views;
+    std::size_t first_view;
+  };
+
+  // Moves the entries that were added since the last call out of model_.
+  [[nodiscard]] Portion take_portion();
+  // Returns the JSON of a portion, without buffers.
+  [[nodiscard]] nlohmann::json document_of(Portion& portion) const;
+  // Appends the JSON of portions_ to earlier_. Runs in parallel.
+  void convert_portions();
 
   // Adds the part's node and mesh; returns the node's number.
   int node(const GltfPart& part);
@@ -79,12 +102,13 @@ class GltfModel {
   int packed_accessor(const GltfPackedAccessor& source, int first_view);
   void use_extension(const std::string& name);
   // Adds the packed views to the JSON, because TinyGLTF cannot describe them.
-  void describe_packed_views(nlohmann::json& document) const;
+  static void describe_packed_views(const Portion& portion, nlohmann::json& document);
 
   tinygltf::Model model_;
   tinygltf::Scene scene_;
   Taken taken_;
-  JsonLists earlier_;  // the entries that add() has moved out of model_
+  std::vector<Portion> portions_;  // the entries that add() has moved out of model_, unless earlier_ has them
+  JsonLists earlier_;
   std::uint64_t offset_ = 0;
   struct MaterialEntry {
     bool vertex_colors;
@@ -96,14 +120,6 @@ class GltfModel {
   bool has_split_ = false;
   std::string placement_;
   bool in_frame_ = false;  // frames of a sequence share materials, whatever the names of their meshes
-  struct MeshoptView {
-    int view;  // into the placeholder buffer for decoded bytes
-    std::uint64_t offset;
-    std::uint64_t bytes;
-    std::uint64_t count;
-    std::size_t stride;
-    MeshoptMode mode;
-  };
   std::vector<MeshoptView> meshopt_views_;
   std::uint64_t unpacked_bytes_ = 0;  // size of the placeholder buffer
   Notes notes_;                       // about the meshes' names

@@ -67,10 +67,10 @@ void GltfModel::use_extension(const std::string& name) {
   model_.extensionsRequired.push_back(name);
 }
 
-void GltfModel::describe_packed_views(nlohmann::json& document) const {
-  for (const MeshoptView& view : meshopt_views_) {
-    nlohmann::json& packed =
-        document["bufferViews"][static_cast<std::size_t>(view.view) - taken_.views]["extensions"][kMeshoptExtension];
+void GltfModel::describe_packed_views(const Portion& portion, nlohmann::json& document) {
+  for (const MeshoptView& view : portion.meshopt_views) {
+    const std::size_t number = static_cast<std::size_t>(view.view) - portion.first_view;
+    nlohmann::json& packed = document["bufferViews"][number]["extensions"][kMeshoptExtension];
     packed = {{"buffer", 0},
               {"byteOffset", view.offset},
               {"byteLength", view.bytes},

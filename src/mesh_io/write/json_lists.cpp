@@ -14,22 +14,34 @@ std::uint64_t bytes_around(const std::string& name) { return name.size() + 6; }
 
 }  // namespace
 
-void JsonLists::add(const nlohmann::json& document) {
+std::vector<JsonLists::Member> JsonLists::members_of(const nlohmann::json& document) {
+  std::vector<Member> members;
   for (const auto& [name, value] : document.items()) {
     if (!value.is_array()) {
-      const auto [other, is_new] = others_.try_emplace(name);
-      if (!is_new) continue;
-      other->second = printable_json(value.dump());
-      bytes_ += bytes_around(name) + other->second.size();
+      members.push_back({name, printable_json(value.dump()), Member::Kind::whole});
       continue;
     }
     for (const nlohmann::json& entry : value) {
-      const std::string text = printable_json(entry.dump());
-      const auto list = lists_.find(name);
-      const bool is_there =
-          entry.is_string() && list != lists_.end() && list->second.text.find(text) != std::string::npos;
-      if (!is_there) add(name, text);
+      members.push_back(
+          {name, printable_json(entry.dump()), entry.is_string() ? Member::Kind::text_entry : Member::Kind::entry});
     }
+  }
+  return members;
+}
+
+void JsonLists::add(std::vector<Member> members) {
+  for (Member& member : members) {
+    if (member.kind == Member::Kind::whole) {
+      const auto [other, is_new] = others_.try_emplace(member.name);
+      if (!is_new) continue;
+      other->second = std::move(member.text);
+      bytes_ += bytes_around(member.name) + other->second.size();
+      continue;
+    }
+    const auto list = lists_.find(member.name);
+    const bool is_there = member.kind == Member::Kind::text_entry && list != lists_.end() &&
+                          list->second.text.find(member.text) != std::string::npos;
+    if (!is_there) add(member.name, member.text);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -14,9 +15,21 @@ namespace isoextract::mesh_io {
 
 class JsonLists {
  public:
+  // The members of a document as text, with the entries of lists apart.
+  struct Member {
+    enum class Kind : std::uint8_t { whole, entry, text_entry };
+
+    std::string name;
+    std::string text;
+    Kind kind;
+  };
+
+  [[nodiscard]] static std::vector<Member> members_of(const nlohmann::json& document);
+
   // Appends each list of the document to the list of the same name. Repeated strings (names of extensions) are kept
   // once. Members that are not lists keep their first value.
-  void add(const nlohmann::json& document);
+  void add(const nlohmann::json& document) { add(members_of(document)); }
+  void add(std::vector<Member> members);
   // Appends an entry, which is JSON text, and returns its number.
   std::size_t add(const std::string& list, std::string_view entry);
 
