@@ -65,7 +65,7 @@ struct BatchRun::State final : FrameEvents {
   RunResult run(RunEvents& events);
 
   convert::Events* started(std::size_t frame, const Context& own) override;
-  bool finished(std::size_t frame, const convert::Outcome& outcome) override;
+  bool finished(std::size_t frame, convert::Outcome& outcome) override;
 
   // Converts the frames, on all ranks.
   void convert_frames(std::span<const std::size_t> others);
@@ -75,7 +75,7 @@ struct BatchRun::State final : FrameEvents {
   // Writes the report, and makes the row and the record.
   [[nodiscard]] FinishedFrame complete(std::size_t frame, const convert::Outcome& outcome);
   // Takes a frame of this rank or of another into the manifest and the result. Returns false if the batch ends.
-  bool accept(FinishedFrame finished, const convert::Outcome& outcome);
+  bool accept(FinishedFrame finished, convert::Outcome& outcome);
   void accept_of_rank(FinishedFrame finished);
   [[nodiscard]] Notes notes_about(const field::ScalarField& field);
   // Keeps the frames that are already done, and returns the others.
@@ -167,7 +167,7 @@ bool BatchRun::State::begin_on_manifest(std::size_t frame) {
   return revoked.has_value();
 }
 
-bool BatchRun::State::finished(std::size_t frame, const convert::Outcome& outcome) {
+bool BatchRun::State::finished(std::size_t frame, convert::Outcome& outcome) {
   FinishedFrame finished = complete(frame, outcome);
   if (own_frames == nullptr) return accept(std::move(finished), outcome);
   finished.notes = outcome.notes;
@@ -208,7 +208,7 @@ FinishedFrame BatchRun::State::complete(std::size_t frame, const convert::Outcom
   return finished;
 }
 
-bool BatchRun::State::accept(FinishedFrame finished, const convert::Outcome& outcome) {
+bool BatchRun::State::accept(FinishedFrame finished, convert::Outcome& outcome) {
   const std::size_t frame = finished.frame;
   FrameRow& row = rows[frame];
   row = std::move(finished.row);

@@ -73,8 +73,8 @@ class RunEvents {
   }
   // Called once for each kept frame and each frame that FrameEvents::finished() receives, after its other events.
   // `outcome` is null for a kept frame; for a frame of another rank it has only `notes`, `empty_picture` and `error`.
-  // `error` is set if the frame failed or was cancelled.
-  virtual void over(std::size_t /*frame*/, const FrameRow& /*row*/, const convert::Outcome* /*outcome*/,
+  // The receiver may move parts out of it. `error` is set if the frame failed or was cancelled.
+  virtual void over(std::size_t /*frame*/, const FrameRow& /*row*/, convert::Outcome* /*outcome*/,
                     const Error* /*error*/) {}
 };
 

@@ -138,11 +138,12 @@ class Scheduler {
       return;
     }
     lock.unlock();
+    const bool done = outcome.done();
     const bool kept = events_.finished(frame, outcome);
     lock.lock();
     queue_.end(place);  // Only after finished(), so that no later frame is taken if the batch ends with this one.
-    ++(outcome.done() ? counts_.done : counts_.failed);
-    if (!kept || (options_.fail_fast && !outcome.done())) end();
+    ++(done ? counts_.done : counts_.failed);
+    if (!kept || (options_.fail_fast && !done)) end();
   }
 
   // Waits for the frame's turn and hands its meshes over. Returns false if it is turned away. Frees the meshes in any

@@ -36,8 +36,8 @@ class FrameEvents {
   virtual convert::Events* started(std::size_t /*frame*/, const Context& /*context*/) { return nullptr; }
   // Called once for every frame that was started, except for a frame that still waits to be repeated when the batch
   // ends. A listener returns false if it could not write the frame's record. That ends the batch in the same way as a
-  // failed frame with fail_fast.
-  virtual bool finished(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) { return true; }
+  // failed frame with fail_fast. It may move parts out of the outcome.
+  virtual bool finished(std::size_t /*frame*/, convert::Outcome& /*outcome*/) { return true; }
 };
 
 // Receives the meshes of frames that do not get files of their own.

@@ -93,8 +93,7 @@ class FramePrinter final : public batch::RunEvents {
     return cli::write_report(path, &job, outcome, plan_.frame_notes, arguments_, plan_.common.context.memory().limit());
   }
 
-  void over(std::size_t frame, const batch::FrameRow& row, const convert::Outcome* outcome,
-            const Error* error) override {
+  void over(std::size_t frame, const batch::FrameRow& row, convert::Outcome* outcome, const Error* error) override {
     for (const std::string& name : row.figures.lacked_attributes) {
       progress_.add_remark(
           row.frame, {NoteId::attribute_missing, fmt::format("lack the optional attribute '{}'", printable(name))});

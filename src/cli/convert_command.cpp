@@ -274,9 +274,9 @@ class Conversion final : public batch::RunEvents {
     }
     return notes;
   }
-  void over(std::size_t /*frame*/, const batch::FrameRow& /*row*/, const convert::Outcome* outcome,
+  void over(std::size_t /*frame*/, const batch::FrameRow& /*row*/, convert::Outcome* outcome,
             const Error* /*error*/) override {
-    ended = *outcome;
+    ended = std::move(*outcome);
     narrator_.reset();
     bar_.reset();
   }

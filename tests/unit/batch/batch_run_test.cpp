@@ -44,7 +44,7 @@ class Listener final : public RunEvents {
     if (frame == cannot_write) return fail(ErrorCode::output, "the disk is full");
     return {};
   }
-  void over(std::size_t frame, const FrameRow& row, const convert::Outcome* outcome, const Error* error) override {
+  void over(std::size_t frame, const FrameRow& row, convert::Outcome* outcome, const Error* error) override {
     const std::lock_guard lock(mutex_);
     EXPECT_TRUE(ended.emplace(frame, row.status).second) << "told twice of frame " << row.frame;
     EXPECT_EQ(outcome == nullptr, row.status == Status::kept);

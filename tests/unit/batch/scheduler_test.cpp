@@ -50,7 +50,7 @@ class Watcher final : public FrameEvents {
     order.push_back(frame);
     return nullptr;
   }
-  bool finished(std::size_t frame, const convert::Outcome& outcome) override {
+  bool finished(std::size_t frame, convert::Outcome& outcome) override {
     if (!outcome.done()) std::this_thread::sleep_for(pause_after_a_failure);
     const std::lock_guard lock(mutex_);
     --running_;
