@@ -39,18 +39,21 @@ class Momentum {
   // Returns the position from which the next round starts. `start` and `end` are the last one's; `end_before`: that of
   // the one before.
   [[nodiscard]] Float4 next_start(Float4 start, Float4 end, Float4 end_before) const {
-    return end + (theta_ - 1) / next_ * (end - end_before) + theta_ / next_ * (end - start);
+    return end + of_ends_ * (end - end_before) + of_round_ * (end - start);
   }
   void advance() {
-    theta_ = next_;
-    next_ = after(theta_);
+    const float next = after(next_);
+    of_ends_ = (next_ - 1) / next;
+    of_round_ = next_ / next;
+    next_ = next;
   }
 
  private:
   static float after(float theta) { return (1 + std::sqrt(1 + 4 * theta * theta)) / 2; }
 
-  float theta_ = 1;
   float next_ = after(1);
+  float of_ends_ = 0;
+  float of_round_ = 1 / next_;
 };
 
 // Cell faces are numbered 2 * axis, plus 1 for the upper side.
@@ -133,22 +136,21 @@ class Links {
     constexpr std::array<int, kFaces> kWays{
         -NearPlaces::kSteps[0], NearPlaces::kSteps[0], -NearPlaces::kSteps[1], NearPlaces::kSteps[1], 0, 0};
     // A copy at places is faster to read than the list of points: the neighbors of a point are at fixed distances.
-    // Three planes of it stay in the fastest cache.
-    std::array<std::array<Int4, NearPlaces::kSteps[2]>, 3> planes;
-    const auto plane_at = [&](int z) -> auto& { return planes[static_cast<std::size_t>(z + 1) % planes.size()]; };
+    // Three planes of it stay in the fastest cache, if each place has three numbers only. The fourth that is copied
+    // belongs to the next place, which is copied later.
+    std::array<std::array<glm::vec3, NearPlaces::kSteps[2] + 1>, 3> planes;
+    const auto plane_at = [&](int z) { return planes[static_cast<std::size_t>(z + 1) % planes.size()].data(); };
     const NearPointPlanes points(grid_, chunk);
     const auto copy_plane = [&](int z) {
-      auto& plane = plane_at(z);
-      points.for_each(z, [&](int place, std::uint32_t k) {
-        std::memcpy(&plane[static_cast<std::size_t>(place)], &offsets[k], sizeof(Int4));
-      });
+      glm::vec3* const plane = plane_at(z);
+      points.for_each(z, [&](int place, std::uint32_t k) { std::memcpy(plane + place, &offsets[k], sizeof(Int4)); });
     };
     copy_plane(-1);
     copy_plane(0);
     for (int z = 0; z < 8; ++z) {
       copy_plane(z + 1);
-      const std::array<const Int4*, kFaces> near{plane_at(z).data(), plane_at(z).data(),     plane_at(z).data(),
-                                                 plane_at(z).data(), plane_at(z - 1).data(), plane_at(z + 1).data()};
+      const std::array<const glm::vec3*, kFaces> near{plane_at(z), plane_at(z),     plane_at(z),
+                                                      plane_at(z), plane_at(z - 1), plane_at(z + 1)};
       for (int y = 0; y < 8; ++y) {
         const NetGrid::Row row = grid_.row(static_cast<std::int32_t>(chunk), y, z);
         if (row.used == 0) continue;
@@ -161,7 +163,8 @@ class Links {
           // A sum over all six is faster than a loop over the connected ones: the processor cannot predict their
           // number.
           for (std::size_t face = 0; face < kFaces; ++face) {
-            sum += std::bit_cast<Float4>(near[face][place + bit + kWays[face]] & steps.joined[face]);
+            const Float4 offset = load(near[face] + (place + bit + kWays[face]));
+            sum += std::bit_cast<Float4>(std::bit_cast<Int4>(offset) & steps.joined[face]);
           }
           sum *= steps.share;
           f(k, sum, kFreeAxes[fixed.at(bit)]);
@@ -204,7 +207,10 @@ Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint
   auto half_memory = TRY(make_reserved_buffer<glm::vec3>(grid.size() + 1, context, what));
   Buffer<glm::vec3>& start = start_memory->values;
   Buffer<glm::vec3>& half = half_memory->values;
-  std::copy(offsets.begin(), offsets.end(), start.begin());
+  // In parallel, because the system takes long to clear new pages.
+  for_each_range(grid.size() + 1, 1 << 16, [&](std::size_t begin, std::size_t end) {
+    std::copy(&offsets[begin], &offsets[begin] + (end - begin), &start[begin]);
+  });
   half[grid.size()] = glm::vec3(0);
   Momentum momentum;
   for (std::uint64_t round = 0; round < rounds; ++round) {
