@@ -265,7 +265,9 @@ struct LabelVoxels::Found {
     std::size_t last = 0;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (p == 0 || parts[p]->label != parts[last]->label) {
-        entries.push_back({{ids.id_of(parts[p]->label), 0, {}, 0}, p});
+        FoundLabel label;
+        label.label = ids.id_of(parts[p]->label);
+        entries.push_back({label, p});
         last = p;
       }
       ++entries.back().label.chunks;
@@ -342,6 +344,10 @@ struct LabelVoxels::Found {
     auto made = TRY(NetPoints::make(LabelChunks(std::move(chunks), std::move(unlisted), bounds, std::move(held)),
                                     options.relaxations, options.output_from_index.linear, context, what));
     net.emplace(std::move(made));
+    for (const LabelShells& found : net->shells()) {
+      const Entry* const entry = entry_of(ids.id_of(found.label));
+      if (entry != nullptr) entries[static_cast<std::size_t>(entry - entries.data())].label.shells = found.shells;
+    }
     return {};
   }
 };

@@ -36,6 +36,7 @@ struct FoundLabel {
   std::uint64_t voxels = 0;  // in the region
   field::IndexBox bounds;    // of these samples
   std::uint64_t chunks = 0;  // chunks of 64x8x8 voxels that extract() visits; its time depends on their number only
+  std::uint64_t shells = 0;  // components of the surface; 0 if unknown, as without relaxed surface nets
 };
 
 // The voxels of each label of a label map, found in one pass over the samples. A label is the integer that a sample

@@ -69,6 +69,7 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
     const double voxel = std::abs(glm::determinant(source.output_from_index.linear));
     surface.label_voxels = found->voxels;
     surface.label_volume = voxel * static_cast<double>(found->voxels);
+    surface.label_components = found->shells;
   }
   const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
   if (stats.device) made.bytes_uploaded = stats.device->bytes_uploaded;

@@ -58,12 +58,35 @@ struct Component {
   RelaxedVolume volume;
 };
 
-}  // namespace
+struct RelaxedVolumes {
+  RelaxedVolume whole;
+  RelaxedVolume worst;  // of the component with the largest relative change
+  std::uint64_t components = 0;
+  std::uint64_t changed = 0;
 
-Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage) {
-  // A plane cuts the surface elsewhere than the voxels, so their volumes differ.
-  if (!stage.job.surface.relaxes() || !stage.source.clip.empty()) return StageReport();
-  const mesh::Mesh& mesh = surface.mesh;
+  void add(const RelaxedVolume& component) {
+    ++components;
+    whole.before += component.before;
+    whole.after += component.after;
+    changed += component.is_large() ? 1 : 0;
+    if (component.is_larger_than(worst)) worst = component;
+  }
+};
+
+// Returns the volumes of a closed mesh that is one component.
+RelaxedVolumes volumes_of_one(const mesh::Mesh& mesh, double voxels) {
+  RelaxedVolumes volumes;
+  RelaxedVolume component{voxels, 0};
+  const glm::dvec3 apex(mesh.positions[mesh.triangles[0].x]);
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    component.after += volume_to(mesh.positions.span(), triangle, apex);
+  }
+  volumes.add(component);
+  return volumes;
+}
+
+// Returns the volumes of the components, which the triangles that share vertices form.
+Result<RelaxedVolumes> volumes_of_components(const mesh::Mesh& mesh, const StageContext& stage) {
   const Context& context = stage.context;
   const edit::OriginalPositions sites = TRY(voxel_sites(mesh, stage.source, stage.job.surface, context));
   const std::string what = mesh.name + ": the volumes of its components";
@@ -81,20 +104,27 @@ Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage
     component.volume.before += volume_to(sites.span(), triangle, glm::dvec3(sites[component.apex]));
     component.volume.after += volume_to(mesh.positions.span(), triangle, glm::dvec3(mesh.positions[component.apex]));
   }
-  RelaxedVolume whole;
-  RelaxedVolume worst;  // the largest relative change
-  std::uint64_t changed = 0;
-  for (const Component& component : list) {
-    whole.before += component.volume.before;
-    whole.after += component.volume.after;
-    changed += component.volume.is_large() ? 1 : 0;
-    if (component.volume.is_larger_than(worst)) worst = component.volume;
-  }
+  RelaxedVolumes volumes;
+  for (const Component& component : list) volumes.add(component.volume);
+  return volumes;
+}
+
+}  // namespace
+
+Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage) {
+  // A plane cuts the surface elsewhere than the voxels, so their volumes differ.
+  if (!stage.job.surface.relaxes() || !stage.source.clip.empty()) return StageReport();
+  const mesh::Mesh& mesh = surface.mesh;
+  // The volume of a label's voxels is known: most labels are one component, which needs no search.
+  const bool is_one = surface.label_components == 1 && !stage.facts.may_be_open && !mesh.triangles.empty();
+  const RelaxedVolumes volumes =
+      is_one ? volumes_of_one(mesh, surface.label_volume) : TRY(volumes_of_components(mesh, stage));
   StageReport report = stage.report_on(StageName::relax, surface);
-  report.entries.push_back({{Key::volume, figures_of(whole)},
-                            {Key::components, components.count()},
-                            {Key::changed_components, changed},
-                            {Key::worst_component, components.count() > 0 ? Value(figures_of(worst)) : Value()}});
+  report.entries.push_back(
+      {{Key::volume, figures_of(volumes.whole)},
+       {Key::components, volumes.components},
+       {Key::changed_components, volumes.changed},
+       {Key::worst_component, volumes.components > 0 ? Value(figures_of(volumes.worst)) : Value()}});
   return report;
 }
 

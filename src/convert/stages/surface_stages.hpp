@@ -35,6 +35,7 @@ struct Surface {
   bool distinct_positions = false;               // no two vertices coincide in a file of float32; false: unknown
   std::uint64_t label_voxels = 0;                // voxels of the label in the region
   double label_volume = 0;                       // volume of these voxels, in output coordinates
+  std::uint64_t label_components = 0;            // components of the newly extracted mesh; 0 if unknown
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
   double untangled_by = 0;                       // upper bound of the move by untangling and rounding, in voxels
   // The measures of a mesh that went part by part, if its sink measured it (partwise_output()).

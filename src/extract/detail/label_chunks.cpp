@@ -43,6 +43,15 @@ std::span<const LabelChunk> LabelChunks::at(const glm::ivec3& origin) const {
   return std::span(chunks_).subspan(begin, end - begin);
 }
 
+std::optional<std::int64_t> LabelChunks::label_at(const glm::ivec3& voxel) const {
+  const std::span<const LabelChunk> listed = at(chunk_origin(voxel));
+  if (listed.empty()) return unlisted(chunk_origin(voxel));
+  for (const LabelChunk& chunk : listed) {
+    if (((*chunk.bits)[chunk_row(voxel.y, voxel.z)] >> (voxel.x & 63) & 1) != 0) return chunk.label;
+  }
+  return std::nullopt;
+}
+
 const ChunkBits& LabelChunks::bits(std::int64_t label, const glm::ivec3& origin) const {
   const std::span<const LabelChunk> listed = at(origin);
   for (const LabelChunk& chunk : listed) {

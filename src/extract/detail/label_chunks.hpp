@@ -43,6 +43,8 @@ class LabelChunks {
     return unlisted_ ? unlisted_(origin) : std::nullopt;
   }
 
+  // Returns the label of a voxel, nullopt if it has none.
+  [[nodiscard]] std::optional<std::int64_t> label_at(const glm::ivec3& voxel) const;
   // Returns the bits of one label in a chunk, listed or not.
   [[nodiscard]] const ChunkBits& bits(std::int64_t label, const glm::ivec3& origin) const;
   [[nodiscard]] bool has(std::int64_t label, const glm::ivec3& voxel) const {

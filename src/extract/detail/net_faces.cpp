@@ -95,6 +95,8 @@ Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, 
   faces.join_shells(grid, labels);
   TRY(context.check());
   faces.number_shells();
+  held = TRY(context.reserve(faces.first_nodes_.size() * sizeof(std::uint32_t), what));
+  faces.memory_.push_back(std::move(held));
   return faces;
 }
 
@@ -143,7 +145,7 @@ Result<void> NetFaces::number_faces(const NetGrid& grid, const Context& context,
   return context.check();
 }
 
-// Makes each side of a face that has a label a set of its own: node 2 * face + side.
+// Makes each node a set of its own.
 void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
   for_each_index(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
@@ -211,11 +213,50 @@ void NetFaces::number_shells() {
   for (std::uint32_t node = 0; node < of_shells_.size(); ++node) {
     std::uint32_t& root = of_shells_[node];
     if (root == node) {
-      root = shells_++;
+      root = static_cast<std::uint32_t>(first_nodes_.size());
+      first_nodes_.push_back(node);
     } else if (root != kNoShell) {
       root = of_shells_[root];
     }
   }
+}
+
+std::vector<LabelShells> NetFaces::count_shells(const NetGrid& grid, const LabelChunks& labels) const {
+  constexpr std::size_t kGrain = 64;
+  std::vector<std::int64_t> of_shells(first_nodes_.size());
+  for_each_index(
+      first_nodes_.size(),
+      [&](std::size_t s) { of_shells[s] = labels.label_at(voxel_at(grid, first_nodes_[s])).value_or(0); }, kGrain);
+  std::ranges::sort(of_shells);
+  std::vector<LabelShells> counts;
+  for (const std::int64_t label : of_shells) {
+    if (counts.empty() || counts.back().label != label) counts.push_back({label, 0});
+    ++counts.back().shells;
+  }
+  return counts;
+}
+
+// Returns the voxel of a node.
+glm::ivec3 NetFaces::voxel_at(const NetGrid& grid, std::uint32_t node) const {
+  const std::uint32_t face = node / 2;
+  // Rows without faces have the same first face as the row after them.
+  const auto after = std::ranges::upper_bound(first_of_rows_, face);
+  const auto row_number = static_cast<std::size_t>(after - first_of_rows_.begin()) - 1;
+  const std::size_t chunk = row_number / 64;
+  const auto y = static_cast<int>(row_number % 8);
+  const auto z = static_cast<int>(row_number % 64 / 8);
+  const NetGrid::Row row = grid.row(static_cast<std::int32_t>(chunk), y, z);
+  glm::ivec3 voxel(0);
+  std::uint32_t number = first_of_rows_[row_number];
+  std::uint32_t k = row.first;
+  for_each_bit(row.used, [&](int bit) {
+    for_each_bit(own_axes(k++), [&](int axis) {
+      if (number++ != face) return;
+      voxel = grid.origins()[chunk] + glm::ivec3(bit, y, z);
+      if (node % 2 == 0) --voxel[axis];
+    });
+  });
+  return voxel;
 }
 
 NearFaces::NearFaces(const NetGrid& grid, const NetFaces& faces, std::size_t chunk) {

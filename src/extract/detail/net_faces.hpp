@@ -21,6 +21,11 @@
 
 namespace isoextract::extract {
 
+struct LabelShells {
+  std::int64_t label = 0;
+  std::uint64_t shells = 0;
+};
+
 class NetFaces {
  public:
   static constexpr std::uint32_t kNoShell = ~std::uint32_t{0};
@@ -45,8 +50,11 @@ class NetFaces {
   }
 
   [[nodiscard]] std::size_t size() const { return of_shells_.size() / 2; }
-  [[nodiscard]] std::uint32_t shells() const { return shells_; }
+  [[nodiscard]] std::uint32_t shells() const { return static_cast<std::uint32_t>(first_nodes_.size()); }
   [[nodiscard]] Shells shells_of(std::size_t face) const { return {of_shells_[2 * face], of_shells_[2 * face + 1]}; }
+
+  // Returns the number of shells of each label, by rising label. `grid` and `labels` are those given to make().
+  [[nodiscard]] std::vector<LabelShells> count_shells(const NetGrid& grid, const LabelChunks& labels) const;
 
   // Returns the faces around a point, as bits numbered as in corner_fans.hpp.
   [[nodiscard]] unsigned sides(std::uint32_t point) const { return sides_[point]; }
@@ -82,11 +90,13 @@ class NetFaces {
   void mark_labeled(const NetGrid& grid, const LabelChunks& labels);
   void join_shells(const NetGrid& grid, const LabelChunks& labels);
   void number_shells();
+  [[nodiscard]] glm::ivec3 voxel_at(const NetGrid& grid, std::uint32_t node) const;
 
   Buffer<std::uint16_t> sides_;          // of each point
   Buffer<std::uint32_t> first_of_rows_;  // 64 for each chunk, then the number of faces
-  Buffer<std::uint32_t> of_shells_;      // two for each face
-  std::uint32_t shells_ = 0;
+  // A node is a side of a face that has a label: 2 * face + side, where the lower side is 0.
+  Buffer<std::uint32_t> of_shells_;         // of each node
+  std::vector<std::uint32_t> first_nodes_;  // of each shell
   std::vector<Reservation> memory_;
 };
 

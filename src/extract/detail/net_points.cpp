@@ -57,10 +57,13 @@ Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relax
   auto held = TRY(context.reserve((points.grid_.size() + 1) * sizeof(glm::vec3), what));
   points.memory_.push_back(std::move(held));
   points.offsets_ = Buffer<glm::vec3>(points.grid_.size() + 1);
-  std::fill(points.offsets_.begin(), points.offsets_.end(), glm::vec3(0));
+  // In parallel, because the system takes long to clear new pages.
+  for_each_range(points.offsets_.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
+    std::fill(&points.offsets_[begin], &points.offsets_[begin] + (end - begin), glm::vec3(0));
+  });
   TRY(relax_net(points.grid_, labels, relaxations, points.offsets_, context, what));
   if (relaxations > 0) {
-    TRY(keep_volumes(points.grid_, labels, output_from_index, points.offsets_, context, what));
+    points.shells_ = TRY(keep_volumes(points.grid_, labels, output_from_index, points.offsets_, context, what));
   }
   return points;
 }

@@ -22,6 +22,7 @@
 #include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/label_chunks.hpp"
+#include "extract/detail/net_faces.hpp"
 #include "extract/detail/net_grid.hpp"
 
 namespace isoextract::extract {
@@ -51,6 +52,9 @@ class NetPoints {
   // number of the corner's chunk.
   [[nodiscard]] glm::vec3 offset(std::int32_t chunk, const glm::ivec3& corner) const;
 
+  // Returns the number of shells of each label, by rising label; an empty list if the points were not relaxed.
+  [[nodiscard]] const std::vector<LabelShells>& shells() const { return shells_; }
+
   // Returns the edges of a chunk that have an extra vertex in their middle, by axis and lower corner; null if there are
   // none. Such an edge exists where two voxels of one label touch along it only, and are in one fan at both of its
   // ends. All labels get the vertex there, so that their meshes have the same triangles.
@@ -65,6 +69,7 @@ class NetPoints {
   Buffer<std::int32_t> middles_number_;  // of each chunk of the grid
   Buffer<Middles> middles_;
   Buffer<glm::vec3> offsets_;  // of each point, then one unused element, since load() reads 16 bytes
+  std::vector<LabelShells> shells_;
   std::vector<Reservation> memory_;
 };
 

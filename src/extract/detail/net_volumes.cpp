@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -15,212 +14,19 @@
 #include "extract/detail/net_face_size.hpp"
 #include "extract/detail/net_faces.hpp"
 #include "extract/detail/net_relaxation.hpp"
-#include "extract/detail/reserved_list.hpp"
+#include "extract/detail/net_shells.hpp"
 #include "extract/detail/voxel_input.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
 namespace {
 
-// Volumes and areas are sums of integers, so that the order of the threads does not change them. Sums may wrap around
-// on the way; only their final value must fit.
-constexpr double kUnits = 1 << 24;  // per grid step cubed
-std::uint64_t to_units(double value) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(value * kUnits)); }
-double from_units(std::uint64_t sum) { return static_cast<double>(static_cast<std::int64_t>(sum)) / kUnits; }
-
 constexpr int kMostPasses = 40;
 constexpr int kCoupledPasses = 2;      // choose the steps of all shells together
 constexpr float kLongestStep = 0.25F;  // of a point in one pass
 constexpr double kLeastGain = 0.5;
 constexpr double kMostGain = 4;
-
-struct Shell {
-  std::uint64_t excess = 0;  // volume of the net minus volume of the voxels
-  std::uint64_t area = 0;
-  double voxels = 0;  // volume; negative for a cavity
-  double before = 0;  // the excess before the last move
-  double wanted = 0;  // the change of volume for which `step` was chosen
-  float step = 0;     // outward, in grid steps
-  double gain = 1;    // corrects steps by the change of volume that the last one achieved
-
-  [[nodiscard]] bool is_right() const { return std::abs(from_units(excess)) <= kNetVolumeTolerance * std::abs(voxels); }
-};
-
-// Sums the faces of a chunk by shell, so that few sums are added to the shells that all threads share.
-class ShellSums {
- public:
-  explicit ShellSums(std::vector<Shell>& shells) : shells_(shells) {}
-  ShellSums(const ShellSums&) = delete;
-  ShellSums& operator=(const ShellSums&) = delete;
-  ~ShellSums() {
-    for (const Sum& sum : sums_) flush(sum);
-  }
-
-  // Adds a face to the shell below it, and subtracts its volume from the shell above it.
-  void add(const NetFaces::Shells& shells, std::uint64_t volume, std::uint64_t area) {
-    add(shells[0], volume, area);
-    add(shells[1], ~volume + 1, area);
-  }
-
- private:
-  struct Sum {
-    std::uint64_t volume = 0;
-    std::uint64_t area = 0;
-    std::uint32_t shell = NetFaces::kNoShell;
-  };
-
-  void add(std::uint32_t shell, std::uint64_t volume, std::uint64_t area) {
-    Sum& sum = sums_[shell % sums_.size()];
-    if (shell != sum.shell) {
-      flush(sum);
-      sum = {0, 0, shell};
-    }
-    sum.volume += volume;
-    sum.area += area;
-  }
-
-  void flush(const Sum& sum) {
-    if (sum.shell == NetFaces::kNoShell) return;
-    Shell& shell = shells_[sum.shell];
-    std::atomic_ref(shell.excess).fetch_add(sum.volume, std::memory_order_relaxed);
-    std::atomic_ref(shell.area).fetch_add(sum.area, std::memory_order_relaxed);
-  }
-
-  std::vector<Shell>& shells_;
-  std::array<Sum, 64> sums_;  // the latest ones
-};
-
-// The areas that shells have in common, by chunk.
-class ShellLinks {
- public:
-  struct Link {
-    NetFaces::Shells shells;
-    std::uint32_t area;  // that can move, in kAreaUnits
-  };
-
-  // Beyond the links themselves.
-  static constexpr std::uint64_t kBytesPerShell = 5 * sizeof(double);
-  static constexpr std::uint64_t kBytesPerChunk = sizeof(ReservedList<Link>);
-
-  ShellLinks(std::size_t chunks, const Context& context, const std::string& what) {
-    of_chunks_.reserve(chunks);
-    for (std::size_t c = 0; c < chunks; ++c) of_chunks_.emplace_back(context, what);
-  }
-
-  // Sums the areas of one chunk.
-  class OfChunk {
-   public:
-    OfChunk(ShellLinks& links, std::size_t chunk, std::size_t faces)
-        : list_(links.of_chunks_[chunk]), table_(std::bit_ceil(2 * faces + 1)) {}
-
-    void add(const NetFaces::Shells& shells, float square_steps) {
-      const auto area = static_cast<std::uint32_t>(static_cast<double>(square_steps) * kAreaUnits);
-      const std::size_t mask = table_.size() - 1;
-      std::size_t at = ((shells[0] * 0x9E3779B1U ^ shells[1] * 0x85EBCA77U) >> 8) & mask;
-      for (; table_[at] != 0; at = (at + 1) & mask) {
-        Link& link = list_.values()[table_[at] - 1];
-        if (link.shells == shells) {
-          link.area += area;
-          return;
-        }
-      }
-      if (list_.add({shells, area})) table_[at] = static_cast<std::uint16_t>(list_.values().size());
-    }
-
-   private:
-    ReservedList<Link>& list_;
-    std::vector<std::uint16_t> table_;  // number of each link, plus 1; 0: none
-  };
-
-  // Fails if memory ran out.
-  [[nodiscard]] Result<void> check() const {
-    for (const ReservedList<Link>& list : of_chunks_) {
-      if (list.error()) return tl::unexpected(*list.error());
-    }
-    return {};
-  }
-
-  // Returns whether any shell of a chunk makes a step.
-  [[nodiscard]] bool any_step(std::size_t chunk, const std::vector<Shell>& shells) const {
-    const auto moves = [&](std::uint32_t shell) { return shell != NetFaces::kNoShell && shells[shell].step != 0; };
-    return std::ranges::any_of(of_chunks_[chunk].values(),
-                               [&](const Link& link) { return moves(link.shells[0]) || moves(link.shells[1]); });
-  }
-
-  // Chooses steps that together change all volumes as wanted, if no cell limits them. The change is a linear function
-  // of the steps, with a symmetric matrix. Scaled by its diagonal, it has eigenvalues from 0 to 2: Chebyshev's
-  // iteration needs nothing else. Sums are of integers, so they depend neither on the order of the shells nor on the
-  // chunks.
-  void solve(std::vector<Shell>& shells) const {
-    constexpr int kRounds = 16;
-    constexpr double kLowest = 0.1;  // steps that are nearly equal for all shells change no volume, and are left out
-    constexpr double kMiddle = (2 + kLowest) / 2;
-    constexpr double kHalf = (2 - kLowest) / 2;
-    const std::size_t count = shells.size();
-    std::vector<std::int64_t> diagonal(count, 0);
-    for_each_link([&](std::uint32_t a, std::uint32_t b, std::int64_t area) {
-      diagonal[a] += area;
-      if (b != NetFaces::kNoShell) diagonal[b] += area;
-    });
-    const auto scaled = [&](std::size_t s, double change) {
-      constexpr double kMost = 8;  // no point moves that far; keeps products small
-      return diagonal[s] > 0 ? std::clamp(change / (static_cast<double>(diagonal[s]) / kLinkUnits), -kMost, kMost)
-                             : 0.0;
-    };
-    std::vector<double> rest(count);
-    std::vector<std::int64_t> way(count);
-    std::vector<std::int64_t> steps(count, 0);
-    std::vector<std::int64_t> change(count);
-    for (std::size_t s = 0; s < count; ++s) {
-      rest[s] = -shells[s].gain * from_units(shells[s].excess);
-      way[s] = std::llround(scaled(s, rest[s]) / kMiddle * kStepUnits);
-    }
-    double factor = kHalf / kMiddle;
-    for (int round = 0; round < kRounds; ++round) {
-      std::ranges::fill(change, 0);
-      for_each_link([&](std::uint32_t a, std::uint32_t b, std::int64_t area) {
-        const std::int64_t flow = area * (b == NetFaces::kNoShell ? way[a] : way[a] - way[b]);
-        change[a] += flow;
-        if (b != NetFaces::kNoShell) change[b] -= flow;
-      });
-      const double next = 1 / (2 * kMiddle / kHalf - factor);
-      for (std::size_t s = 0; s < count; ++s) {
-        steps[s] += way[s];
-        rest[s] -= static_cast<double>(change[s]) / (kLinkUnits * kStepUnits);
-        way[s] = std::llround(next * factor * static_cast<double>(way[s]) +
-                              2 * next / kHalf * scaled(s, rest[s]) * kStepUnits);
-      }
-      factor = next;
-    }
-    for (std::size_t s = 0; s < count; ++s) {
-      shells[s].step = static_cast<float>(std::clamp(static_cast<double>(steps[s]) / kStepUnits, -1.0, 1.0));
-    }
-  }
-
- private:
-  static constexpr double kAreaUnits = 1 << 16;         // per square grid step
-  static constexpr double kLinkUnits = 2 * kAreaUnits;  // of for_each_link()
-  static constexpr double kStepUnits = 1 << 20;         // per grid step
-
-  // Calls f(shell, other, area) for all links, where the other one may be kNoShell. The area is in half units, and that
-  // of a face between two shells counts half.
-  template <class F>
-  void for_each_link(const F& f) const {
-    for (const ReservedList<Link>& list : of_chunks_) {
-      for (const Link& link : list.values()) {
-        const auto [below, above] = link.shells;
-        const auto area = static_cast<std::int64_t>(link.area);
-        if (below == NetFaces::kNoShell) {
-          f(above, below, 2 * area);
-        } else {
-          f(below, above, above == NetFaces::kNoShell ? 2 * area : area);
-        }
-      }
-    }
-  }
-
-  std::vector<ReservedList<Link>> of_chunks_;
-};
+constexpr double kMostSearched = 0.2;  // the greatest share of the area whose faces a pass searches for
 
 class VolumeKeeper {
  public:
@@ -233,13 +39,14 @@ class VolumeKeeper {
         areas_(areas),
         offsets_(offsets),
         shells_(faces.shells()),
+        steps_(faces.shells()),
         has_steps_(grid.origins().size()),
         is_marked_(grid.origins().size()),
         moving_(grid.origins().size()) {}
 
   // Returns the bytes that a keeper takes beyond its arguments.
   static std::uint64_t bytes(std::uint64_t shells, std::uint64_t chunks) {
-    return shells * (sizeof(Shell) + ShellLinks::kBytesPerShell) +
+    return shells * (sizeof(Shell) + ShellSteps::kBytesPerShell + ShellLinks::kBytesPerShell) +
            chunks * (ShellLinks::kBytesPerChunk + 2 + sizeof(ChunkBits));
   }
 
@@ -251,14 +58,13 @@ class VolumeKeeper {
       TRY(context.check());
       if (!choose_changes()) break;
       if (pass < kCoupledPasses) {
-        links.solve(shells_);
+        links.solve(shells_, steps_);
       } else {
         choose_steps_alone();
       }
-      for_each_index(grid_.origins().size(),
-                     [&](std::size_t c) { has_steps_[c] = links.any_step(c, shells_) ? 1 : 0; });
-      // Adding faces to the sums once is less work than to add and subtract most of them.
-      if (2 * std::ranges::count(has_steps_, 1) > static_cast<std::ptrdiff_t>(has_steps_.size())) {
+      for_each_index(grid_.origins().size(), [&](std::size_t c) { has_steps_[c] = links.any_step(c, steps_) ? 1 : 0; });
+      // Adding all faces to the sums once is less work than to find many of them, subtract and add them.
+      if (moving_share() > kMostSearched) {
         move_points([](std::size_t, std::size_t) { return ~std::uint64_t{0}; });
         measure_all();
       } else {
@@ -312,12 +118,13 @@ class VolumeKeeper {
   // Adds the faces of a chunk to the sums of their shells, times a sign: those whose first point is in which(row).
   template <class Which>
   void add_faces(std::size_t chunk, int sign, const Which& which) {
-    const NearPoints near(grid_, chunk);
+    std::optional<NearPoints> near;  // made if a face is found
     ShellSums sums(shells_);
     const auto factor = static_cast<std::uint64_t>(std::int64_t{sign});
     grid_.for_each_row(chunk, [&](const NetGrid::Row& row, int y, int z) {
       const std::uint64_t asked = which(chunk_row(y, z));
       if ((asked & row.used) == 0) return;
+      if (!near) near.emplace(grid_, chunk);
       std::uint32_t number = faces_.first_of_row(chunk, chunk_row(y, z));
       std::uint32_t k = row.first;
       for_each_bit(row.used, [&](int bit) {
@@ -327,13 +134,25 @@ class VolumeKeeper {
           return;
         }
         for_each_bit(axes, [&](int axis) {
-          const NetFaceSize size = sizes_.of(near, NearPlaces::of(bit, y, z), axis);
+          const NetFaceSize size = sizes_.of(*near, NearPlaces::of(bit, y, z), axis);
           areas_[number] = size.area;
           sums.add(faces_.shells_of(number), factor * to_units(size.volume), factor * to_units(glm::length(size.area)));
           ++number;
         });
       });
     });
+  }
+
+  // Returns the area of the shells that make a step, as a part of the area of all shells.
+  [[nodiscard]] double moving_share() const {
+    double moving = 0;
+    double all = 0;
+    for (std::uint32_t s = 0; s < shells_.size(); ++s) {
+      const double area = from_units(shells_[s].area);
+      all += area;
+      if (steps_[s] != 0) moving += area;
+    }
+    return all > 0 ? moving / all : 0;
   }
 
   // Marks the points of faces that make a step.
@@ -351,7 +170,7 @@ class VolumeKeeper {
     for_each_index(grid_.origins().size(), [&](std::size_t c) {
       if (has_steps_[c] == 0) return;
       faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
-        if (step_of(faces_.shells_of(number)) == 0) return;
+        if (steps_.of_face(faces_.shells_of(number)) == 0) return;
         for (int n = 0; n < 4; ++n) {
           glm::ivec3 at = corner;
           at[(axis + 1) % 3] += n & 1;
@@ -410,9 +229,10 @@ class VolumeKeeper {
 
   // Chooses the steps as if no other shell moved.
   void choose_steps_alone() {
-    for (Shell& shell : shells_) {
+    for (std::size_t s = 0; s < shells_.size(); ++s) {
+      const Shell& shell = shells_[s];
       const double area = from_units(shell.area);
-      shell.step = area > 0 ? static_cast<float>(std::clamp(shell.gain * shell.wanted / area, -1.0, 1.0)) : 0;
+      steps_.set(s, area > 0 ? shell.gain * shell.wanted / area : 0);
     }
   }
 
@@ -441,7 +261,7 @@ class VolumeKeeper {
     for_each_bit(faces_.sides(k), [&](int side) {
       const std::uint32_t number = near.number(place, side);
       count += 1;
-      const float step = step_of(faces_.shells_of(number));
+      const float step = steps_.of_face(faces_.shells_of(number));
       if (step == 0) return;
       const glm::vec3& area = areas_[number];
       const float squared = glm::dot(area, area);
@@ -453,13 +273,6 @@ class VolumeKeeper {
     offsets_[k] = offset_within_cell(offsets_[k] + way, fixed);
   }
 
-  // Returns how far a face moves toward its upper side.
-  [[nodiscard]] float step_of(const NetFaces::Shells& shells) const {
-    const auto outward = [&](std::uint32_t shell) { return shell == NetFaces::kNoShell ? 0 : shells_[shell].step; };
-    const bool is_shared = shells[0] != NetFaces::kNoShell && shells[1] != NetFaces::kNoShell;
-    return (is_shared ? 0.5F : 1.0F) * (outward(shells[0]) - outward(shells[1]));
-  }
-
   const NetGrid& grid_;
   const NetFaces& faces_;
   field::IndexBox bounds_;
@@ -467,6 +280,7 @@ class VolumeKeeper {
   Buffer<glm::vec3>& areas_;  // of the faces, as normals
   Buffer<glm::vec3>& offsets_;
   std::vector<Shell> shells_;
+  ShellSteps steps_;
   std::vector<std::uint8_t> has_steps_;  // of each chunk: any of its shells makes a step
   std::vector<std::uint8_t> is_marked_;  // of each chunk: moving_ is valid, and may have points
   Buffer<ChunkBits> moving_;             // the points that the pass moves
@@ -474,12 +288,14 @@ class VolumeKeeper {
 
 }  // namespace
 
-Result<void> keep_volumes(const NetGrid& grid, const LabelChunks& labels, const glm::dmat3& output_from_index,
-                          Buffer<glm::vec3>& offsets, const Context& context, const std::string& what) {
+Result<std::vector<LabelShells>> keep_volumes(const NetGrid& grid, const LabelChunks& labels,
+                                              const glm::dmat3& output_from_index, Buffer<glm::vec3>& offsets,
+                                              const Context& context, const std::string& what) {
   const NetFaces faces = TRY(NetFaces::make(grid, labels, context, what));
   auto areas = TRY(make_reserved_buffer<glm::vec3>(faces.size(), context, what));
   const auto held = TRY(context.reserve(VolumeKeeper::bytes(faces.shells(), grid.origins().size()), what));
-  return VolumeKeeper(grid, faces, labels.bounds(), output_from_index, areas->values, offsets).run(context, what);
+  TRY(VolumeKeeper(grid, faces, labels.bounds(), output_from_index, areas->values, offsets).run(context, what));
+  return faces.count_shells(grid, labels);
 }
 
 std::uint64_t volume_keeping_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks) {
