@@ -44,8 +44,8 @@ struct FaceSides {
   std::uint16_t above = 0;
 };
 
-// Of each pattern of corner_fans.hpp. A table, because GCC 12 (-O2 without assertions) compiles the comparison of the
-// two voxels in join_shells() wrongly: faces with the label below them were not joined.
+// The sides for each pattern of corner_fans.hpp. A table, because GCC 12 (-O2 without assertions) compiles the
+// comparison of the two voxels in join_shells() wrongly: faces with the label below them were not joined.
 constexpr std::array<FaceSides, 256> make_face_sides() {
   std::array<FaceSides, 256> all{};
   for (unsigned pattern = 0; pattern < 256; ++pattern) {
@@ -64,7 +64,8 @@ constexpr std::array<FaceSides, 256> kFaceSides = make_face_sides();
 constexpr std::uint16_t kOwnFaces =
     1U << face_at_corner(0, 0, 0) | 1U << face_at_corner(1, 0, 0) | 1U << face_at_corner(2, 0, 0);
 
-// The faces that have a point as their lowest one, before that of each axis, by the axes of all of them.
+// A point owns the faces that have it as their lowest corner. Entry [axes][axis] is the number of own faces before the
+// own face across `axis`; `axes` are the axes of all own faces.
 constexpr std::array<std::array<std::uint8_t, 3>, 8> kFacesBefore{
     {{0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}, {0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}}};
 

@@ -30,7 +30,7 @@ double from_units(std::uint64_t sum) { return static_cast<double>(static_cast<st
 
 constexpr int kMostPasses = 40;
 constexpr int kCoupledPasses = 2;      // choose the steps of all shells together
-constexpr float kLongestStep = 0.25F;  // of a point in one pass
+constexpr float kLongestStep = 0.25F;  // of a point in one pass, in grid steps
 constexpr double kLeastGain = 0.5;
 constexpr double kMostGain = 4;
 
@@ -98,7 +98,7 @@ class ShellLinks {
     std::uint32_t area;  // that can move, in kAreaUnits
   };
 
-  // Beyond the links themselves.
+  // Bytes besides the links.
   static constexpr std::uint64_t kBytesPerShell = 5 * sizeof(double);
   static constexpr std::uint64_t kBytesPerChunk = sizeof(ReservedList<Link>);
 
@@ -148,9 +148,9 @@ class ShellLinks {
   }
 
   // Chooses steps that together change all volumes as wanted, if no cell limits them. The change is a linear function
-  // of the steps, with a symmetric matrix. Scaled by its diagonal, it has eigenvalues from 0 to 2: Chebyshev's
-  // iteration needs nothing else. Sums are of integers, so they depend neither on the order of the shells nor on the
-  // chunks.
+  // of the steps, with a symmetric matrix. Scaled by its diagonal, the matrix has eigenvalues from 0 to 2:
+  // Chebyshev's iteration needs nothing else. Sums are of integers, so they depend neither on the order of the shells
+  // nor on the chunks.
   void solve(std::vector<Shell>& shells) const {
     constexpr int kRounds = 16;
     constexpr double kLowest = 0.1;  // steps that are nearly equal for all shells change no volume, and are left out
@@ -202,8 +202,8 @@ class ShellLinks {
   static constexpr double kLinkUnits = 2 * kAreaUnits;  // of for_each_link()
   static constexpr double kStepUnits = 1 << 20;         // per grid step
 
-  // Calls f(shell, other, area) for all links, where the other one may be kNoShell. The area is in half units, and that
-  // of a face between two shells counts half.
+  // Calls f(shell, other, area) for all links; `other` may be kNoShell. The area is in units of 1 / kLinkUnits square
+  // grid steps, and a face between two shells counts half.
   template <class F>
   void for_each_link(const F& f) const {
     for (const ReservedList<Link>& list : of_chunks_) {
@@ -302,14 +302,13 @@ class VolumeKeeper {
     return links;
   }
 
-  // Measures all faces.
   void measure_all() {
     for (Shell& shell : shells_) shell.excess = shell.area = 0;
     for_each_index(grid_.origins().size(),
                    [&](std::size_t c) { add_faces(c, 1, [](std::size_t) { return ~std::uint64_t{0}; }); });
   }
 
-  // Adds the faces of a chunk to the sums of their shells, times a sign: those whose first point is in which(row).
+  // Adds the faces of a chunk whose first point is in which(row) to the sums of their shells, times `sign`.
   template <class Which>
   void add_faces(std::size_t chunk, int sign, const Which& which) {
     const NearPoints near(grid_, chunk);
@@ -336,7 +335,7 @@ class VolumeKeeper {
     });
   }
 
-  // Marks the points of faces that make a step.
+  // Marks the corner points of all faces that make a step.
   void mark_moving() {
     std::ranges::fill(is_marked_, std::uint8_t{0});
     // Clears the bits of all chunks that may get some, before any thread sets them.
@@ -391,7 +390,7 @@ class VolumeKeeper {
     });
   }
 
-  // Chooses by how much the volume of each shell is to change. Returns whether any is.
+  // Chooses by how much the volume of each shell is to change. Returns false if no volume is to change.
   bool choose_changes() {
     bool any = false;
     for (Shell& shell : shells_) {
@@ -464,7 +463,7 @@ class VolumeKeeper {
   const NetFaces& faces_;
   field::IndexBox bounds_;
   NetFaceSizes sizes_;
-  Buffer<glm::vec3>& areas_;  // of the faces, as normals
+  Buffer<glm::vec3>& areas_;  // of the faces, as area vectors
   Buffer<glm::vec3>& offsets_;
   std::vector<Shell> shells_;
   std::vector<std::uint8_t> has_steps_;  // of each chunk: any of its shells makes a step

@@ -60,8 +60,8 @@ class SlicedCell {
   }
   [[nodiscard]] bool face_is_joined(unsigned face) const { return (joined_ >> face & 1) != 0; }
 
-  // Returns the loop that passes between two neighboring columns, one inside and one outside. It crosses the face they
-  // share, up to a side where both fit, or else to where `column` itself crosses iso.
+  // Returns the loop that passes between two neighboring columns, one inside and one outside. Finds it by an edge that
+  // it crosses: the edge between the columns at a side where both fit, else the edge along `column`.
   [[nodiscard]] std::uint8_t loop_between(unsigned column, unsigned other, const std::vector<Loop>& loops) const {
     std::uint8_t edge = cube_edge(corner(column, 0), corner(column, 1));
     for (const unsigned side : {0U, 1U}) {
