@@ -96,7 +96,8 @@ void TriangleTree::make_slabs() {
   }
 }
 
-// Returns slabs perpendicular to the largest triangle, and to the longest side within its plane.
+// Returns slabs that measure along the normal of the largest triangle, and across the longest side in that triangle's
+// plane.
 std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& node) const {
   const std::size_t first = tree_.first_slot(node);
   const std::size_t last = tree_.end_slot(node);

@@ -29,13 +29,11 @@ constexpr std::size_t kPortion = 4096;
 
 // The outline of a rectangle as vertices, and the triangles between them.
 //
-//   top    T0-------T1----T2        The left side, from the top left down, makes a fan around B1, the second vertex of
-//          |              |         the bottom. The right side, from the bottom right up, makes a fan around T1, the
-//   left   |              |  right  last but one vertex of the top. The rest lies between two parallel rows. No
-//   triangle
-//          |              |         has three vertices on one side, so none has zero area. There are two fewer
-//          triangles
-//   bottom B0--B1---------B2        than vertices.
+//   top    T0-------T1----T2        The left side, from the top left down, makes a fan around B1, the second
+//          |              |         vertex of the bottom. The right side, from the bottom right up, makes a fan
+//   left   |              |  right  around T1, the last but one vertex of the top. The rest lies between two parallel
+//          |              |         rows. No triangle has three vertices on one side, so none has zero area.
+//   bottom B0--B1---------B2        There are two fewer triangles than vertices.
 class OutlinePolygon {
  public:
   OutlinePolygon(const SurfacePoints& points, int axis, bool closes, bool mirrored)
