@@ -88,7 +88,7 @@ struct MatchedVertices {
   }
 };
 
-// Finds the vertices that both meshes have; their name is the first mesh's first vertex with that key.
+// Finds the edge keys that both meshes have. Vertices with such a key are named by the first vertex of mesh a with it.
 class VertexMatcher {
  public:
   VertexMatcher(const mesh::Mesh& a, const mesh::Mesh& b)
