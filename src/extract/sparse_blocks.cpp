@@ -79,7 +79,7 @@ std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples
   std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);
   for_each_index(lookup.nodes().size(), [&](std::size_t n) {
     const field::SparseLookup::Node& node = lookup.nodes()[n];
-    // Checks only the places before each stored place, instead of the whole node, if the node stores few places.
+    // Checks only each stored place and the places before it, instead of the whole node, if few places are stored.
     constexpr std::size_t kLittle = 64;
     std::vector<std::int32_t> stored;  // slots
     for (std::size_t slot = 0; slot < node.contents.size() && stored.size() <= kLittle; ++slot) {

@@ -80,7 +80,7 @@ struct SampleRow {
   std::array<Beside, 2> beside;
 };
 
-// A type in which adding 1 to a label is exact.
+// A type in which adding 1 to a label is exact, except to 2^24 (f32) and 2^53 (f64).
 template <class T>
 using LabelNumber =
     std::conditional_t<is_floating_sample<T>, std::conditional_t<std::is_same_v<T, double>, double, float>,

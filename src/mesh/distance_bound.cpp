@@ -48,7 +48,7 @@ struct Plane {
 std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Corners& triangle) {
   const std::array<glm::dvec3, 3> corners{triangle.a, triangle.b, triangle.c};
   const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-  // Rounding gives a polygon without area some width. Cutting across a width of this size would never end.
+  // Rounding gives a polygon that lies in the cutting plane some thickness. Cutting it there would never end.
   double coordinate = 0;
   for (const glm::dvec3& corner : polygon.points()) {
     coordinate = std::max({coordinate, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
