@@ -26,7 +26,7 @@ struct KeyedVertex {
   }
 };
 
-// About this many vertices share a bucket: those of a grid block, which are close together in a mesh as well.
+// About this many vertices share a bucket: the vertices of a grid block, which are close together in a mesh as well.
 constexpr std::size_t kVerticesABucket = 16;
 constexpr int kBlockBits = 2;
 

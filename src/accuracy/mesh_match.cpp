@@ -220,7 +220,7 @@ Result<MeshMatch> match_written_mesh(const mesh::Mesh& written, const mesh::Mesh
     nearest[v] =
         their_names[v] == v ? nearest_to(written.position(v), result.allowed, ours, cells, our_buckets) : Nearest{};
   });
-  // One to one: the nearest of several candidates gets the vertex, the others get none.
+  // Matches one to one: the nearest of several candidates gets the vertex, the other candidates get none.
   Buffer<std::uint32_t> taken_by(extracted.positions.size());
   std::fill(taken_by.begin(), taken_by.end(), kNoName);
   for (std::uint32_t v = 0; v < nearest.size(); ++v) {

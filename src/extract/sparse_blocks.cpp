@@ -73,7 +73,7 @@ std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples
   };
   const State background = state(field::SparseLookup::kBackground);
 
-  // Every node checks its own places and the ones just before it.
+  // Every node checks its own places and the places just before the node.
   constexpr int kPlaces = field::SparseLookup::Node::kPlaces;
   constexpr int kSide = kPlaces + 2;
   std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);

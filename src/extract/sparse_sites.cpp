@@ -264,7 +264,7 @@ bool SparseSites::draws_at_boundary() const {
 }
 
 bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::SparseLookup::Group& group) const {
-  // Most places need only a look at their own samples, or have all samples around them on one side.
+  // Decides most places by their own samples, or because all samples around them are on one side.
   const auto sides = [](const BlockBits& bits) {
     std::uint64_t any = 0;
     std::uint64_t all = ~std::uint64_t{0};

@@ -359,7 +359,7 @@ std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* pr
   }
   if (map.labels.empty()) return std::nullopt;
   std::ranges::sort(map.labels, {}, &LabelFigures::label);
-  // Of eight samples in a row of blocks, seven have their next neighbor in their own block.
+  // Seven of the eight samples of a block along an axis have their next neighbor in the same block.
   if (background) pairs = pairs_in_tiles + (pairs - pairs_in_tiles) * 8 / 7;
   map.faces = 6 * voxels - std::min(6 * voxels, 2 * pairs);
   return map;

@@ -1,6 +1,5 @@
-// Does not use Interpolant, which returns NaN beside every sample that is not finite, even one of weight 0. The
-// weighted sum of Interpolant can leave the range of the samples. Interpolant also computes gradients, which resampling
-// does not need.
+// Does not use Interpolant, which computes gradients, and returns NaN beside every sample that is not finite, even one
+// of weight 0. The weighted sum of Interpolant can also leave the range of the samples.
 #include "field/resample.hpp"
 
 #include <algorithm>
@@ -381,7 +380,7 @@ IndexBox box_in_background(const SparseSamples& sparse) {
 
 std::string dims_text(const glm::i64vec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
-// Reserves the memory of the weights, unless it is negligible beside any grid.
+// Reserves the memory of the weights, unless it is at most 1 MiB, which is negligible.
 Result<Reservation> reserve_weights(const ScalarField& field, const glm::ivec3& old_dims, const glm::ivec3& dims,
                                     const Context& context) {
   constexpr std::uint64_t kSmall = std::uint64_t{1} << 20;

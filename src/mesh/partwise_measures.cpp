@@ -238,8 +238,8 @@ class PartwiseMeasures::State {
     }
   }
 
-  // Looks at the vertices of the part that waits: all their triangles are in it or in the part before it, except those
-  // of far vertices, which come with the cap.
+  // Looks at the vertices of the waiting part, whose triangles are all in this part or in the part before it. Skips far
+  // vertices, because triangles of the cap use them too.
   template <class ComponentOf>
   void look_at_vertices(const PartVertices& vertices, const ComponentOf& component_of) {
     const std::size_t count = positions_.size();
@@ -380,7 +380,7 @@ class PartwiseMeasures::State {
   std::uint64_t first_vertex_ = 0;
   std::uint64_t first_triangle_ = 0;
   std::vector<glm::vec3> positions_;
-  std::vector<glm::uvec3> triangles_;  // `shared_triangles_` and those of the part
+  std::vector<glm::uvec3> triangles_;  // `shared_triangles_` and the waiting part's triangles
   // Data of the part before the waiting part: its triangles with vertices of the waiting part, and the components of
   // its vertices from carried_from_ on.
   std::vector<glm::uvec3> shared_triangles_;

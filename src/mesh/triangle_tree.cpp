@@ -57,8 +57,8 @@ double TriangleTree::Slab::distance(const glm::dvec3& p) const {
   return std::max(outside - rounding, 0.0);
 }
 
-// Compares the surface of the leaves' boxes with that of the triangles: patches of a surface have boxes of a few times
-// their area.
+// Compares the surface area of the leaves' boxes with the area of the triangles: a box around a patch of a surface has
+// a few times the area of the patch.
 bool TriangleTree::boxes_are_loose() const {
   constexpr double kTight = 64;
   struct Sums {

@@ -222,7 +222,7 @@ class LoopCutter {
   bool owned_places_;
 };
 
-// Appends a variant with a tunnel between loops `a` and `b`; without a tunnel if they are equal.
+// Appends a variant with a tunnel between loops `a` and `b`; without a tunnel if a == b.
 std::uint16_t add_variant(CaseTable& table, unsigned cell_case, const std::vector<Loop>& loops, std::size_t a,
                           std::size_t b) {
   const auto number = static_cast<std::uint16_t>(table.first.size());

@@ -336,7 +336,7 @@ class DenseExtraction final : private VariantChooser {
                                 [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
-  // Turns counts into first numbers, and returns the sizes: those of the whole mesh also if ranks share it.
+  // Turns counts into first numbers. Returns the sizes of the whole mesh, also if ranks share it.
   Result<MeshSizes> place_rows(ExtractStats& stats) {
     rows_.sum();
     SharedCounts counts;

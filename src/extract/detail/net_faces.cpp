@@ -69,7 +69,7 @@ constexpr std::uint16_t kOwnFaces =
 constexpr std::array<std::array<std::uint8_t, 3>, 8> kFacesBefore{
     {{0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}, {0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}}};
 
-// The step from the place of a corner to that of the lowest corner of each face around it.
+// The index step from the place of a corner to the place of the lowest corner of each face around the corner.
 constexpr std::array<int, kFacesAround> make_ways_down() {
   std::array<int, kFacesAround> ways{};
   for (unsigned f = 0; f < kFacesAround; ++f) {
@@ -208,7 +208,7 @@ void NetFaces::number_shells() {
         if (const std::uint32_t parent = sets.load(node); parent != kNoShell) sets.store(node, sets.root(parent));
       },
       kGrain);
-  // Each parent, a root or not, is a lower node, so it has its number before others need it.
+  // Each parent, a root or not, is a lower node, so its number is known before its children need it.
   for (std::uint32_t node = 0; node < of_shells_.size(); ++node) {
     std::uint32_t& root = of_shells_[node];
     if (root == node) {

@@ -73,8 +73,8 @@ class FaceCounts {
     }
   }
 
-  // Returns the faces, as bits, through which the point of a cell is connected with other points: faces with three
-  // labels if at least two have three (a curve needs two ends), else faces with two labels.
+  // Returns the faces, as bits, through which the point of a cell is connected with other points. These are the faces
+  // with three labels if there are at least two (a curve needs two ends), else the faces with two labels.
   [[nodiscard]] std::uint8_t joined(int bit) const {
     unsigned two = 0;
     unsigned three = 0;

@@ -56,7 +56,8 @@ class ShellSums {
     for (const Sum& sum : sums_) flush(sum);
   }
 
-  // Adds a face to the shell below it, and subtracts its volume from the shell above it.
+  // Adds the area of a face to the shells below and above it. Adds the volume to the shell below, and subtracts it from
+  // the shell above.
   void add(const NetFaces::Shells& shells, std::uint64_t volume, std::uint64_t area) {
     add(shells[0], volume, area);
     add(shells[1], ~volume + 1, area);
@@ -237,7 +238,7 @@ class VolumeKeeper {
         is_marked_(grid.origins().size()),
         moving_(grid.origins().size()) {}
 
-  // Returns the bytes that a keeper takes beyond its arguments.
+  // Returns the bytes that a keeper takes in addition to the constructor's arguments.
   static std::uint64_t bytes(std::uint64_t shells, std::uint64_t chunks) {
     return shells * (sizeof(Shell) + ShellLinks::kBytesPerShell) +
            chunks * (ShellLinks::kBytesPerChunk + 2 + sizeof(ChunkBits));
@@ -338,7 +339,7 @@ class VolumeKeeper {
   // Marks the corner points of all faces that make a step.
   void mark_moving() {
     std::ranges::fill(is_marked_, std::uint8_t{0});
-    // Clears the bits of all chunks that may get some, before any thread sets them.
+    // Clears the bits of all chunks that may get marked points, before any thread sets bits.
     for (std::size_t c = 0; c < has_steps_.size(); ++c) {
       if (has_steps_[c] == 0) continue;
       for (unsigned n = 0; n < 8; ++n) {

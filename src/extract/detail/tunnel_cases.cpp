@@ -33,7 +33,7 @@ class SlicedCell {
       return face_is_joined(2 * axis_ + side);
     }
     // The range ends where the last misfit column crosses iso. If that is an inside column, the inside corners are
-    // apart there; if it is an outside column, they are joined. With one misfit of each kind, the side face that they
+    // apart there; if it is an outside column, they are joined. With one misfit of each kind, the side face that both
     // share tells which one is last.
     return std::ranges::any_of(outside_, [&](unsigned q) {
       return misfit(q) && std::ranges::all_of(inside_, [&](unsigned p) {
