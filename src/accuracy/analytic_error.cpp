@@ -36,7 +36,7 @@ double formula_spacing(const field::ScalarField& field) {
 // The surface of a formula in the cube [-1, 1]^3, as triangles.
 class FormulaMesh {
  public:
-  // Extracts it from the field's samples, or from more samples if these are few.
+  // Extracts the surface from the field's samples, or from more samples if the field has few.
   static Result<FormulaMesh> make(const field::AnalyticField& formula, const field::ScalarField& field, double iso,
                                   const Context& context) {
     constexpr int kCells = 128;
@@ -86,7 +86,7 @@ class ClosestPoint {
   ClosestPoint(const field::AnalyticField& field, double iso, const FormulaMesh* mesh)
       : field_(field), iso_(iso), mesh_(mesh) {}
 
-  // `hint` is left by the last call, if possible for a near point.
+  // `hint` is input and output: pass on the value of the last call, if possible for a near point.
   [[nodiscard]] Foot operator()(const glm::dvec3& p, std::uint32_t& hint) const {
     const auto near = mesh_ != nullptr ? mesh_->nearest(p, hint) : std::nullopt;
     if (!near) return iterate(p, p);
@@ -109,8 +109,9 @@ class ClosestPoint {
     if (other.found && (!foot.found || glm::length(other.point - p) < glm::length(foot.point - p))) foot = other;
   }
 
-  // Iterates from a guess q to the foot of p on the plane tangent to the level set through q. Fixed point: q is on the
-  // surface and p - q is normal to it. Converges by the factor |p - q| / radius of curvature a step.
+  // Replaces a guess q by the foot of p on the plane where the linear approximation at q has the iso value. Fixed
+  // point: q is on the surface and p - q is normal to the surface. Converges by the factor |p - q| / radius of
+  // curvature a step.
   [[nodiscard]] Foot iterate(const glm::dvec3& p, glm::dvec3 q) const {
     constexpr int kMaxSteps = 50;
     constexpr double kTolerance = 1e-10;

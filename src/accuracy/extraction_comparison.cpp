@@ -26,7 +26,7 @@ struct KeyedVertex {
   }
 };
 
-// About this many vertices share a bucket: those of a grid block, which are close together in a mesh as well.
+// About this many vertices share a bucket: the vertices of a grid block, which are close together in a mesh as well.
 constexpr std::size_t kVerticesABucket = 16;
 constexpr int kBlockBits = 2;
 
@@ -88,7 +88,7 @@ struct MatchedVertices {
   }
 };
 
-// Finds the vertices that both meshes have; their name is the first mesh's first vertex with that key.
+// Finds the edge keys that both meshes have. Vertices with such a key are named by the first vertex of mesh a with it.
 class VertexMatcher {
  public:
   VertexMatcher(const mesh::Mesh& a, const mesh::Mesh& b)

@@ -278,7 +278,7 @@ class FieldMeasurement {
     into.add({voxels, brick.foot.length(*step)}, weight, placed_.output_from_index()(index));
   }
 
-  // Returns the distance of a point from the faces of its box of samples, without those on the data boundary.
+  // Returns the distance of a point from the nearest face of `box`, leaving out faces on the data boundary.
   [[nodiscard]] double distance_inside(const glm::dvec3& index, const field::IndexBox& box) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {

@@ -23,7 +23,7 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
   }
   extract::ExtractOptions placed = extracted;
   placed.output_from_index = output_from_index_;
-  // Half the margin that keeps vertices off edge ends: closer ones come from rounding only.
+  // Half the margin that keeps vertices off edge ends: smaller distances come from rounding only.
   tolerance_ = extract::output_placement(field, placed, samples, region).margin() / 2;
   const bool always_closed = extract::method_info(extracted.method).traits.always_closed;
   if (!extracted.cap && !always_closed) return;

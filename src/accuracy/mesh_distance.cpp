@@ -28,8 +28,8 @@ glm::dvec2 spread(std::uint64_t n) {
   return {fraction(k / kPlastic), fraction(k / (kPlastic * kPlastic))};
 }
 
-// Returns the limit of tree leaves for one triangle of so many: a share of the total, but enough for a triangle that
-// depends only on its surroundings.
+// Returns the limit of tree leaves for each of `triangles` triangles: an equal share of the total, but at least enough
+// for a triangle whose bound depends only on its surroundings.
 std::size_t max_leaves(std::size_t triangles) {
   constexpr std::size_t kTogether = std::size_t{1} << 26;
   constexpr std::size_t kLeast = std::size_t{1} << 16;

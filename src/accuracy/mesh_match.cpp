@@ -77,7 +77,7 @@ class Cells {
     buckets_ = vertices / 16 + 1;
   }
 
-  // The extracted mesh spans about 2^20 cells; everything far beyond it falls into one cell.
+  // The extracted mesh spans about 2^20 cells; everything far beyond it falls into the outermost cells.
   [[nodiscard]] glm::ivec3 of(const glm::dvec3& place) const {
     constexpr double kFarthest = 0x1p30;
     return glm::ivec3(glm::clamp(glm::floor((place - center_) / size_), -kFarthest, kFarthest));
@@ -96,7 +96,7 @@ class Cells {
   std::size_t buckets_ = 1;
 };
 
-// Vertices by the float32 numbers that their file has or would have.
+// Vertices as float32 numbers, as their file stores them or would store them.
 class Places {
  public:
   // Rounds to multiples of `step`, if that is not 0.
@@ -220,7 +220,7 @@ Result<MeshMatch> match_written_mesh(const mesh::Mesh& written, const mesh::Mesh
     nearest[v] =
         their_names[v] == v ? nearest_to(written.position(v), result.allowed, ours, cells, our_buckets) : Nearest{};
   });
-  // One to one: the nearest of several candidates gets the vertex, the others get none.
+  // Matches one to one: the nearest of several candidates gets the vertex, the other candidates get none.
   Buffer<std::uint32_t> taken_by(extracted.positions.size());
   std::fill(taken_by.begin(), taken_by.end(), kNoName);
   for (std::uint32_t v = 0; v < nearest.size(); ++v) {

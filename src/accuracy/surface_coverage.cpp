@@ -21,7 +21,7 @@ std::vector<std::uint8_t> components_kept(const mesh::Mesh& surface, const mesh:
   return counts;
 }
 
-// Counts the components that are nearest to a vertex of `mesh`.
+// Counts the components with counts[c] = 1 that are the nearest component of some vertex of `mesh`.
 std::uint64_t count_found(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree& tree,
                           const mesh::Components& components, std::span<const std::uint8_t> counts,
                           const Context& context) {

@@ -40,7 +40,7 @@ constexpr std::array<NamedKind, 6> kBeginnings{{{"vel", AttributeKind::vector},
                                                 {"color", AttributeKind::color},
                                                 {"colour", AttributeKind::color}}};
 
-// Parts of names, such as "wind_velocity".
+// Parts of names, as in "wind_velocity".
 constexpr std::array<NamedKind, 4> kWords{{{"velocity", AttributeKind::vector},
                                            {"acceleration", AttributeKind::vector},
                                            {"displacement", AttributeKind::vector},

@@ -32,8 +32,8 @@ constexpr std::size_t kSlack = 2 * kHugePage;  // the most that rounding and ali
 // similar sizes, and the system takes longer to clear the pages of a mesh than an extraction takes.
 class BlockCache {
  public:
-  // Returns a kept block of `bytes` or slightly more. Without one, returns null and frees all smaller blocks, because
-  // the sizes have changed.
+  // Returns the smallest kept block of at least `bytes` and at most bytes * 1.5 + kSlack. Without one, returns null and
+  // frees all blocks below `bytes`, because the sizes have changed.
   void* take(std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
     Block* best = nullptr;

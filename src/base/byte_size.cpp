@@ -33,7 +33,7 @@ std::string format_byte_size(std::uint64_t bytes) {
   constexpr std::array kUnits{"B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
   auto value = static_cast<double>(bytes);
   std::size_t unit = 0;
-  // Three significant digits show the integer part only below 1000.
+  // Three significant digits show the whole integer part only if it is below 1000.
   while (value >= (unit == 0 ? 1024 : 999.5) && unit + 1 < kUnits.size()) {
     value /= 1024;
     ++unit;

@@ -10,11 +10,11 @@
 namespace isoextract {
 namespace {
 
-// The first byte of what a rank gives to the others.
+// The first byte of a rank's message to the other ranks.
 enum class Turn : char {
   works,   // the bytes of gather() follow
-  ends,    // the rank has ended without an error
-  failed,  // its error follows
+  ends,    // the rank has ended without an error, or was cancelled
+  failed,  // the rank's error follows
 };
 
 std::string packed(Turn turn, const Error* error) {

@@ -288,7 +288,7 @@ std::string describe_reference(const ReferenceSize& reference) {
       uncertainty.area, uncertainty.volume);
 }
 
-// One contestant's surface of the data that are the truth.
+// One contestant's surface of the finest data, which are the truth.
 struct ReferenceSurface {
   field::SurfaceSize size;
   bool closed = false;

@@ -94,7 +94,7 @@ class Checker {
   }
 
  private:
-  // Relative to the frame's offset, which keeps precision in far frames.
+  // Returns the position relative to the frame's offset, which keeps precision in far frames.
   [[nodiscard]] Vector position(std::size_t vertex) const {
     return (Vector(mesh_.origin) - Vector(options_.output_from_index.offset)) + Vector(mesh_.positions[vertex]);
   }

@@ -12,8 +12,8 @@ double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 constexpr double kLargestMargin = 0x1p-6;
 constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1, as float32
 
-// Returns eight times the float32 rounding error, as a fraction of the shortest grid step along which it can move a
-// vertex. At 512 samples a side this is 0.0002 of an edge.
+// Returns eight times the float32 rounding error, as a fraction of the shortest grid step along which the error can
+// move a vertex. At 512 samples a side, the result is 0.0002 of an edge.
 double wanted_margin(const field::Affine& local_from_index, const field::Box& local) {
   constexpr double kFactor = 8;
   const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
@@ -60,7 +60,7 @@ OutputPlacement::OutputPlacement(const field::Affine& output_from_index, const f
   const double farthest = max_component(glm::max(glm::abs(local.min), glm::abs(local.max)));
   double shortest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) shortest = std::min(shortest, glm::length(local_from_index_.linear[axis]));
-  constexpr double kRoundingEats = 16;  // times the largest margin; rounding is then as large as the margin
+  constexpr double kRoundingEats = 16;  // times the largest margin; rounding is then twice the margin
   in_range_ = farthest < std::numeric_limits<float>::max() && shortest * margin_ > std::numeric_limits<float>::min();
   reaches_too_far_ = !(margin <= kRoundingEats * kLargestMargin);
 }

@@ -18,11 +18,11 @@ namespace isoextract::extract {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint64_t kBytesASample = 16;  // of the lists below
-constexpr double kFloorDepth = 0.1;          // of the default floor, in ranges of the heights
+constexpr std::uint64_t kBytesASample = 16;  // of values_, numbers_ and floor_of_
+constexpr double kFloorDepth = 0.1;          // of the default floor, as a fraction of the height range
 
-// Builds the mesh of one field. Quads are numbered by their lower corner. Vertex numbers of a sample are `first` and,
-// where two quads touch at the sample only, `first` + 1 for the quad with the larger y.
+// Builds the mesh of one field. Quad (i, j) has the lowest corner (i, j). The vertex of a sample has the number in
+// numbers_. If two quads touch at the sample only, the quad with the larger y has the next number there.
 class HeightMesh {
  public:
   HeightMesh(const field::ScalarField& field, const HeightOptions& heights, const ExtractOptions& options,
@@ -107,14 +107,14 @@ class HeightMesh {
                 {Remedy::change, Setting::height_base});
   }
 
-  // Returns whether the square has four heights; false outside the field.
+  // Returns whether quad (i, j) has four heights; false outside the field.
   [[nodiscard]] bool has_quad(int i, int j) const {
     if (i < 0 || j < 0 || i + 1 >= width_ || j + 1 >= height_) return false;
     return !std::isnan(values_[at(i, j)]) && !std::isnan(values_[at(i + 1, j)]) && !std::isnan(values_[at(i, j + 1)]) &&
            !std::isnan(values_[at(i + 1, j + 1)]);
   }
 
-  // Returns how many vertices a sample has.
+  // Returns how many vertices of the surface a sample has.
   [[nodiscard]] std::uint32_t copies(int i, int j) const {
     const bool low_left = has_quad(i - 1, j - 1);
     const bool low_right = has_quad(i, j - 1);
@@ -150,7 +150,7 @@ class HeightMesh {
     if (heights_.solid) triangles_ += 2 * rim_ + (is_whole_ ? rim_ : 2 * quads);
   }
 
-  // Returns the vertex of a sample in the square with the lower corner (qi, qj).
+  // Returns the vertex of sample (i, j) in a quad whose lowest corner is in row qj.
   [[nodiscard]] std::uint32_t vertex(int i, int j, int qj) const {
     return numbers_[at(i, j)] + (qj == j && copies(i, j) == 2 ? 1 : 0);
   }
@@ -235,7 +235,7 @@ class HeightMesh {
     result_.mesh.triangles[added_++] = mirrored_ ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c);
   }
 
-  // Adds the square's part of the surface, of the walls and of the floor.
+  // Adds the triangles of a quad, and of the walls and the floor below it.
   void add_quad(int i, int j) {
     const std::uint32_t a = vertex(i, j, j);
     const std::uint32_t b = vertex(i + 1, j, j);
@@ -254,7 +254,8 @@ class HeightMesh {
     if (!has_quad(i - 1, j)) add_wall(d, a);
   }
 
-  // Adds the wall below the edge from `a` to `b`, which runs counter-clockwise around the surface.
+  // Adds the wall below the rim edge from `a` to `b`, counter-clockwise around the surface. In a whole field, also adds
+  // the floor triangle at this edge.
   void add_wall(std::uint32_t a, std::uint32_t b) {
     add_triangle(a, below(a), below(b));
     add_triangle(a, below(b), b);
@@ -276,7 +277,7 @@ class HeightMesh {
   double floor_ = 0;
   std::uint64_t vertices_ = 0;  // of the surface
   std::uint64_t triangles_ = 0;
-  std::uint64_t rim_ = 0;  // edges of the surface's rim; of a whole field also its vertices
+  std::uint64_t rim_ = 0;  // number of rim edges; in a whole field also of rim vertices
   std::uint64_t added_ = 0;
   bool is_whole_ = false;  // no holes
   bool mirrored_ = false;

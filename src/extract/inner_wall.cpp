@@ -28,10 +28,10 @@ constexpr int kBlock = field::SparseBlock::kSize;
 constexpr std::size_t kSamplesOfBlock = std::size_t{kBlock} * kBlock * kBlock;
 constexpr double kMostCells = 1 << 24;
 constexpr double kDiagonal = std::numbers::sqrt3;
-// Vertices keep this part of their grid edge as a distance from its ends, so that no two vertices coincide.
+// The least distance of a vertex from the ends of its grid edge, as a fraction of the edge. Keeps vertices apart.
 constexpr double kLeastPart = 1e-3;
 
-// The grid around the mesh, in the frame of its positions, and the exact distance to the mesh.
+// The grid around the mesh, in the mesh's local coordinates (relative to mesh.origin). Measures exact distances.
 class WallGrid {
  public:
   WallGrid(const mesh::Mesh& outer, const WallOptions& options, const mesh::LocalBounds& bounds)
@@ -51,12 +51,12 @@ class WallGrid {
     map.offset = corner_;
     return map;
   }
-  // A value that is farther than the thickness.
+  // Returns the distance for samples far from the mesh; above the thickness.
   [[nodiscard]] double background() const { return 2 * options_.thickness + options_.cell; }
 
   enum class Side : std::uint8_t { nearer, farther, both };
-  // Returns the side of the thickness that all samples of the cube and their neighbors are on. `found` gets the
-  // distance of its center.
+  // Returns whether all samples of the cube and their neighbors are nearer or farther than the thickness; `both` if
+  // that is not certain. `found` gets the distance at the cube's center.
   [[nodiscard]] Side side_of(const glm::ivec3& origin, int size, std::uint32_t& hint, double& found) const {
     const double half = (size - 1) / 2.0;
     const double reach = kDiagonal * options_.cell * (half + 1);
@@ -84,7 +84,7 @@ class WallGrid {
     }
   }
 
-  // Returns the point of a grid edge at the thickness from the mesh, by the Illinois variant of regula falsi.
+  // Returns the point of a grid edge whose distance is the thickness, by the Illinois variant of regula falsi.
   [[nodiscard]] glm::dvec3 crossing(const mesh::EdgeKey& edge, std::uint32_t& hint) const {
     const glm::dvec3 low(edge.low);
     const glm::dvec3 along(edge.direction & 1, edge.direction >> 1 & 1, edge.direction >> 2 & 1);
@@ -118,11 +118,11 @@ class WallGrid {
 };
 
 struct Band {
-  std::vector<glm::ivec3> blocks;  // those that the thickness may cross
+  std::vector<glm::ivec3> blocks;  // may have points at the thickness
   std::vector<field::SparseTile> tiles;
 };
 
-// Finds the blocks from large cubes to small ones.
+// Finds the blocks by dividing cubes, the largest first. `size` is the side of the first cube, in samples.
 Result<Band> find_band(const WallGrid& grid, int size, const std::string& what, const Context& context) {
   Band band;
   std::vector<glm::ivec3> cubes{glm::ivec3(0)};
@@ -156,7 +156,7 @@ Result<Band> find_band(const WallGrid& grid, int size, const std::string& what, 
   return band;
 }
 
-// Extracts all points at the thickness from the mesh, inside and outside of it.
+// Extracts the surface of all points at the thickness from the mesh, inside and outside the mesh.
 Result<mesh::Mesh> extract_offset(const WallGrid& grid, Band band, double thickness, const std::string& what,
                                   const Context& context) {
   const auto values = TRY(make_reserved_buffer<float>(band.blocks.size() * kSamplesOfBlock, context, what));
@@ -191,7 +191,7 @@ Result<mesh::Mesh> extract_offset(const WallGrid& grid, Band band, double thickn
   return std::move(TRY(make_cpu_extractor()->extract(field, options, context)).mesh);
 }
 
-// Returns for each vertex of the offset whether it lies in the material of `outer`.
+// Returns for each vertex of `offset` whether its component lies in the material of `outer`. Counts these components.
 Result<std::vector<bool>> in_material(const mesh::Mesh& outer, const mesh::Mesh& offset, WallFigures& facts,
                                       const Context& context) {
   const std::size_t first = outer.positions.size();
@@ -244,7 +244,7 @@ Result<std::vector<bool>> in_material(const mesh::Mesh& outer, const mesh::Mesh&
   return result;
 }
 
-// Keeps the vertices in `chosen`, moved to the thickness, and their triangles.
+// Returns the triangles of `offset` between vertices in `chosen`, with the vertices moved to the exact thickness.
 InnerWall wall_of(const mesh::Mesh& outer, const mesh::Mesh& offset, const std::vector<bool>& chosen,
                   const WallGrid& grid) {
   std::vector<std::uint32_t> old_of_new;
@@ -334,7 +334,7 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
                     outer.name, options.thickness, extent.x, extent.y, extent.z),
         {Remedy::raise, Setting::hollow});
   }
-  // A line through a point of the material meets the surface on both sides within the box.
+  // A wall point has the surface at least one thickness away on both sides along each axis, within the bounding box.
   if (2 * options.thickness > std::min({extent.x, extent.y, extent.z})) return InnerWall();
   context.progress().begin("hollowing", 0);
   const auto tree_memory = TRY(context.reserve(mesh::TriangleTree::bytes(outer.triangles.size()), what));
@@ -358,8 +358,8 @@ Result<InnerWall> make_inner_wall(const mesh::Mesh& outer, const WallOptions& op
 }
 
 std::uint64_t estimated_wall_bytes(std::uint64_t triangles, double area, double cell) {
-  // Both offsets cross about area / cell^2 cells each, in blocks that hold about 60 of them; marching cubes makes about
-  // a vertex a cell.
+  // The surface of extract_offset() crosses about area / cell^2 cells on each side of the mesh, about 60 in a block.
+  // Marching cubes makes about one vertex for each of these cells.
   const double cells = 2 * area / (cell * cell);
   constexpr double kCellBytes = kSamplesOfBlock * sizeof(float) / 60.0 + 150;
   return mesh::TriangleTree::bytes(triangles) + static_cast<std::uint64_t>(std::min(cells * kCellBytes, 0x1p62));

@@ -27,11 +27,11 @@ constexpr std::size_t kMostChunks = 8192;  // to count
 
 // Sums over a part of the chunks.
 struct Counts {
-  std::uint64_t parts = 0;    // labels of each chunk
+  std::uint64_t parts = 0;    // labels of a chunk, summed over the chunks
   std::uint64_t chunks = 0;   // chunks with points
-  std::uint64_t points = 0;   // corners of voxels with different labels
-  std::uint64_t corners = 0;  // those of them that are corners of merged faces
-  std::uint64_t faces = 0;    // between these voxels
+  std::uint64_t points = 0;   // voxel corners between different labels
+  std::uint64_t corners = 0;  // points that are corners of merged faces
+  std::uint64_t faces = 0;    // voxel faces between different labels
   std::unordered_map<std::int64_t, std::uint64_t> sides_of;
 
   void add(const Counts& more) {
@@ -44,13 +44,14 @@ struct Counts {
   }
 };
 
-// Places of voxels in a window of a chunk and the voxels below it.
+// Indices of voxels in a window: a chunk and the layers of voxels one step below it.
 constexpr glm::ivec3 kWindow = kVoxelChunk + 1;
 constexpr std::size_t place_of(int x, int y, int z) {
   const int place = x + kWindow.x * (y + kWindow.y * z);
   return static_cast<std::size_t>(place);
 }
-// Steps from a voxel down to those that share its lowest corner: one along x for bit 0, y for bit 1, z for bit 2.
+// Index steps from a voxel down to the voxels that share its lowest corner: along x for bit 0, y for bit 1, z for
+// bit 2.
 constexpr std::array<std::size_t, 8> kBelow{0,
                                             place_of(1, 0, 0),
                                             place_of(0, 1, 0),
@@ -113,8 +114,8 @@ class LabelWindow {
   }
 
  private:
-  // Returns whether merged faces have a corner at the lowest corner of a voxel: along no axis do the voxels around it
-  // agree in pairs, as they do within flat faces and along straight edges.
+  // Returns whether merged faces have a corner at the lowest corner of a voxel. Within flat faces and along straight
+  // edges, the eight voxels there have equal labels in pairs along some axis; at a corner they do not.
   [[nodiscard]] bool is_corner(std::size_t place) const {
     for (const std::size_t axis : {1, 2, 4}) {
       bool agree = true;
@@ -125,7 +126,7 @@ class LabelWindow {
     return true;
   }
 
-  // Sums the faces of a label before it looks the label up: neighbors usually have the same one.
+  // Sums the faces of a label before it looks the label up: neighboring voxels usually have the same label.
   class Faces {
    public:
     explicit Faces(Counts& counts) : counts_(counts) {}
@@ -155,7 +156,7 @@ class LabelWindow {
     std::array<std::pair<std::int64_t, std::uint64_t>, 16> latest_{};
   };
 
-  // below: 1 along the axes along which the chunk is the one below.
+  // `below` is 1 along each axis along which `rows` is the chunk below the window's own chunk, else 0.
   template <class T>
   void put(const SampleRows<T>& rows, const glm::ivec3& below, const LabelFilter& filter) {
     const int first = std::max(rows.begin, below.x != 0 ? kVoxelChunk.x - 1 : 0);
@@ -181,7 +182,7 @@ class LabelWindow {
   std::array<std::int64_t, place_of(0, 0, kWindow.z)> labels_;
 };
 
-// The chunks to count, and how many there are for each of them.
+// The chunks to count; each stands for `scale` chunks.
 struct ChunkSample {
   std::vector<glm::ivec3> origins;
   double scale = 1;
@@ -286,15 +287,15 @@ std::uint64_t scaled(std::uint64_t count, double scale) {
   return static_cast<std::uint64_t>(static_cast<double>(count) * scale);
 }
 
-// Returns the bytes of surfaces that are in memory at a time. `share`: of the points between labels, those that become
-// vertices.
+// Returns the bytes of surfaces that are in memory at a time. `share` is the fraction of the points between labels that
+// become vertices.
 std::uint64_t making_bytes(const LabelMapSize& size, std::uint64_t parts, double share) {
   const std::uint64_t small_sides = size.sides / parts * 2 * kSmallLabelChunks;
   // The allocator keeps freed blocks of less than 1 MiB, so that groups of many small meshes take three times their
   // size.
   constexpr std::uint64_t kKept = 3;
   const std::uint64_t sides = std::max(size.largest_sides, std::min(size.sides, kKept * small_sides));
-  // On each thread, the faces of the label that it works on are listed.
+  // Each thread lists the faces of the label that it works on.
   const auto threads = static_cast<std::uint64_t>(usable_threads());
   const std::uint64_t listed = std::min(threads * size.largest_sides, size.sides);
   // About a vertex and two triangles for each face.

@@ -73,13 +73,13 @@ std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples
   };
   const State background = state(field::SparseLookup::kBackground);
 
-  // Every node checks its own places and the ones just before it.
+  // Every node checks its own places and the places just before the node.
   constexpr int kPlaces = field::SparseLookup::Node::kPlaces;
   constexpr int kSide = kPlaces + 2;
   std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);
   for_each_index(lookup.nodes().size(), [&](std::size_t n) {
     const field::SparseLookup::Node& node = lookup.nodes()[n];
-    // If a node stores little, checks the surroundings of each stored place instead of the whole node.
+    // Checks only each stored place and the places before it, instead of the whole node, if few places are stored.
     constexpr std::size_t kLittle = 64;
     std::vector<std::int32_t> stored;  // slots
     for (std::size_t slot = 0; slot < node.contents.size() && stored.size() <= kLittle; ++slot) {
@@ -148,7 +148,7 @@ std::vector<glm::ivec3> find_unstored_places(const field::SparseSamples& samples
 }
 
 SitePlanes site_planes(const std::array<const BlockBits*, 8>& group) {
-  // In a word, y is the number of the byte and z the bit in it.
+  // Byte y of a word holds row y; its bit z is sample z.
   constexpr std::uint64_t kLowBits = 0x0101010101010101ULL;
   SitePlanes planes;
   for (std::size_t x = 0; x < planes.size(); ++x) {

@@ -33,7 +33,7 @@ Result<field::IndexBox> sparse_region(const field::ScalarField& field, const fie
                             field.source, field::kMaxSparseIndex, field::kMaxSparseIndex));
   }
   field::IndexBox reach{stored.min - 1, stored.max + 1};
-  // If the background is inside, the cap of a region must be at the faces of the region, however far out.
+  // A background inside fills the region, so the cap must be at the faces of the region, however far out.
   if (options.region && InsideRule{field.kind, options.iso}(field.scale(samples.background))) {
     reach = {glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
   }
@@ -174,7 +174,7 @@ double SparseSites::value(const glm::ivec3& p) const {
   return field_.scale(stored_number_(samples_.blocks[static_cast<std::size_t>(block)].values, field::block_offset(p)));
 }
 
-// Returns the samples of word x that, moved by `step`, are still in the region.
+// Returns the samples of word x that are in the region, also when moved by `step`.
 std::uint64_t SparseSites::region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const {
   const glm::ivec3 low = region_.min - origin;
   const glm::ivec3 high = region_.max - step - origin;
@@ -264,7 +264,7 @@ bool SparseSites::draws_at_boundary() const {
 }
 
 bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::SparseLookup::Group& group) const {
-  // Most places need only a look at their own samples, or have all samples around them on one side.
+  // Decides most places by their own samples, or because all samples around them are on one side.
   const auto sides = [](const BlockBits& bits) {
     std::uint64_t any = 0;
     std::uint64_t all = ~std::uint64_t{0};

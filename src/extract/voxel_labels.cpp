@@ -1,4 +1,5 @@
-// Finds the voxels of each label of a label map in one pass, and sorts the parts that the chunks have of them by label.
+// Finds the voxels of each label of a label map in one pass. A part is the voxels of one label in one chunk; the parts
+// are sorted by label.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -56,8 +57,8 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
                          : Hint());
 }
 
-// Returns whether a value is a label, or NaN that counts as outside. Constants of a sparse field are rounded to its
-// sample type first.
+// Returns whether a constant of a sparse field, rounded to the sample type, is a label; also true for NaN that counts
+// as outside.
 bool has_place(const field::SparseSamples& sparse, double value, NanPolicy nan) {
   if (std::isnan(value)) return nan == NanPolicy::outside;
   return visit_sample_type(sparse.type,
@@ -102,7 +103,7 @@ class LayerReleases {
         chunks_(static_cast<std::size_t>(grid.size.x * grid.size.y)),
         left_(static_cast<std::size_t>(grid.size.z), chunks_) {}
 
-  // Tells that chunks begin to end - 1 are read. Safe to call from several threads.
+  // Counts chunks begin to end - 1 as read. Safe to call from several threads.
   void finish(std::size_t begin, std::size_t end) {
     while (begin < end) {
       const std::size_t layer = begin / chunks_;
@@ -127,7 +128,7 @@ struct LabelVoxels::Found {
   Found(std::string text, const field::IndexBox& within, const OutputPlacement& placement, LabelIds table)
       : what(std::move(text)), ids(std::move(table)), region(within), frame(placement) {}
 
-  // The parts of a label: those from `first` to the first part of the next label.
+  // A label, and the index of its first part; the parts up to the next label's first part belong to it.
   struct Entry {
     FoundLabel label;
     std::size_t first = 0;
@@ -148,7 +149,7 @@ struct LabelVoxels::Found {
   const std::vector<field::SparseTile>* tiles = nullptr;  // of the field in find(); used there only
   std::vector<Reservation> memory;
   std::vector<ReservedBlocks<LabelPart>> tasks;
-  std::vector<std::optional<NonLabelSample>> wrong;  // the first one of each task
+  std::vector<std::optional<NonLabelSample>> wrong;  // of each task: the first sample that is no label
   std::vector<std::uint64_t> nan_samples;            // of each task
   std::vector<const LabelPart*> parts;               // sorted by label, those of a label in chunk_order()
   std::vector<Entry> entries;                        // one for each label with parts, by rising id
@@ -192,8 +193,8 @@ struct LabelVoxels::Found {
           });
     });
     stats.nan_samples = std::reduce(nan_samples.begin(), nan_samples.end());
-    // Nothing needs the samples again, but the system would keep the pages of a file among those of the process. Those
-    // of small files, and those that layers share, are left.
+    // Releases the pages that LayerReleases kept: pages of small files, and pages that layers share. Nothing needs the
+    // samples again.
     if (samples.file_backed) release_pages(samples.data, samples.count() * field::sample_size(samples.type));
   }
 
@@ -219,7 +220,6 @@ struct LabelVoxels::Found {
     return {};
   }
 
-  // Returns the parts of a label.
   [[nodiscard]] std::span<const LabelPart* const> parts_of(const Entry& entry) const {
     return std::span(parts).subspan(entry.first, entry.label.chunks);
   }
@@ -277,7 +277,8 @@ struct LabelVoxels::Found {
     std::ranges::sort(entries, {}, [](const Entry& entry) { return entry.label.label; });
   }
 
-  // Counts the voxels of the parts. Leaves out those in large tiles, most of whose chunks are not listed.
+  // Counts the voxels of the parts. Leaves out parts in large tiles: most chunks there are not listed;
+  // add_large_tiles() counts these voxels.
   void measure(Entry& entry) const {
     for (const LabelPart* part : parts_of(entry)) {
       if (lookup && large_tile_at(part->origin) != nullptr) continue;
@@ -402,7 +403,7 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
   const Found::Entry* entry = found_->entry_of(label);
   ExtractStats stats = found_->stats;
   stats.bricks_visited = entry != nullptr ? entry->label.chunks : 0;
-  // All labels were found in one pass: only the first reports its time and its samples.
+  // All labels were found in one pass: only the first label's extraction reports the pass's time and samples.
   if (found_->labels.empty() || label != found_->labels.front()) {
     stats.classify = {};
     stats.samples_classified = 0;

@@ -21,8 +21,8 @@ std::string chunks_text(const field::ScalarField& field) {
   return fmt::format("{}: the table of its voxel chunks", field.source);
 }
 
-// Builds chunks in parallel. fill(n, bits) writes the n-th of `count` chunks, at origin(n). It runs twice, so that only
-// the bits of chunks that are neither full nor empty need memory.
+// Builds chunks in parallel. fill(n, bits) writes the n-th of `count` chunks, at origin(n). Calls fill() a second time
+// for chunks that are neither full nor empty, so that only these chunks need memory for bits.
 template <class Fill, class Origin>
 Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t count, const Fill& fill,
                                 const Origin& origin, VoxelChunks::Unlisted unlisted, const Context& context) {
@@ -199,7 +199,7 @@ Result<Extraction> extract_voxels(const field::ScalarField& field, const Extract
 
 Result<Extraction> extract_surface_nets(const field::ScalarField& field, const ExtractOptions& options,
                                         const Context& context) {
-  return extract_voxels(field, options, context);  // it chooses by options.method
+  return extract_voxels(field, options, context);  // chooses by options.method
 }
 
 }  // namespace isoextract::extract

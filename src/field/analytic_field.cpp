@@ -34,7 +34,7 @@ std::optional<SurfaceSize> torus_size(double iso) {
   return SurfaceSize{4 * kPi * kPi * kMajor * minor, 2 * kPi * kPi * kMajor * minor * minor};
 }
 
-// Along z the gyroid is c + a sin(z' + phase), over whole periods.
+// Along z the gyroid is c + a sin(kFrequency z + phase), over whole periods.
 double gyroid_length(double x, double y, double iso) {
   constexpr double kFrequency = formulas::Gyroid::kFrequency;
   const double c = std::sin(kFrequency * x) * std::cos(kFrequency * y);

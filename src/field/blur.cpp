@@ -1,6 +1,6 @@
-// Filters axis by axis. A Gaussian is the product of one per axis, and so is normalized convolution, the weighted mean
-// of the known samples (H. Knutsson and C.-F. Westin, Normalized and differential convolution. CVPR 1993), if each pass
-// hands on how much of each sample was known.
+// Filters axis by axis, because a Gaussian is the product of one Gaussian per axis. The weighted mean of the known
+// samples is normalized convolution (H. Knutsson and C.-F. Westin, Normalized and differential convolution. CVPR 1993).
+// It also works axis by axis if each pass hands on how much of each sample was known.
 #include "field/blur.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ using Blurred =
     std::conditional_t<std::is_same_v<T, double> || std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t>,
                        double, float>;
 
-// Returns the weight at the center and those on one side of it.
+// Returns the weight at the center and the weights on one side.
 std::vector<double> gaussian_weights(double sigma) {
   std::vector<double> weights{1};
   for (int i = 1; i <= static_cast<int>(std::ceil(3 * sigma)); ++i)

@@ -23,8 +23,9 @@ CellWeights catmull_rom_weights(double t) {
           {(-1 + 4 * t - 3 * t2) / 2, (-10 * t + 9 * t2) / 2, (1 + 8 * t - 9 * t2) / 2, (3 * t2 - 2 * t) / 2}};
 }
 
-// Moves the weight of a sample outside the boundary to the samples inside: it stands for the parabola through the last
-// three, or the line through the only two. The slope at the boundary then is the one-sided second-order difference.
+// Moves the weight of a sample outside the boundary to the samples inside: the parabola through the last three samples,
+// or the line through the only two, gives the value outside. So the slope at the boundary is the one-sided second-order
+// difference.
 void fold_outer_weights(std::array<double, 4>& weights, bool low, bool high) {
   const double before = low ? std::exchange(weights[0], 0.0) : 0.0;
   const double after = high ? std::exchange(weights[3], 0.0) : 0.0;

@@ -80,7 +80,7 @@ struct SampleRow {
   std::array<Beside, 2> beside;
 };
 
-// A type in which adding 1 to a label is exact.
+// A type in which adding 1 to a label is exact, except to 2^24 (f32) and 2^53 (f64).
 template <class T>
 using LabelNumber =
     std::conditional_t<is_floating_sample<T>, std::conditional_t<std::is_same_v<T, double>, double, float>,
@@ -105,7 +105,7 @@ void count_pairs(T value, std::span<const T> others, std::size_t axis, LabelTall
   all.unit_steps += steps;
 }
 
-// Adds a row run by run: runs of equal labels are long, so the table of values is seldom asked.
+// Adds a row run by run: runs of equal labels are long, so lookups in the table of values are rare.
 template <class T>
 void add_row(LabelTallies& all, const SampleRow<T>& row) {
   for (int begin = 0; begin < row.length;) {
@@ -165,13 +165,13 @@ void for_each_block_row(const SparseBlock& block, const Function& function) {
   }
 }
 
-// The background that a sparse grid states.
+// Returns the background value of a sparse field; nullopt if the field is dense.
 std::optional<std::int64_t> stated_background(const ScalarField& field) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   return sparse != nullptr ? std::optional(static_cast<std::int64_t>(sparse->background)) : std::nullopt;
 }
 
-// Returns the value of most voxels, the least one if there are several; 0 if there are no voxels.
+// Returns the value with the most voxels, the lowest such value if there are several; 0 if there are no voxels.
 std::int64_t most_frequent_value(const LabelTallies& all) {
   std::int64_t found = 0;
   std::uint64_t most = 0;
@@ -186,7 +186,7 @@ std::int64_t most_frequent_value(const LabelTallies& all) {
 struct LabelVerdict {
   std::optional<LabelMapKind> kind;
   double equal_share = 1;
-  bool is_hopeless = false;  // not even close: a sample of a field decides for the field
+  bool is_hopeless = false;  // so far from the rule that a part of the samples decides for all
 };
 
 // Applies the rule of label_map.hpp. `background` is set for sparse fields.
@@ -194,7 +194,7 @@ LabelVerdict judge_labels(const LabelTallies& all, std::optional<std::int64_t> b
   LabelVerdict verdict;
   const std::size_t values = all.values.size() + (background && !all.values.contains(*background) ? 1 : 0);
   const std::uint64_t voxels = all.voxels();
-  // The small boxes of a sample have more labels in as many samples than the whole field.
+  // The small boxes of tally_some() have more labels per voxel than the whole field, hence the factor 2.
   verdict.is_hopeless = !all.only_labels || values > kMostLabels || values > 2 * voxels / kSamplesOfAValue;
   if (verdict.is_hopeless || values < 2 || values > voxels / kSamplesOfAValue) return verdict;
   const std::int64_t most_frequent = background.value_or(most_frequent_value(all));
@@ -359,7 +359,7 @@ std::optional<LabelMap> measure_label_map(const ScalarField& field, Progress* pr
   }
   if (map.labels.empty()) return std::nullopt;
   std::ranges::sort(map.labels, {}, &LabelFigures::label);
-  // Of eight samples in a row of blocks, seven have their next neighbor in their own block.
+  // Seven of the eight samples of a block along an axis have their next neighbor in the same block.
   if (background) pairs = pairs_in_tiles + (pairs - pairs_in_tiles) * 8 / 7;
   map.faces = 6 * voxels - std::min(6 * voxels, 2 * pairs);
   return map;

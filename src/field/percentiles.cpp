@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kDigitBits = 16;
 constexpr std::size_t kDigitValues = std::size_t{1} << kDigitBits;
-constexpr std::size_t kPercentilesPerPass = 8;  // percentiles per pass
+constexpr std::size_t kPercentilesPerPass = 8;  // limits the memory of the counts
 
 // Maps numbers of T to unsigned integers of the same size and order.
 template <class T>

@@ -1,5 +1,5 @@
-// This does not use Interpolant: it returns NaN beside every sample that is not finite, even one of weight 0. Its
-// weighted sum can leave the range of the samples, and it would compute gradients that resampling does not need.
+// Does not use Interpolant, which computes gradients, and returns NaN beside every sample that is not finite, even one
+// of weight 0. The weighted sum of Interpolant can also leave the range of the samples.
 #include "field/resample.hpp"
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace isoextract::field {
 namespace {
 
-// Means read a sparse field with all the background between its blocks. For more voxels than this they take minutes.
+// Means of a sparse field read the whole box, with the background between blocks. For more voxels, this takes minutes.
 constexpr double kMaxVoxelsForMeans = 0x1p35;
 
 template <class T>
@@ -33,7 +33,7 @@ using Resampled =
     std::conditional_t<std::is_same_v<T, double> || std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t>,
                        double, float>;
 
-// NaN passes the clamp. Without it, rounding could leave the range of a and b, and the range of double.
+// NaN passes the clamp. Without the clamp, rounding could leave the range of a and b, and the range of double.
 double blend(double a, double b, double t) {
   return t == 0 ? a : std::clamp((1 - t) * a + t * b, std::min(a, b), std::max(a, b));
 }
@@ -106,7 +106,7 @@ class PartialMean {
 };
 
 // A row of numbers. `shares` holds the part of each number's weight that belongs to samples that are not NaN; `values`
-// are the means of those samples. `shares` is empty if the row has no NaN, or keeps it.
+// are the means of those samples. `shares` is empty if the row has no NaN, or if NaN stays in `values`.
 struct Row {
   std::span<const double> values;
   std::span<const double> shares;
@@ -234,7 +234,7 @@ void combine_rows(const AxisWeights& axis, const SampleWeights& use, const GetRo
   }
 }
 
-// Returns a new sample of a row: NaN if NaN has more than half of its weight.
+// Returns a new sample of a row: NaN if NaN samples have more than half of the weight.
 double combine_samples(const AxisWeights& axis, const SampleWeights& use, const Row& row) {
   constexpr double kHalf = 0.5 - 1e-9;  // weights are rounded
   const Part part = combine_parts(axis, use, [&](int j) { return row.at(static_cast<std::size_t>(j)); });
@@ -261,7 +261,7 @@ class SourceRows {
     std::ranges::transform(row.values, row.shares.begin(), [](double value) { return std::isnan(value) ? 0.0 : 1.0; });
   }
 
-  // Writes a row to `row`, in which NaN stays.
+  // Writes the samples of a row to `row`. NaN stays NaN.
   void read_values(int y, int z, double* row) const {
     if (dense_ != nullptr) {
       const glm::i64vec3 dims(dense_->dims);
@@ -380,7 +380,7 @@ IndexBox box_in_background(const SparseSamples& sparse) {
 
 std::string dims_text(const glm::i64vec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
-// Reserves the memory of the weights, unless it is negligible beside any grid.
+// Reserves the memory of the weights, unless it is at most 1 MiB, which is negligible.
 Result<Reservation> reserve_weights(const ScalarField& field, const glm::ivec3& old_dims, const glm::ivec3& dims,
                                     const Context& context) {
   constexpr std::uint64_t kSmall = std::uint64_t{1} << 20;

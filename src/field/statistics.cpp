@@ -258,13 +258,13 @@ double otsu_position(const std::vector<std::uint64_t>& histogram) {
 std::optional<std::pair<double, double>> multi_otsu_positions(const std::vector<std::uint64_t>& histogram,
                                                               std::size_t start) {
   const std::size_t bins = histogram.size();
-  std::vector<double> counts(bins + 1);  // of the bins from `start` up to each
+  std::vector<double> counts(bins + 1);  // [i]: of the bins start to i - 1
   std::vector<double> moments(bins + 1);
   for (std::size_t i = start; i < bins; ++i) {
     counts[i + 1] = counts[i] + static_cast<double>(histogram[i]);
     moments[i + 1] = moments[i] + static_cast<double>(histogram[i]) * static_cast<double>(i);
   }
-  // The sum of these over the classes is largest where the variance between them is.
+  // The cuts with the largest sum of spread() over the classes have the largest variance between the classes.
   const auto spread = [&](std::size_t from, std::size_t to) {
     const double count = counts[to] - counts[from];
     const double moment = moments[to] - moments[from];
@@ -347,7 +347,7 @@ bool has_far_inside(const ScalarField& field) {
   return found;
 }
 
-// Returns the range of the statistics and the far values of a sparse field, which they leave out.
+// Returns the range of `statistics`, extended by the far values of a sparse field, which `statistics` leaves out.
 Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
   Range range;
   if (statistics.samples > 0) {

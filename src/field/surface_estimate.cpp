@@ -59,8 +59,8 @@ std::uint64_t count_crossings(const BlockBits& bits) {
   return static_cast<std::uint64_t>(crossings);
 }
 
-// Counts the edges within `box` from a row's samples to the next ones along each axis whose ends are on different
-// sides.
+// Counts the edges within `box` that lead from a sample of the row to the next sample along an axis and that the
+// surface crosses.
 template <class T>
 std::uint64_t count_from_row(const ScalarField& field, const DenseSamples& dense, const IndexBox& box, double iso,
                              int j, int k) {
@@ -190,9 +190,9 @@ class CrossingCounter {
     return off_background_side(std::span(values, kBlockSamples), field_, iso_, inside);
   }
 
-  // Counts edges within the block, to the following blocks, and to the background; edges to tiles count with the tiles.
-  // Counts as places the block, and the empty ones before it that its samples share an edge with. If all its samples
-  // are off the background's side, the surface passes it only if a neighbor is missing.
+  // Counts edges within the block, to the following blocks, and to the background; of_tile() counts edges to tiles.
+  // Counts as places the block, and each place before it without a block whose cells reach samples off the background's
+  // side. If all samples are off that side, the block counts only if a following place has no block.
   [[nodiscard]] SurfaceCrossings count_block(const SparseBlock& block) const {
     const BlockBits off =
         off_background_side(std::span(static_cast<const T*>(block.values), kBlockSamples), field_, iso_, background_);

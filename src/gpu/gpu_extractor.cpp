@@ -101,7 +101,7 @@ class SparseSurface final : public GpuSurface {
       return threshold ? std::optional(inside_keys(*threshold)) : std::nullopt;
     });
     if (!keys) return false;
-    if (tools().resident != nullptr) tools().resident->drop();  // the atlas uses its share of memory
+    if (tools().resident != nullptr) tools().resident->drop();  // the atlas needs the memory of the resident samples
     auto source = TRY(SparseSource::make(*tools().gl, samples_, leaves_, source_options()));
     SurfaceLocation place;
     place.origins = leaves_.origins();

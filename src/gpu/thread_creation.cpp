@@ -90,7 +90,7 @@ class ThreadPass {
     return static_cast<int>(std::max<std::uint64_t>(kCells / layer_cells_, 1));
   }
 
-  // Binds the buffer from that vertex on.
+  // Binds the buffer from `vertex` on.
   void point_to(std::uint64_t vertex) const {
     const std::uint64_t bytes = vertex * sizeof(std::uint32_t);
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
@@ -110,8 +110,8 @@ class ThreadPass {
     program_.set("patch_cells", side);
   }
 
-  // Fills the buffer with a number for each vertex: one a cell, or the number of the patch for each of its four
-  // corners.
+  // Fills the buffer with a number for each vertex: of its cell within a draw, or of its patch, which has four
+  // vertices.
   Result<void> fill_buffer() {
     const bool patches = maker_ == ThreadMaker::tessellation;
     const std::uint64_t vertices = patches ? 4 * patches_ : cells();

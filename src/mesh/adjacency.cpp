@@ -39,7 +39,7 @@ void VertexStar::number_fans() {
     first[high] = low;
   }
   fans_ = 0;
-  // A set's first corner comes first, so it has its number already.
+  // The first corner of a set comes first, so its fan number is known when the other corners need it.
   for (std::uint32_t i = 0; i < first.size(); ++i) first[i] = first[i] == i ? fans_++ : first[first[i]];
 }
 

@@ -24,7 +24,7 @@ void for_each_below(std::size_t count, bool alone, const Body& body) {
 }  // namespace
 
 Components::Components(std::span<const glm::uvec3> triangles, std::size_t vertices) : label_(vertices) {
-  constexpr std::size_t kFewTriangles = 1 << 15;  // more threads would not pay
+  constexpr std::size_t kFewTriangles = 1 << 15;  // with fewer triangles, one thread is faster
   const bool alone = triangles.size() < kFewTriangles;
   const DisjointSets sets(label_.span(), alone);
   for_each_below(vertices, alone, [&](std::size_t v) { label_[v] = kNone; });

@@ -21,7 +21,7 @@ struct Polygon {
   std::uint32_t hint = 0;
 
   Polygon() {}  // NOLINT(*-member-init,*-use-equals-default): leaves the corners unset, which would take time
-  // Copies the corners that are there.
+  // Copies only the corners that are set.
   Polygon(const Polygon& other) : count(other.count), hint(other.hint) {  // NOLINT(*-member-init)
     std::copy_n(other.corners.begin(), count, corners.begin());
   }
@@ -43,12 +43,12 @@ struct Plane {
   [[nodiscard]] double side(const glm::dvec3& p) const { return glm::dot(p - point, normal); }
 };
 
-// Returns the plane through a side of the triangle that the polygon reaches farthest beyond, or nothing if the polygon
-// is on one side of each.
+// Returns the plane perpendicular to the triangle through the side beyond which the polygon reaches farthest. Returns
+// nullopt if no such plane cuts more than a sliver off the polygon.
 std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Corners& triangle) {
   const std::array<glm::dvec3, 3> corners{triangle.a, triangle.b, triangle.c};
   const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-  // Rounding gives a polygon within the plane some thickness; cutting that would not end.
+  // Rounding gives a polygon that lies in the cutting plane some thickness. Cutting it there would never end.
   double coordinate = 0;
   for (const glm::dvec3& corner : polygon.points()) {
     coordinate = std::max({coordinate, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
@@ -116,7 +116,7 @@ std::array<Polygon, 2> halve_corners(const Polygon& polygon) {
   return parts;
 }
 
-// Cuts the polygon along the side of the triangle that it reaches farthest beyond, or in the middle.
+// Cuts the polygon at `side` if set, else in the middle. Halves a polygon with many corners along a diagonal instead.
 std::array<Polygon, 2> cut_at(const Polygon& polygon, const std::optional<Plane>& side) {
   if (polygon.count >= Polygon::kManyCorners) return halve_corners(polygon);
   return cut(polygon, side ? *side : longest_edge_cut(polygon));
@@ -143,7 +143,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       waiting.back().hint = near;
     }
   };
-  // Returns whether one of the triangles that may be near is close enough to the polygon already.
+  // Returns whether all of the polygon is within limits.enough of the triangle in `slot`; if so, raises bound.upper.
   const double enough_squared = limits.enough * limits.enough;
   const auto is_accepted = [&](const Polygon& polygon, std::uint32_t slot) {
     const double to_slot = tree.max_distance_squared(slot, polygon.points(), enough_squared);

@@ -149,7 +149,7 @@ int side_of_line(const glm::dvec3& way, const glm::dvec3& a, const glm::dvec3& b
   const auto exact_way = [&] { return difference(way, glm::dvec3(0)); };
   const int side = determinant_sign(
       way, a - p, b - p, [&] { return exact_determinant_sign(exact_way(), difference(a, p), difference(b, p)); });
-  // If p moves by m, det(way, a - p, b - p) grows by det(way, m, a - b).
+  // A move of p by m adds det(way, m, a - b) to det(way, a - p, b - p).
   for (int axis = 0; side == 0 && axis < 3; ++axis) {
     glm::dvec3 move(0);
     move[axis] = 1;

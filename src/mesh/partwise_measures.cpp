@@ -136,7 +136,7 @@ class PartwiseMeasures::State {
     return parts_->add(vertices, part.first_vertex, Components(vertices.triangles(), vertices.size()));
   }
 
-  // Sums the part that waits, which needs the positions of this one, and lets this one wait.
+  // Sums the waiting part, which needs the positions of `part`. Then `part` waits.
   Result<void> sum(const MeshPart& part) {
     if (!space_ && !part.positions.empty()) space_.emplace(SumSpace{.apex = glm::dvec3(part.positions.front())});
     TRY(sum_waiting(part.positions));
@@ -165,7 +165,7 @@ class PartwiseMeasures::State {
     return {};
   }
 
-  // Of each vertex of a part: its component, here, in Components and in LinkedParts.
+  // Bytes of the component numbers of a vertex of a part: one here, one in Components and one in LinkedParts.
   static constexpr std::uint64_t kNumberBytes = 3 * sizeof(std::uint32_t);
 
   [[nodiscard]] std::span<const glm::uvec3> own_triangles() const {
@@ -238,8 +238,8 @@ class PartwiseMeasures::State {
     }
   }
 
-  // Looks at the vertices of the part that waits: all their triangles are in it or in the part before it, except those
-  // of far vertices, which come with the cap.
+  // Looks at the vertices of the waiting part, whose triangles are all in this part or in the part before it. Skips far
+  // vertices, because triangles of the cap use them too.
   template <class ComponentOf>
   void look_at_vertices(const PartVertices& vertices, const ComponentOf& component_of) {
     const std::size_t count = positions_.size();
@@ -268,7 +268,7 @@ class PartwiseMeasures::State {
     }
   }
 
-  // Returns which of the first `count` vertices from the part that waits on are far vertices.
+  // Marks the far vertices among the `count` vertices that begin with the first vertex of the waiting part.
   [[nodiscard]] std::vector<bool> far_marks(std::size_t count) const {
     const std::vector<std::uint32_t>& far = shape_.far_vertices;
     std::vector<bool> marks(count);
@@ -278,7 +278,7 @@ class PartwiseMeasures::State {
     return marks;
   }
 
-  // Keeps what later parts need of the part that waits.
+  // Keeps the triangles and component numbers of the waiting part that later parts need.
   template <class ComponentOf>
   Result<void> carry_over(const PartVertices& vertices, const ComponentOf& component_of) {
     carried_from_ = first_vertex_;
@@ -364,7 +364,7 @@ class PartwiseMeasures::State {
   std::vector<std::uint64_t> size_ends_;  // of the ranges of reduce_ranges()
   std::vector<MeshSize> sizes_;           // of completed ranges
   MeshSize open_size_;                    // of the range that continues in the next part
-  std::vector<ComponentSum> open_chunk_;  // of the chunk that does
+  std::vector<ComponentSum> open_chunk_;  // of the chunk that continues in the next part
   std::vector<ComponentFacts> facts_;     // `euler` counts vertices until finish()
   Reservation list_memory_;               // for the facts
   GrowingBounds bounds_;
@@ -380,8 +380,9 @@ class PartwiseMeasures::State {
   std::uint64_t first_vertex_ = 0;
   std::uint64_t first_triangle_ = 0;
   std::vector<glm::vec3> positions_;
-  std::vector<glm::uvec3> triangles_;  // `shared_triangles_` and those of the part
-  // Of the part before it: triangles with vertices of this one, and components of vertices from carried_from_ on.
+  std::vector<glm::uvec3> triangles_;  // `shared_triangles_` and the waiting part's triangles
+  // Data of the part before the waiting part: its triangles with vertices of the waiting part, and the components of
+  // its vertices from carried_from_ on.
   std::vector<glm::uvec3> shared_triangles_;
   std::uint64_t carried_from_ = 0;
   std::vector<std::uint32_t> carried_;

@@ -150,12 +150,12 @@ class ShadedStar {
     return least;
   }
 
-  // Returns whether the vertex's own normal suits a group as well as its mean.
+  // Returns whether the vertex's own normal suits a group as well as the group's mean normal.
   [[nodiscard]] bool keeps_own(std::uint32_t group, bool in_plane, const glm::dvec3& mean, double least_of_mean) const {
     if (own_ == glm::dvec3(0) || !(least_cosine(group, own_) > 0)) return false;
     if (in_plane) return glm::dot(own_, mean) > 1 - 1e-6;  // the extractor's normal of a cap
     if (!options_.crease_degrees) return true;
-    constexpr double kRounding = std::numbers::pi / 180;  // treats faces that differ by rounding only as flat
+    constexpr double kRounding = std::numbers::pi / 180;  // treats faces as flat if they differ by rounding only
     const double spread = std::acos(std::clamp(least_of_mean, -1.0, 1.0));
     return std::acos(std::clamp(glm::dot(own_, mean), -1.0, 1.0)) <= std::max(spread, kRounding);
   }
@@ -281,7 +281,7 @@ class Shading {
     const bool had_normals = !mesh_.normals.empty();
     Buffer<glm::vec3> made(had_normals ? 0 : vertices_);
     std::vector<std::uint32_t> copies((vertices_ + kVerticesAtATime - 1) / kVerticesAtATime, 0);
-    // Calls the body with the number of each range and its vertices.
+    // Counts the copies of vertices that each range needs.
     for_ranges([&](std::size_t range, std::size_t first, std::size_t last) {
       ShadedStar star(mesh_, options_, around, flat.span());
       for (std::size_t v = first; v < last; ++v) {

@@ -143,10 +143,9 @@ class ShellRays {
                 8 * std::numeric_limits<float>::denorm_min();
   }
 
-  // Starts each ray beside the middle of a triangle at the farthest vertex, on the side that it faces away from.
-  // Chooses the triangle that faces most along the rays, or against them for the shell of a cavity. If a wall is closer
-  // than that, or the triangle is as thin, the start may be on the other side: for shells so close either answer is
-  // possible.
+  // Starts each ray beside the middle of a triangle at the farthest vertex, on the triangle's back side. Chooses the
+  // triangle that faces most along the rays, or against them for the shell of a cavity. If another wall is closer than
+  // the start is to the triangle, the start may be beyond that wall: for shells so close either answer is possible.
   void move_starts_off_surface(std::vector<Ray>& rays) const {
     std::vector<std::uint32_t> ray_of(components_.count(), Components::kNone);
     for (std::uint32_t i = 0; i < rays.size(); ++i) ray_of[rays[i].component] = i;

@@ -20,9 +20,9 @@ namespace {
 
 constexpr std::size_t kVerticesTogether = 1 << 10;
 
-// Splits the vertices into up to eight ranges and provides the corners of one range at a time: those of all vertices
-// would need more memory than the mesh. It skips whole blocks of triangles. Vertices and triangles of a surface are
-// numbered in the same order, so most blocks use the vertices of few ranges.
+// Splits the vertices into up to eight ranges and provides the corners of one range at a time: the corners of all
+// vertices would need more memory than the mesh. It skips whole blocks of triangles. Vertices and triangles of a
+// surface are numbered in the same order, so most blocks use the vertices of few ranges.
 class VertexRanges {
  public:
   VertexRanges(std::span<const glm::uvec3> triangles, std::size_t vertices)

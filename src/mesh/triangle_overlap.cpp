@@ -21,8 +21,8 @@ Signs sides_of(const PlacedTriangle& p, const PlacedTriangle& q) {
 
 bool has_both(int a, int b, int c) { return std::min({a, b, c}) < 0 && std::max({a, b, c}) > 0; }
 
-// Returns an axis along which the triangle's projection has area: that of the normal's largest component, or another
-// one if rounding misjudged it.
+// Returns an axis along which the triangle's projection has area: the axis of the normal's largest component, or
+// another axis if rounding misjudged this component.
 int axis_of(const PlacedTriangle& t) {
   const glm::dvec3 normal = glm::abs(glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]));
   const int likely = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;

@@ -57,8 +57,8 @@ double TriangleTree::Slab::distance(const glm::dvec3& p) const {
   return std::max(outside - rounding, 0.0);
 }
 
-// Compares the surface of the leaves' boxes with that of the triangles: patches of a surface have boxes of a few times
-// their area.
+// Compares the surface area of the leaves' boxes with the area of the triangles: a box around a patch of a surface has
+// a few times the area of the patch.
 bool TriangleTree::boxes_are_loose() const {
   constexpr double kTight = 64;
   struct Sums {
@@ -96,7 +96,8 @@ void TriangleTree::make_slabs() {
   }
 }
 
-// Returns slabs perpendicular to the largest triangle, and to the longest side within its plane.
+// Returns slabs that measure along the normal of the largest triangle, and across the longest side in that triangle's
+// plane.
 std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(const BoxTree::Node& node) const {
   const std::size_t first = tree_.first_slot(node);
   const std::size_t last = tree_.end_slot(node);

@@ -108,7 +108,7 @@ void SurfaceToMesh::measure(const SubdividedSurface& surface, FieldFootFinder& f
       longest = std::max(longest, glm::length(places[(corner + 1) % 3] - places[corner]));
       farthest = std::max(farthest, samples[triangle[corner]].distance);
     }
-    // No point of a triangle is farther than this from its nearest corner.
+    // No point of a triangle is farther than longest / sqrt(3) from the nearest corner.
     double bound = farthest + longest / std::sqrt(3.0);
     for (const std::uint32_t slot :
          {at_center.slot, samples[triangle.x].slot, samples[triangle.y].slot, samples[triangle.z].slot}) {

@@ -40,7 +40,8 @@ class FanFinder {
   }
 
  private:
-  // Returns the voxel at sides `b` and `c` of the other axes, at the edge along `axis`.
+  // Returns the voxel at sides `b` and `c` of the other axes around the edge that leaves the corner along `axis` to
+  // `side`.
   static constexpr int voxel_at(int axis, int side, int b, int c) {
     return side << axis | b << lower_other(axis) | c << higher_other(axis);
   }
@@ -76,7 +77,7 @@ class FanFinder {
            corner != holds(pattern_, voxel_at(axis, side, 0, 1));
   }
 
-  // Returns the two faces at the edge of the voxel at sides `b` and `c`.
+  // Returns the two faces of the voxel at sides `b` and `c` that meet at the edge.
   static constexpr std::array<int, 2> faces_of(int axis, int side, int b, int c) {
     return {face_at(axis, side, lower_other(axis), c), face_at(axis, side, higher_other(axis), b)};
   }

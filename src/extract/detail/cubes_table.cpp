@@ -1,6 +1,6 @@
 // Marching cubes: Lorensen and Cline, SIGGRAPH 1987. Faces as in Nielson and Hamann, "The asymptotic decider", IEEE
 // Visualization 1991; tunnels as in Chernyaev, "Marching Cubes 33", CERN CN 95-17, 1995, and Nielson, "On marching
-// cubes", IEEE TVCG 9(3), 2003. How loops are cut into triangles is this project's own.
+// cubes", IEEE TVCG 9(3), 2003. The cutting of loops into triangles is this project's own.
 #include "extract/detail/cubes_table.hpp"
 
 #include <algorithm>
@@ -118,8 +118,8 @@ class LoopCutter {
     return true;
   }
 
-  // Returns whether this cell, of the two at a face, may draw a diagonal of it. The rule depends only on the corners of
-  // the face. It was found by search: with it, every variant has a valid cut.
+  // Returns whether this cell, of the two at a face, may draw a diagonal of the face. The rule depends only on the
+  // corners of the face. It was found by search: with it, every variant has a valid cut.
   [[nodiscard]] bool owns(unsigned face, const CellEdge& a, const CellEdge& b) const {
     const bool cell_is_below = face % 2 == 1;
     const unsigned normal = 1U << face / 2;
@@ -131,7 +131,7 @@ class LoopCutter {
     return (chosen != lowest_inside) == cell_is_below;
   }
 
-  // Returns whether a triangle lies in a cell face; it could overlap one of the neighboring cell.
+  // Returns whether a triangle lies in a cell face, where it could overlap a triangle of the neighboring cell.
   [[nodiscard]] bool lies_in_a_face(const CellTriangle& t) const {
     for (unsigned f = 0; f < kCubeFaces.size(); ++f) {
       if (on_face(t[0], f) && on_face(t[1], f) && on_face(t[2], f)) return true;
@@ -222,7 +222,7 @@ class LoopCutter {
   bool owned_places_;
 };
 
-// Appends a variant with a tunnel between loops `a` and `b`; without a tunnel if they are equal.
+// Appends a variant with a tunnel between loops `a` and `b`; without a tunnel if a == b.
 std::uint16_t add_variant(CaseTable& table, unsigned cell_case, const std::vector<Loop>& loops, std::size_t a,
                           std::size_t b) {
   const auto number = static_cast<std::uint16_t>(table.first.size());

@@ -48,7 +48,8 @@ class DenseExtraction final : private VariantChooser {
         placement_(output_placement(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
         masks_(std::move(masks)),
         own_(own_slabs(BrickFlags::count_slabs(view_.dims), ranks)),
-        // A cell next to the slabs of the next rank has vertices of theirs, whose numbers follow from counting them.
+        // Cells of the last own slab use vertices of the next rank's first slab. Counting that slab gives their
+        // numbers.
         counted_{own_.begin,
                  own_.count() == 0 ? own_.end : std::min(own_.end + 1, BrickFlags::count_slabs(view_.dims))},
         bricks_(view_.dims, counted_),
@@ -154,7 +155,7 @@ class DenseExtraction final : private VariantChooser {
     SliceSides sides;  // of its samples alone; unknown if the extraction has masks of all samples
   };
 
-  // The meshes in which threads make parts: the sizes of the largest part, and how many threads at most.
+  // The meshes in which threads make parts: the sizes of the largest part, and the largest number of threads.
   struct PartRoom {
     MeshSizes sizes;
     ExtractOptions options;
@@ -199,8 +200,8 @@ class DenseExtraction final : private VariantChooser {
     return sides;
   }
 
-  // Does what classify() does if there is no room for masks of all samples: count() then compares the samples, unless
-  // none of them can be inside.
+  // Replaces classify() if there is no memory for masks of all samples. Returns false if no sample can be inside;
+  // otherwise count() compares the samples.
   Result<bool> find_threshold(ExtractStats& stats) {
     const auto threshold = find_inside_threshold<T>(rule_, field_.scale);
     threshold_ = threshold.value_or(InsideThreshold<T>{});
@@ -242,7 +243,7 @@ class DenseExtraction final : private VariantChooser {
     return slab.masks.hash(kBrickRows * slab.bk, std::min(kBrickRows * slab.bk + kSlabSlices, view_.dims.z));
   }
 
-  // Returns whether the masks of a slab are those that were counted. If not, the counts must not be used.
+  // Returns whether the masks of a slab are equal to the counted masks. If not, the counts must not be used.
   [[nodiscard]] bool is_as_counted(const Slab& slab) {
     if (masks_ || hash_of(slab) == slab_hash(slab.bk)) return true;
     samples_changed_ = true;
@@ -306,7 +307,7 @@ class DenseExtraction final : private VariantChooser {
     return row;
   }
 
-  // Returns how many cells NanPolicy::hole leaves out.
+  // Counts the vertices and triangles of all rows. Returns how many cells NanPolicy::hole leaves out.
   std::uint64_t count_rows() {
     std::atomic<std::uint64_t> left_out{0};
     for_each_brick_row("counting", [&](int bj, int bk) {
@@ -335,7 +336,7 @@ class DenseExtraction final : private VariantChooser {
                                 [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
-  // Turns counts into first numbers, and returns the sizes: those of the whole mesh also if ranks share it.
+  // Turns counts into first numbers. Returns the sizes of the whole mesh, also if ranks share it.
   Result<MeshSizes> place_rows(ExtractStats& stats) {
     rows_.sum();
     SharedCounts counts;
@@ -445,7 +446,7 @@ class DenseExtraction final : private VariantChooser {
   const ExtractOptions& options_;
   const Context& context_;
   Ranks*
-      ranks_;  // which share the volume, slab by slab; null: this process does all of it. Without masks of all samples
+      ranks_;  // share the volume slab by slab, without masks of all samples; null: this process does the whole volume
   InsideRule rule_;
   DenseView<T> whole_;
   DenseView<T> view_;  // view of the region
@@ -455,11 +456,11 @@ class DenseExtraction final : private VariantChooser {
   OutputPlacement placement_;
   std::optional<DenseMasks> masks_;         // of all samples; nullopt: passes compare the samples slab by slab
   InsideThreshold<T> threshold_{};          // if there are no masks of all samples
-  std::vector<std::uint64_t> slab_hashes_;  // of the masks that were counted, likewise
-  SliceSides counted_sides_;                // of the own slabs, likewise
+  std::vector<std::uint64_t> slab_hashes_;  // of the counted masks, if there are no masks of all samples
+  SliceSides counted_sides_;                // of the own slabs, if there are no masks of all samples
   BoundarySides sides_;
   SlabRange own_;      // of this rank
-  SlabRange counted_;  // and those whose vertices it numbers
+  SlabRange counted_;  // and the next rank's first slab
   BrickFlags bricks_;
   bool has_holes_ = false;                    // NaN samples were found under NanPolicy::hole
   std::atomic<bool> samples_changed_{false};  // the mapped file changed between two reads
@@ -482,7 +483,7 @@ Result<Extraction> extract_dense(const field::ScalarField& field, const field::D
       ranks->work_alone("the mesh is small, or the writer, NaN samples or vertices at equal positions need it whole");
       if (!ranks->is_first()) return leave_to_first_rank();
     }
-    // Without masks of all samples, each sample is compared twice. Holes need them.
+    // Without masks of all samples, each sample is compared twice. Holes need the masks.
     const glm::ivec3 dims(region.dims());
     const bool by_slabs = DenseMasks::bytes(dims) > context.memory().left() / 2 && options.nan != NanPolicy::hole;
     std::optional<DenseMasks> masks;

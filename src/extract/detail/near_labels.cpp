@@ -10,7 +10,7 @@ namespace isoextract::extract {
 namespace {
 
 // Returns the rows of corners that have voxels of chunk n (NearChunks) around them. `voxels`: the rows of chunk n that
-// have voxels. A corner has the voxels at its own place and one step lower around it.
+// have voxels. The voxels around a corner have the corner's index or one less along each axis.
 std::uint64_t corner_rows(int n, std::uint64_t voxels) {
   constexpr std::uint64_t kLastOfY = 0x8080808080808080U;
   std::uint64_t rows = (n & 2) != 0 ? voxels | (voxels & ~kLastOfY) << 1 : (voxels & kLastOfY) >> 7;

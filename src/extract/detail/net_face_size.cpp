@@ -26,7 +26,7 @@ bool is_stretched(const glm::dmat3& map) {
 // The coordinates of the four corners of a face.
 using Corners = std::array<Float4, 3>;
 
-// Of the corners of a face across an axis, from the first one.
+// Returns the coordinates of the corners of a face across an axis, relative to the first corner.
 template <int kAxis>
 constexpr Corners corners_across() {
   Corners corners{};
@@ -39,8 +39,8 @@ constexpr Corners corners_across() {
 Float4 next(Float4 values) { return __builtin_shufflevector(values, values, 1, 2, 3, 0); }
 Float4 previous(Float4 values) { return __builtin_shufflevector(values, values, 3, 0, 1, 2); }
 
-// Returns 12 times the volumes below the walls between the sides of a voxel face and those of its moved corners. A wall
-// is the mean of its two divisions into triangles. Neighbors have the same walls with the opposite sign. `u`, `v`,
+// Returns 12 times the volumes below the walls between the sides of a voxel face and the sides of the moved face. A
+// wall is the mean of its two divisions into triangles. Neighbors have the same walls with the opposite sign. `u`, `v`,
 // `up`: the offsets of the corners along the sides and the normal.
 Float4 walls_of(Float4 u, Float4 v, Float4 up) {
   const Float4 next_u = next(u);
@@ -96,7 +96,7 @@ NetFaceSize NetFaceSizes::across(const NearPoints& near, int place) const {
           output_area_[0][row] * around[0] + output_area_[1][row] * around[1] + output_area_[2][row] * around[2];
     }
   }
-  // In an order that makes mirror images equal.
+  // Adds in an order that gives mirror images equal sizes.
   const Float4 size = output[kUp] * output[kUp] + (output[kU] * output[kU] + output[kV] * output[kV]);
   const bool is_through_apex = std::min(size[0], size[2]) < std::min(size[1], size[3]);
   // The volume is the sum of area, as seen from above, times mean height of the triangles. The voxel face has height 0.

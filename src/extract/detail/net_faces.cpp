@@ -44,8 +44,8 @@ struct FaceSides {
   std::uint16_t above = 0;
 };
 
-// Of each pattern of corner_fans.hpp. A table, because GCC 12 (-O2 without assertions) compiles the comparison of the
-// two voxels in join_shells() wrongly: faces with the label below them were not joined.
+// The sides for each pattern of corner_fans.hpp. A table, because GCC 12 (-O2 without assertions) compiles the
+// comparison of the two voxels in join_shells() wrongly: faces with the label below them were not joined.
 constexpr std::array<FaceSides, 256> make_face_sides() {
   std::array<FaceSides, 256> all{};
   for (unsigned pattern = 0; pattern < 256; ++pattern) {
@@ -64,11 +64,12 @@ constexpr std::array<FaceSides, 256> kFaceSides = make_face_sides();
 constexpr std::uint16_t kOwnFaces =
     1U << face_at_corner(0, 0, 0) | 1U << face_at_corner(1, 0, 0) | 1U << face_at_corner(2, 0, 0);
 
-// The faces that have a point as their lowest one, before that of each axis, by the axes of all of them.
+// A point owns the faces that have it as their lowest corner. Entry [axes][axis] is the number of own faces before the
+// own face across `axis`; `axes` are the axes of all own faces.
 constexpr std::array<std::array<std::uint8_t, 3>, 8> kFacesBefore{
     {{0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}, {0, 0, 0}, {0, 1, 1}, {0, 0, 1}, {0, 1, 2}}};
 
-// The step from the place of a corner to that of the lowest corner of each face around it.
+// The index step from the place of a corner to the place of the lowest corner of each face around the corner.
 constexpr std::array<int, kFacesAround> make_ways_down() {
   std::array<int, kFacesAround> ways{};
   for (unsigned f = 0; f < kFacesAround; ++f) {
@@ -209,7 +210,7 @@ void NetFaces::number_shells() {
         if (const std::uint32_t parent = sets.load(node); parent != kNoShell) sets.store(node, sets.root(parent));
       },
       kGrain);
-  // Each parent, a root or not, is a lower node, so it has its number before others need it.
+  // Each parent, a root or not, is a lower node, so its number is known before its children need it.
   for (std::uint32_t node = 0; node < of_shells_.size(); ++node) {
     std::uint32_t& root = of_shells_[node];
     if (root == node) {

@@ -16,13 +16,13 @@
 namespace isoextract::extract {
 namespace {
 
-// The part of the way to the mean of their neighbors that points move in the first half of a round. In the second half
-// they move back by the same part of the way to the new mean. So a round removes steps between voxels, but wide parts
-// keep their shape. It is a step down the gradient of the sum of squared distances from the means. The largest
-// eigenvalue of that is 4, and the step must not exceed its inverse (a part of 1/2).
+// The fraction of the way to the mean of its neighbors that a point moves in the first half of a round. In the second
+// half, the point moves away from the new mean by the same fraction. So a round removes steps between voxels, but wide
+// parts keep their shape. A round is a step down the gradient of the sum of squared distances from the means. The
+// largest eigenvalue of this gradient is 4, and the step must not exceed the inverse (a fraction of 1/2).
 constexpr float kPart = 0.5F;
 
-// Of each set of axes: 0 for its axes, 1 for the others.
+// Factors for each set of axes: 0 for the axes in the set, 1 for the other axes.
 constexpr std::array<Float4, 8> make_free_axes() {
   std::array<Float4, 8> all{};
   for (unsigned axes = 0; axes < 8; ++axes) {
@@ -36,8 +36,8 @@ constexpr std::array<Float4, 8> kFreeAxes = make_free_axes();
 // first-order methods for smooth convex minimization. 2016).
 class Momentum {
  public:
-  // Returns the position from which the next round starts. `start` and `end` are the last one's; `end_before`: that of
-  // the one before.
+  // Returns the position from which the next round starts. `start` and `end` belong to the last round; `end_before` is
+  // the end of the round before it.
   [[nodiscard]] Float4 next_start(Float4 start, Float4 end, Float4 end_before) const {
     return end + of_ends_ * (end - end_before) + of_round_ * (end - start);
   }
@@ -76,8 +76,8 @@ class FaceCounts {
     }
   }
 
-  // Returns the faces, as bits, through which the point of a cell is connected with others. A curve needs two ends: if
-  // fewer than two faces have three labels, no curve passes.
+  // Returns the faces, as bits, through which the point of a cell is connected with other points. These are the faces
+  // with three labels if there are at least two (a curve needs two ends), else the faces with two labels.
   [[nodiscard]] std::uint8_t joined(int bit) const {
     unsigned two = 0;
     unsigned three = 0;
@@ -96,7 +96,7 @@ class FaceCounts {
 struct Steps {
   glm::vec3 sum{0};  // first, for load()
   float share = 0;
-  std::array<Int4, kFaces> joined{};  // all bits of those in the set, none of the others
+  std::array<Int4, kFaces> joined{};  // all bits set for faces in the set, else 0
 };
 
 constexpr std::array<Steps, 64> make_steps() {
@@ -128,11 +128,11 @@ class Links {
     return links;
   }
 
-  // Calls f(number, mean, free axes) for the points of a chunk, in order. The mean is that of the connected points,
-  // from the point's corner. `offsets` has an element after that of the last point.
+  // Calls f(number, mean, free axes) for the points of a chunk, in order. The mean is the mean of the connected points,
+  // relative to the point's corner. `offsets` has one element more than there are points.
   template <class F>
   void for_each_mean(std::size_t chunk, const Buffer<glm::vec3>& offsets, const F& f) const {
-    // Within a plane of places (NearPointPlanes).
+    // Index steps to the neighbors within a plane of places (NearPointPlanes).
     constexpr std::array<int, kFaces> kWays{
         -NearPlaces::kSteps[0], NearPlaces::kSteps[0], -NearPlaces::kSteps[1], NearPlaces::kSteps[1], 0, 0};
     // A copy at places is faster to read than the list of points: the neighbors of a point are at fixed distances.
@@ -160,7 +160,7 @@ class Links {
         for_each_bit(row.used, [&](int bit) {
           const Steps& steps = kSteps[joined_[k]];
           Float4 sum = load(&steps);
-          // A sum over all six is faster than a loop over the connected ones: the processor cannot predict their
+          // A sum over all six faces is faster than a loop over the connected faces: the processor cannot predict their
           // number.
           for (std::size_t face = 0; face < kFaces; ++face) {
             const Float4 offset = load(near[face] + (place + bit + kWays[face]));

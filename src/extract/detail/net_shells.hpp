@@ -72,7 +72,8 @@ class ShellSums {
     for (const Sum& sum : sums_) flush(sum);
   }
 
-  // Adds a face to the shell below it, and subtracts its volume from the shell above it.
+  // Adds the area of a face to the shells below and above it. Adds the volume to the shell below, and subtracts it from
+  // the shell above.
   void add(const NetFaces::Shells& shells, std::uint64_t volume, std::uint64_t area) {
     add(shells[0], volume, area);
     add(shells[1], ~volume + 1, area);
@@ -114,7 +115,7 @@ class ShellLinks {
     std::uint32_t area;  // that can move, in kAreaUnits
   };
 
-  // Beyond the links themselves.
+  // Bytes besides the links.
   static constexpr std::uint64_t kBytesPerShell = 5 * sizeof(double);
   static constexpr std::uint64_t kBytesPerChunk = sizeof(ReservedList<Link>);
 
@@ -164,9 +165,9 @@ class ShellLinks {
   }
 
   // Chooses steps that together change all volumes as wanted, if no cell limits them. The change is a linear function
-  // of the steps, with a symmetric matrix. Scaled by its diagonal, it has eigenvalues from 0 to 2: Chebyshev's
-  // iteration needs nothing else. Sums are of integers, so they depend neither on the order of the shells nor on the
-  // chunks.
+  // of the steps, with a symmetric matrix. Scaled by its diagonal, the matrix has eigenvalues from 0 to 2:
+  // Chebyshev's iteration needs nothing else. Sums are of integers, so they depend neither on the order of the shells
+  // nor on the chunks.
   void solve(const std::vector<Shell>& shells, ShellSteps& chosen) const;
 
  private:
@@ -174,8 +175,8 @@ class ShellLinks {
   static constexpr double kLinkUnits = 2 * kAreaUnits;  // of for_each_link()
   static constexpr double kStepUnits = 1 << 20;         // per grid step
 
-  // Calls f(shell, other, area) for all links, where the other one may be kNoShell. The area is in half units, and that
-  // of a face between two shells counts half.
+  // Calls f(shell, other, area) for all links; `other` may be kNoShell. The area is in units of 1 / kLinkUnits square
+  // grid steps, and a face between two shells counts half.
   template <class F>
   void for_each_link(const F& f) const {
     for (const ReservedList<Link>& list : of_chunks_) {

@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kMostPasses = 40;
 constexpr int kCoupledPasses = 2;      // choose the steps of all shells together
-constexpr float kLongestStep = 0.25F;  // of a point in one pass
+constexpr float kLongestStep = 0.25F;  // of a point in one pass, in grid steps
 constexpr double kLeastGain = 0.5;
 constexpr double kMostGain = 4;
 constexpr double kMostSearched = 0.2;  // the greatest share of the area whose faces a pass searches for
@@ -44,7 +44,7 @@ class VolumeKeeper {
         is_marked_(grid.origins().size()),
         moving_(grid.origins().size()) {}
 
-  // Returns the bytes that a keeper takes beyond its arguments.
+  // Returns the bytes that a keeper takes in addition to the constructor's arguments.
   static std::uint64_t bytes(std::uint64_t shells, std::uint64_t chunks) {
     return shells * (sizeof(Shell) + ShellSteps::kBytesPerShell + ShellLinks::kBytesPerShell) +
            chunks * (ShellLinks::kBytesPerChunk + 2 + sizeof(ChunkBits));
@@ -108,14 +108,13 @@ class VolumeKeeper {
     return links;
   }
 
-  // Measures all faces.
   void measure_all() {
     for (Shell& shell : shells_) shell.excess = shell.area = 0;
     for_each_index(grid_.origins().size(),
                    [&](std::size_t c) { add_faces(c, 1, [](std::size_t) { return ~std::uint64_t{0}; }); });
   }
 
-  // Adds the faces of a chunk to the sums of their shells, times a sign: those whose first point is in which(row).
+  // Adds the faces of a chunk whose first point is in which(row) to the sums of their shells, times `sign`.
   template <class Which>
   void add_faces(std::size_t chunk, int sign, const Which& which) {
     std::optional<NearPoints> near;  // made if a face is found
@@ -158,7 +157,7 @@ class VolumeKeeper {
   // Marks the points of faces that make a step.
   void mark_moving() {
     std::ranges::fill(is_marked_, std::uint8_t{0});
-    // Clears the bits of all chunks that may get some, before any thread sets them.
+    // Clears the bits of all chunks that may get marked points, before any thread sets bits.
     for (std::size_t c = 0; c < has_steps_.size(); ++c) {
       if (has_steps_[c] == 0) continue;
       for (unsigned n = 0; n < 8; ++n) {
@@ -210,7 +209,7 @@ class VolumeKeeper {
     });
   }
 
-  // Chooses by how much the volume of each shell is to change. Returns whether any is.
+  // Chooses by how much the volume of each shell is to change. Returns false if no volume is to change.
   bool choose_changes() {
     bool any = false;
     for (Shell& shell : shells_) {
@@ -277,7 +276,7 @@ class VolumeKeeper {
   const NetFaces& faces_;
   field::IndexBox bounds_;
   NetFaceSizes sizes_;
-  Buffer<glm::vec3>& areas_;  // of the faces, as normals
+  Buffer<glm::vec3>& areas_;  // of the faces, as area vectors
   Buffer<glm::vec3>& offsets_;
   std::vector<Shell> shells_;
   ShellSteps steps_;

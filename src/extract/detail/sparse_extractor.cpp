@@ -111,7 +111,7 @@ class SparseExtraction final : private VariantChooser {
   }
 
  private:
-  // Returns how many cells NanPolicy::hole leaves out.
+  // Counts the vertices and triangles of all sites. Returns how many cells NanPolicy::hole leaves out.
   std::uint64_t count_sites() {
     std::atomic<std::uint64_t> left_out{0};
     const std::vector<glm::ivec3>& origins = sites_.origins();

@@ -26,7 +26,7 @@ class CornerRows {
 
   [[nodiscard]] CornerWords row(int y, int z) const { return corner_words(near_, y, z); }
 
-  // Returns whether find(words), contacts() or mixed(), finds a corner.
+  // Returns whether find(words) finds a corner; `find` is contacts() or mixed().
   template <class Find>
   [[nodiscard]] bool any(const Find& find) const {
     CornerWords whole{};  // if every chunk is full or empty, voxels meet as the chunks do
@@ -116,7 +116,7 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
   of_layers.reserve(rectangles.size());
   for (std::size_t l = 0; l < rectangles.size(); ++l) of_layers.emplace_back(context, what);
   for_each_index(rectangles.size(), [&](std::size_t l) {
-    std::array<glm::ivec3, 4> last;  // neighbors in the list usually share it
+    std::array<glm::ivec3, 4> last;  // chunk origins; neighbors in the list usually share one
     last.fill(glm::ivec3(1));
     for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {
       const glm::ivec3 origin = chunk_origin(corner);
@@ -131,8 +131,8 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
     count += layer.values().size();
   }
 
-  // For each listed chunk: which of the eight chunks from itself upward have voxels that touch along an edge only. A
-  // listed neighbor is checked by itself.
+  // Finds for each listed chunk which of the eight chunks from itself upward have voxels that touch along an edge only.
+  // Skips listed neighbors, because they have their own turn.
   const std::vector<VoxelChunk>& chunks = voxels.chunks();
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(closes ? chunks.size() : 0, context, what));
   for_each_index(flags->values.size(), [&](std::size_t c) {
@@ -226,7 +226,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
 // Marks the corners of the rectangles as used.
 void SurfacePoints::mark_corners(const std::vector<LayerRectangles>& rectangles) {
   for_each_index(rectangles.size(), [&](std::size_t l) {
-    std::array<glm::ivec3, 4> last;  // neighbors in the list usually share it
+    std::array<glm::ivec3, 4> last;  // chunk origins; neighbors in the list usually share one
     std::array<std::size_t, 4> chunk{};
     last.fill(glm::ivec3(1));
     for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {

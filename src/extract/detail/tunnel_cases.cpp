@@ -33,7 +33,7 @@ class SlicedCell {
       return face_is_joined(2 * axis_ + side);
     }
     // The range ends where the last misfit column crosses iso. If that is an inside column, the inside corners are
-    // apart there; if it is an outside column, they are joined. With one misfit of each kind, the side face that they
+    // apart there; if it is an outside column, they are joined. With one misfit of each kind, the side face that both
     // share tells which one is last.
     return std::ranges::any_of(outside_, [&](unsigned q) {
       return misfit(q) && std::ranges::all_of(inside_, [&](unsigned p) {
@@ -60,8 +60,8 @@ class SlicedCell {
   }
   [[nodiscard]] bool face_is_joined(unsigned face) const { return (joined_ >> face & 1) != 0; }
 
-  // Returns the loop that passes between two neighboring columns, one inside and one outside. It crosses the face they
-  // share, up to a side where both fit, or else to where `column` itself crosses iso.
+  // Returns the loop that passes between two neighboring columns, one inside and one outside. Finds it by an edge that
+  // it crosses: the edge between the columns at a side where both fit, else the edge along `column`.
   [[nodiscard]] std::uint8_t loop_between(unsigned column, unsigned other, const std::vector<Loop>& loops) const {
     std::uint8_t edge = cube_edge(corner(column, 0), corner(column, 1));
     for (const unsigned side : {0U, 1U}) {

@@ -69,8 +69,8 @@ HWY_INLINE void store_points(const Vec3& v, int count, glm::vec3* out) {
 
 HWY_INLINE DoubleVec load_axis(const std::int32_t* from) { return hn::PromoteTo(kDoubles, hn::LoadU(kInts, from)); }
 
-// Writes the vertices of the batch whose numbers are finite. Returns the others, one bit an entry; the caller must
-// write them.
+// Writes the vertices of the batch. Sets a bit in `left` for each vertex with a number that is not finite or, with
+// normals, a zero gradient; the caller must write these vertices again.
 template <bool kNormals>
 void place_batch(const VertexBatch& batch, const VertexRules& rules, glm::vec3* positions, glm::vec3* normals,
                  std::uint64_t* left) {
@@ -158,7 +158,7 @@ void place_plainly(const VertexBatch& batch, int i, const VertexRules& rules, gl
     return glm::dvec3(batch.gradient[end][0][i], batch.gradient[end][1][i], batch.gradient[end][2][i]);
   };
   const glm::dvec3 out = (rules.inside(f0) ? 1.0 : -1.0) * step;
-  // A vertex next to NaN is halfway to it, whatever the gradient of the field.
+  // A vertex next to a NaN sample is in the middle of the edge, so the gradient says nothing about the normal there.
   const bool beside_nan = std::isnan(batch.value[0][i]) || std::isnan(batch.value[1][i]);
   if (beside_nan || glm::any(glm::isnan(gradient(0))) || glm::any(glm::isnan(gradient(1)))) {
     *normal = rules.placement.placeholder_normal(out);

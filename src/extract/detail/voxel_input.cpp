@@ -61,8 +61,8 @@ OutputPlacement voxel_placement(const field::ScalarField& field, const ExtractOp
 
 Result<SparseBounds> sparse_bounds(const field::ScalarField& field, const field::SparseSamples& samples,
                                    const ExtractOptions& options, bool unbounded) {
-  // sparse_region() checks the index range here. It would require a cell; voxels need only a sample, so the region is
-  // clipped below.
+  // Calls sparse_region() to check the index range only, without the region: it requires a cell, voxels need only a
+  // sample. voxel_region() clips below.
   ExtractOptions whole = options;
   whole.region.reset();
   TRY(sparse_region(field, samples, whole));

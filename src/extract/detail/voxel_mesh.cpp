@@ -29,11 +29,11 @@ constexpr std::size_t kPortion = 4096;
 
 // The outline of a rectangle as vertices, and the triangles between them.
 //
-//   top    T0-------T1----T2      The left side, from the top left down, makes a fan around the second vertex of the
-//          |              |       bottom; the right side, from the bottom right up, one around the last but one of the
-//   left   |              | right top. What is left lies between two parallel rows. No triangle has three vertices on
-//          |              |       one side, so none has zero area, and there are two fewer than vertices.
-//   bottom B0--B1---------B2
+//   top    T0-------T1----T2        The left side, from the top left down, makes a fan around B1, the second
+//          |              |         vertex of the bottom. The right side, from the bottom right up, makes a fan
+//   left   |              |  right  around T1, the last but one vertex of the top. The rest lies between two parallel
+//          |              |         rows. No triangle has three vertices on one side, so none has zero area.
+//   bottom B0--B1---------B2        There are two fewer triangles than vertices.
 class OutlinePolygon {
  public:
   OutlinePolygon(const SurfacePoints& points, int axis, bool closes, bool mirrored)
@@ -51,14 +51,14 @@ class OutlinePolygon {
     left_.clear();
     right_.clear();
     turn_for(rectangle);
-    // Named by the quadrant of the corner in which the rectangle lies.
+    // Named by the ends of u and v: low_high is at the low end of u and the high end of v.
     const FaceCorner low_low = corner(rectangle, 0, 0);
     const FaceCorner high_low = corner(rectangle, 1, 0);
     const FaceCorner low_high = corner(rectangle, 0, 1);
     const FaceCorner high_high = corner(rectangle, 1, 1);
     const int voxel = rectangle.upward ? 0 : 1;  // side of the voxel across the plane
-    // The side of the voxel along the lower axis across a rectangle side: across the plane, or along the other axis in
-    // it.
+    // Returns the side of the voxel at a rectangle side (Finder::along()), along the lower one of two axes: the plane's
+    // axis or `other_axis`.
     const auto upper = [&](int other_axis, int quadrant) { return axis_ < other_axis ? voxel : quadrant; };
     const int u = plane_u(axis_);
     const int v = plane_v(axis_);
@@ -177,7 +177,7 @@ class OutlinePolygon {
     *out++ = turned_ ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c);
   }
 
-  // Returns the corner of the rectangle at the high end of u, of v, with its face there.
+  // Returns the corner at the high (1) or low (0) end of u and v, and the number of the rectangle's face around it.
   [[nodiscard]] FaceCorner corner(const FaceRectangle& rectangle, int high_u, int high_v) const {
     FaceCorner found;
     found.corner[axis_] = rectangle.plane;

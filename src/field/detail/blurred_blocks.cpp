@@ -18,7 +18,7 @@ void sort_places(Places& places) {
   places.erase(std::unique(places.begin(), places.end()), places.end());
 }
 
-// Returns the places and those at most `rings` places away, extended axis by axis.
+// Returns `places` and all places at most `rings` places away. Extends the list axis by axis.
 Places grown(Places places, int rings) {
   for (int axis = 0; axis < 3; ++axis) {
     Places more;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kCellsPerSite = 512;
 constexpr std::size_t kMaxSites = 65536;    // limit of a draw: a key has 16 bits for the site
-constexpr std::size_t kTexelsPerSite = 27;  // of the largest texture buffer: the neighbors of leaves
+constexpr std::size_t kTexelsPerSite = 27;  // in the largest texture buffer, the table of neighbor leaves
 
 }  // namespace
 
@@ -30,7 +30,7 @@ CellCapture::CellCapture(const gl::GlContext& context, CaptureBuffers& buffers, 
       pipeline_(pipeline),
       words_(words_per_vertex),
       feedback_bytes_(feedback_bytes),
-      // llvmpipe repeats vertices in a draw of more than 65,536 tessellated ones.
+      // llvmpipe repeats vertices in a draw of more than 65,536 tessellated vertices.
       patches_per_draw_(context.device().software ? 65536 / kCellsPerSite : kMaxSites),
       max_sites_(0),
       next_sites_(0) {
@@ -84,7 +84,7 @@ Result<void> CellCapture::draw(const gl::CountAndCapture& pass, std::span<const 
     const auto triangles = TRY(count(*pass.count, many));
     const std::uint64_t words = triangles * 3 * words_;
     const std::uint64_t bytes = words * sizeof(std::uint32_t);
-    // Sizes the next draw by the bytes a site that this draw needs.
+    // Sizes the next draw by the bytes per site of this draw.
     constexpr double kRoom = 0.8;
     const double fitting =
         kRoom * static_cast<double>(feedback_bytes_) / static_cast<double>(std::max<std::uint64_t>(bytes, 1));

@@ -15,8 +15,8 @@ std::size_t brick_index(const glm::ivec3& bricks, const glm::ivec3& b) {
              (static_cast<std::size_t>(b.y) + static_cast<std::size_t>(bricks.y) * static_cast<std::size_t>(b.z));
 }
 
-// Checks the eight bricks of word `w` in brick row (bj, bk): bit b is set if brick b has samples on both sides. Its
-// samples include those that its last cells share with the next bricks.
+// Checks the eight bricks of word `w` in brick row (bj, bk): bit b is set if brick b has samples on both sides. The
+// samples of a brick include the samples that its last cells share with the next bricks.
 unsigned mixed_bricks(const extract::DenseMasks& masks, int w, int bj, int bk) {
   const glm::ivec3 dims = masks.dims();
   const std::uint64_t own = extract::bits_below(w, dims.x);

@@ -165,7 +165,8 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
   glFinish();  // GL may delay uploads until here
   uploads_.time += watch.elapsed();
   TRY(context_->check("uploading samples"));
-  // If the mapped file was truncated meanwhile, the uploaded samples may differ from the hashed ones.
+  // Drops the hashes if the mapped file was truncated meanwhile: the uploaded samples may differ from the hashed
+  // samples.
   if (options_.resident != nullptr && !samples_->lost()) options_.resident->give_back(std::move(hashes));
   return std::span<const std::uint32_t>(column_sites_).subspan(begin, next_ - begin);
 }

@@ -21,7 +21,7 @@ SparseSource::SparseSource(const gl::GlContext& context, const field::SparseSamp
       order_(sites.origins().size()),
       slot_of_(samples.blocks.size(), -1) {
   std::iota(order_.begin(), order_.end(), 0U);
-  // Sorts sites without a leaf in between the others, so that the leaves around them are needed only once.
+  // Sorts all sites by origin. Sites without a leaf come beside their neighbors, so fewer leaves are uploaded twice.
   std::ranges::sort(order_, {}, [&](std::uint32_t s) {
     const glm::ivec3& p = sites.origins()[s];
     return std::tuple(p.x, p.y, p.z);
@@ -83,7 +83,7 @@ std::int32_t SparseSource::take_slot() {
 
 void SparseSource::upload(std::int32_t block, std::int32_t slot) {
   const glm::ivec3 at = kSize * glm::ivec3(slot % slots_.x, slot / slots_.x % slots_.y, slot / (slots_.x * slots_.y));
-  // In a block z runs fastest, so it becomes the first axis of the texture.
+  // The values of a block have z fastest, so z becomes the first axis of the texture.
   glTexSubImage3D(GL_TEXTURE_3D, 0, at.x, at.y, at.z, kSize, kSize, kSize, format_.format, format_.type,
                   samples_->blocks[static_cast<std::size_t>(block)].values);
   uploads_.samples += kBlockSamples;

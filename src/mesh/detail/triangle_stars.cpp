@@ -38,7 +38,7 @@ void CrowdedStars::make(const std::vector<Sides>& crowded, const std::vector<std
     });
   }
   std::ranges::sort(sides);
-  std::unordered_map<std::uint64_t, std::uint32_t> number;  // stars by their two ends; a corner is its own other end
+  std::unordered_map<std::uint64_t, std::uint32_t> number;  // of stars, by both ends of a side or twice a corner
   const auto star_at = [&](std::uint64_t key) {
     const auto [at, is_new] = number.try_emplace(key, static_cast<std::uint32_t>(stars_.size()));
     const auto low = static_cast<std::uint32_t>(key >> 32);
