@@ -61,7 +61,7 @@ struct Component {
 }  // namespace
 
 Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage) {
-  // A plane cuts the surface elsewhere than the voxels, so their volumes differ.
+  // A plane cuts the surface and the voxels at different points, so the two volumes are not comparable.
   if (!stage.job.surface.relaxes() || !stage.source.clip.empty()) return StageReport();
   const mesh::Mesh& mesh = surface.mesh;
   const Context& context = stage.context;
