@@ -367,7 +367,7 @@ RunResult BatchRun::State::run_for_first_rank() {
 RunResult BatchRun::State::run(RunEvents& the_events) {
   events = &the_events;
   options.scheduler.extras.field_notes = [this](const field::ScalarField& field) { return notes_about(field); };
-  // Before the ranks begin to convert, so that no rank finds files of this run.
+  // Looks before the ranks begin to convert, so that no rank finds files of this run.
   if (options.scheduler.extras.read != nullptr && !animation) old_label_outputs = find_label_outputs(batch);
   if (options.ranks != nullptr && !options.ranks->is_first()) return run_for_first_rank();
   const std::vector<std::size_t> others = keep_finished_frames();
@@ -416,7 +416,7 @@ fs::path manifest_folder(const BatchJob& batch) {
 Result<std::optional<files::InputFileSet>> check_written_files(const BatchJob& batch, const Shard& shard,
                                                                const OtherFiles& others, const Context& context) {
   std::vector<fs::path> there;             // files to write that exist already
-  std::unordered_set<std::string> meshes;  // these, and files that labels may get
+  std::unordered_set<std::string> meshes;  // `there`, and existing files that labels may replace
   ExistingFiles existing;
   for (const FrameJob& frame : batch.frames) {
     std::ranges::copy_if(files_of(frame.job), std::back_inserter(there), files::is_there);

@@ -94,7 +94,7 @@ std::vector<ExistingFiles::Match> ExistingFiles::find_matches(const fs::path& ou
     first = std::min(first, name.find(word));
     if (const std::size_t at = name.rfind(word); at != std::string::npos) last = std::max(last, at + word.size());
   }
-  // Names of frames differ in one of these texts: comparing all names with those of each frame would take much longer.
+  // Compares only names with the same start or end as the output name: comparing all names for each frame is slow.
   const auto with_start = texts_with_start(listing.names, std::string_view(name).substr(0, first));
   const auto with_end = texts_with_start(listing.reversed, reversed_text(std::string_view(name).substr(last)));
   const bool by_end = with_end.size() < with_start.size();

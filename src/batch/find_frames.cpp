@@ -186,7 +186,7 @@ std::string note_by_decimals(const std::string& first, const std::string& last, 
       count, printable(first), printable(last));
 }
 
-// Numbers the members of one sequence by their names, several sequences by decimal number or by position.
+// Numbers the files of one sequence by their names. Numbers other files from 1, sorted by their decimal numbers if any.
 FoundFrames numbered_frames(std::span<const std::string> names, std::span<const Sequence> sequences,
                             const std::optional<DecimalOrder>& decimals, const std::string& folder) {
   FoundFrames found;
@@ -241,7 +241,7 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> pictures;
   std::vector<std::string> meshes;
   std::size_t others = 0;
-  std::string first;  // of the files that are neither
+  std::string first;  // file of no known kind that comes first by name
   TRY(files::visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;

@@ -33,7 +33,8 @@ Result<FileRecord> file_record_of(const mesh_io::WrittenFile& file, const Contex
   return FileRecord{file.path, state, {}};
 }
 
-// Returns a message about the first file whose bytes (or `with_times` modification time) changed; empty if none has.
+// Returns a message about the first file whose bytes, or `with_times` also whose modification time, changed; empty if
+// no file changed.
 std::string first_changed_file(const std::vector<FileRecord>& before, bool with_times) {
   for (const FileRecord& file : before) {
     const auto now = files::hash_part({file.path, file.ranges}, Context());
@@ -219,7 +220,7 @@ class PartsBySurface {
   std::unordered_map<std::string, const Figures*> mesh_of_file_;
 };
 
-// Adds the figures of the files of a surface. Counts only its first output: another output may repeat the surface.
+// Adds the figures of the files of a surface. Counts only the first output: another output may repeat the surface.
 void add_written(const convert::Outcome& outcome, const SurfaceParts& parts, SurfaceFigures& figures) {
   std::size_t counted = 0;  // files before this index are in the sum
   for (const convert::WrittenSurface* surface : parts.written) {
@@ -290,7 +291,7 @@ void add_files(const convert::Outcome& outcome, const SurfaceParts& parts, const
   if (files.size() > 1) surface.files = std::move(files);
 }
 
-// Adds the optional attributes that the input lacks. One may be requested twice: to be written, and for colors.
+// Adds the optional attributes that the input lacks. An attribute may be requested twice: for the file and for colors.
 void add_missing_attributes(const StageReport& report, std::vector<std::string>& lacked) {
   for (const Figures& attribute : report.entries) {
     const auto name = value_at<std::string>(attribute, {Key::attribute}).value_or("");

@@ -116,7 +116,7 @@ bool may_be_truncated(std::string_view text) {
   return text.substr(0, kHashDigits).find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
-// Adds records of these jobs from other manifests in the folder: the joined one, and those of other numbers of shards.
+// Adds records of these jobs from all other manifests in the folder that the same program version wrote.
 void add_other_manifests(const fs::path& folder, const fs::path& own, const ManifestHeader& header,
                          const std::unordered_set<std::string>& jobs, std::vector<FrameRecord>& records) {
   std::unordered_set<std::string> known;
@@ -186,7 +186,7 @@ struct Manifest::State {
   int before = -1;  // the replaced file; stays open, so that a run that opened it cannot lock it
   int folder = -1;  // also locked
   bool resume = false;
-  bool is_used = false;                                  // has records, or is not this run's own
+  bool is_used = false;                                  // has records, existed before, or is of a shard
   std::unordered_map<std::string, FrameRecord> records;  // of earlier runs; without `resume` only their jobs
 
   State() = default;
@@ -263,7 +263,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
     });
   }
   if (resume) add_other_manifests(folder, state->path, header, jobs, kept);
-  // Records of this batch go last, so that merge_shards() can tell them from those of other batches.
+  // Records of this batch go last, so that merge_shards() can tell them from records of other batches.
   std::stable_partition(kept.begin(), kept.end(),
                         [&](const FrameRecord& record) { return !jobs.contains(record.job); });
   const bool goes_on = trusted && resume && old->header.batch == header.batch;
@@ -272,7 +272,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   std::string content = line_of(json_of(own));
   for (const FrameRecord& record : kept) content += line_of(batch::json_of(record));
   if (content != *text) {
-    // Atomic, even if the run is killed.
+    // Replaces the file atomically: a killed run leaves the old or the new content.
     if (auto written = files::write_file(state->path, content); !written) {
       if (text->empty()) ::unlink(state->path.c_str());  // the empty file created above for the lock
       return tl::unexpected(written.error());

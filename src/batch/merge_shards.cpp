@@ -96,8 +96,8 @@ class JoinedManifest {
 // The records that count: all, or only those whose inputs and outputs are unchanged.
 enum class Wanted { all, unchanged };
 
-// Adds records of the joined manifest for the frames that `found` lacks. The joined manifest has records of other
-// batches, too. Adds none if the result is another batch, or only a part of a batch that was not the last one.
+// Adds records of the joined manifest, which may be of other batches, for the frames that `found` lacks. Adds none if
+// all frames together are another batch, or if frames are missing and the last run or merge was another batch.
 void add_joined_records(const ManifestHeader& header, const JoinedManifest& joined, Wanted wanted,
                         std::map<std::int64_t, FrameRecord>& found) {
   const auto range = FrameRange::parse(header.numbers);

@@ -163,7 +163,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "put {iso} into the name instead");
   }
   const bool tells_apart = by_label || names.uses(OutputWord::iso);
-  // Of several labels with the same name, the conversion refuses the second.
+  // Counts a label name as one label: the conversion refuses a second label with this name.
   const bool is_one =
       source.isos.empty() || (source.isos.size() == 1 && (!all_labels || source.isos.front().is_label_name()));
   if (names.uses(OutputWord::piece) && !is_one && !tells_apart) {

@@ -200,7 +200,7 @@ class Scheduler {
   convert::BackendCache* backends_;  // null for a single frame: no later frame needs the device
   FrameReceiver* receiver_;
   FrameSource* source_;             // null if it has no more frames
-  std::vector<std::size_t> given_;  // by the source, by queue position
+  std::vector<std::size_t> given_;  // frames that the source gave, by queue position
 
   std::mutex mutex_;  // guards the members below
   FrameQueue queue_;

@@ -27,7 +27,7 @@ struct OpenEnd {
   [[nodiscard]] bool same_fan(const OpenEnd& other) const { return at == other.at && fan == other.fan; }
 };
 
-// Copies the corners at the vertex without those of triangles that repeat an index.
+// Copies the corners at the vertex, except corners of triangles that repeat an index.
 void copy_valid_corners(std::span<const mesh::Corner> corners, std::span<const glm::uvec3> triangles,
                         std::vector<mesh::Corner>& sound) {
   sound.clear();
@@ -52,7 +52,7 @@ class BoundarySearch {
   }
 
  private:
-  // Several threads find the sound vertices, usually most of them; the rest is done in order.
+  // Finds the sound vertices, usually most vertices, on several threads; examines the other vertices in order.
   void find_ends() {
     const auto triangles = mesh_.triangles.span();
     Buffer<std::uint8_t> sound(mesh_.positions.size());
@@ -124,7 +124,7 @@ class BoundarySearch {
       const auto [low, high] = std::minmax({find(ends_[i - 1].edge), find(ends_[i].edge)});
       first[high] = low;
     }
-    // The first edge of a loop comes before its others, so it already has the loop's number.
+    // The first edge of a loop comes before the other edges of the loop, so it already has the loop's number.
     for (std::uint32_t edge = 0; edge < first.size(); ++edge) {
       if (first[edge] == edge) {
         first[edge] = static_cast<std::uint32_t>(result_.loops.size());

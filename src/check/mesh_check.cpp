@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kPlacesText = "the vertices at equal positions";
 
-// Copies positions and name; the triangles refer to the first vertex at each place.
+// Copies positions and name; the triangles refer to the first vertex at each position.
 mesh::Mesh with_joined_triangles(const mesh::Mesh& mesh, const mesh::CoincidentVertices& places) {
   mesh::Mesh joined;
   joined.name = mesh.name;

@@ -78,10 +78,10 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
   return result;
 }
 
-// Sets the type of components without an inside, and their volume to 0. The type of others is body for now.
+// Sets the type of components without an inside, and their volume to 0. Other components are bodies for now.
 Result<void> find_insides(const mesh::Mesh& mesh, const mesh::Components& components, std::vector<Component>& all,
                           const Context& context) {
-  std::uint64_t unclear = 0;  // triangles of components with non-manifold edges; a count of directions decides there
+  std::uint64_t unclear = 0;  // triangles with non-manifold edges in their component: counting edge directions decides
   for (Component& component : all) {
     component.shell = component.edges.open > 0          ? Shell::open
                       : component.edges.misoriented > 0 ? Shell::not_oriented

@@ -118,7 +118,7 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volume_io::Rea
   return found;
 }
 
-// Returns the name of the reports.
+// Parses --report. Fails if the name has no placeholder for the frame number or step.
 Result<std::optional<batch::OutputTemplate>> plan_report(const ConvertFlags& flags) {
   if (!flags.report) return std::nullopt;
   auto name = TRY(plan_report_name(*flags.report));

@@ -33,7 +33,7 @@ Result<check::MeshCheck> check_one(mesh::Mesh& mesh, const mesh_io::FileNormals&
   auto check = check::check_mesh(mesh, context);
   if (check && !normals.empty()) {
     check->normals = check::check_normals(mesh, normals.values.span(), normal_numbers);
-    // This mesh has no normals, but others of the file do.
+    // This mesh has no normals, but other meshes of the file have normals.
     if (check->normals->corners == 0) check->normals.reset();
   }
   return check;

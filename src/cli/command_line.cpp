@@ -76,7 +76,7 @@ bool takes_files(const OptionSet& options) {
   return operand != nullptr && operand->takes_file();
 }
 
-// Adds a word to the operand: CLI11 delivers only its first text.
+// Adds a word to the operand, because CLI11 delivers only the first word of the operand.
 Result<void> take_file(const Command& command, const std::string& word) {
   const bool takes_them = takes_files(command.options());
   for (Option* option : command.options().options()) {

@@ -12,7 +12,7 @@
 
 namespace isoextract::cli {
 
-// Each is defined in its command's file; in a unity build the definition may come first.
+// Declares functions that the files of the commands define; in a unity build the definition may come first.
 // NOLINTBEGIN(readability-redundant-declaration)
 using MakeCommand = std::unique_ptr<Command>();
 MakeCommand make_convert_command;

@@ -111,7 +111,7 @@ Moves moves_of(const Placements& placements) {
   return {placements[0].output_from_world().inverse(), placements[1].output_from_world().inverse()};
 }
 
-// Returns whether some value of --up moves the meshes differently than the others, or than no --up.
+// Returns whether --up y or --up z moves the meshes differently than no --up.
 bool depends_on_up(const std::array<Side, 2>& sides) {
   const auto moves = [&](const std::optional<convert::UpAxis>& up) -> std::optional<Moves> {
     const auto placements = placements_of(sides, up);
@@ -257,7 +257,7 @@ convert::Json comparison_json(const std::array<Side, 2>& sides, const accuracy::
           {"attributes", attributes_json(attributes)}};
 }
 
-// If the limit lies within the bounds of the greatest distance, computes narrower bounds to decide the comparison.
+// Computes narrower bounds of the greatest distance if its upper bound exceeds the limit.
 void look_closer(const std::array<Side, 2>& sides, double limit, accuracy::DistanceOptions options,
                  accuracy::MeshDistance& distance, const Context& context) {
   if (distance.hausdorff_upper <= limit) return;
@@ -320,7 +320,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
       context.progress().begin("reading meshes", 0);
       sides[i] = TRY(read_side(plan.meshes[i], context));
     }
-    // Prints notes now, because data left out may be why the next step fails.
+    // Prints notes before the next step: data that the reader left out can make this step fail.
     for (const Note& note : sides[i].file.notes) messages.note(note);
   }
   TRY(bring_into_one_frame(sides, plan.up, messages));
@@ -341,7 +341,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   }
   messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
-  // glTF colors are linear light; those of other formats are sRGB.
+  // glTF stores colors as linear light, other formats as sRGB.
   const accuracy::AttributeMatches attributes =
       accuracy::match_attributes(sides[0].file.mesh, sides[1].file.mesh, sides[0].file.y_up == sides[1].file.y_up,
                                  kRoundings * (sides[0].rounding + sides[1].rounding));

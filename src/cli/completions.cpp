@@ -1,5 +1,5 @@
-// Completion scripts for bash, zsh and fish. All three know the commands, the default command, and for each option its
-// values, that it takes files, or that there is nothing to suggest.
+// Completion scripts for bash, zsh and fish. Each script completes commands, options (also of the default command) and
+// option values: words, files or nothing.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -100,7 +100,7 @@ std::string zsh_action(const Option& option) {
   return option.takes_file() ? ":file:_files" : fmt::format(":{}: ", zsh_escaped(option.row().metavar));
 }
 
-// Returns the choice of a command within `outer`, which is the first word after its name.
+// Returns the zsh code that chooses an inner command of `outer` by the word after the name of `outer`.
 std::string zsh_choice(const Command& outer) {
   std::string described;
   std::string branches;

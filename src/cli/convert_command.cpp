@@ -1,4 +1,4 @@
-// `isoextract convert`: converts a volume to meshes.
+// `isoextract convert`: converts volumes, particles and meshes to meshes, fields, particle files or pictures.
 #include <algorithm>
 #include <exception>
 #include <filesystem>
@@ -154,8 +154,8 @@ class ConversionPrinter final : public convert::Events {
     return has_name ? fmt::format("{} ({})", part.id.text(), printable(part.name, kMostOfName)) : part.id.text();
   }
 
-  // Returns " iso 0.3, 0.5", or " 3000 labels from 1 to 3000" if there are more labels than a reader takes in; for a
-  // mesh file "", or " (3 meshes)"; for terrain "".
+  // Returns " iso 0.3, 0.5", or " 3000 labels from 1 to 3000" for more than kMostListed labels; for a mesh file "", or
+  // " (3 meshes)"; for terrain "".
   [[nodiscard]] std::string surfaces_text(const convert::WrittenOutput& output) const {
     if (plan_.job.source.mesh) {
       const std::size_t meshes = output.surfaces.size();
@@ -184,7 +184,7 @@ class ConversionPrinter final : public convert::Events {
     if (line.explains && plan_.explain) messages_.explanation("  " + line.text);
   }
 
-  // Prepends the grid to a line about a surface if the file has several grids.
+  // Prepends the grid to a line about a surface if the job converts several grids.
   [[nodiscard]] std::string of_grid(const std::string& label, const std::string& line) const {
     return plan_.job.source.more_grids.empty() || label.empty() ? line : fmt::format("{}: {}", label, line);
   }
@@ -331,7 +331,7 @@ std::optional<Note> note_of_ranks(const std::optional<int>& threads) {
 // Returns how long this rank has waited for others.
 double seconds_waited() { return ranks_of_run() != nullptr ? ranks_of_run()->waited() : 0; }
 
-// Prints how long each rank worked, if they shared the conversion. All of them call it.
+// Prints how long each rank worked, if the ranks shared the conversion. All ranks must call this function.
 Result<void> tell_rank_times(double busy_seconds, const Messages& messages) {
   Ranks* const ranks = ranks_of_run();
   if (ranks == nullptr || !ranks->is_shared()) return {};
@@ -421,7 +421,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
     return tl::unexpected(configured.error());
   }
 
-  // Writes the requested report, unless another word may name the same file. Prints an error if that fails.
+  // Writes the requested report, unless another word may name the same file. Prints an error if writing fails.
   void report_failure(const std::vector<std::string>& arguments, const Error& error) override {
     forget();
     read_words_leniently(*this, arguments_after_command(*this, arguments));

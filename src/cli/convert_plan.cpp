@@ -71,7 +71,7 @@ std::string_view format_name(const ConvertFlags& flags, const mesh_io::MeshForma
   return other.empty() ? format.name : other;
 }
 
-// Checks the output of a single conversion; batches check theirs elsewhere.
+// Checks the output of a single conversion; batches check their outputs elsewhere.
 Result<void> check_output_name(const ConvertFlags& flags, const mesh_io::MeshFormatInfo& format) {
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
     return refuse_usage(fmt::format("stdin has no file name, so isoextract cannot name the {}",

@@ -16,7 +16,7 @@ struct Measure {
   bool in_world_units = false;
 };
 
-constexpr std::string_view kVoxels = "voxels";  // as one writes the unit of 3voxel, too
+constexpr std::string_view kVoxels = "voxels";  // another spelling of the unit in 3voxel
 
 // Removes `unit` from the end of the text.
 bool take_unit(std::string_view& text, std::string_view unit) {

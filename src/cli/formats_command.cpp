@@ -31,7 +31,7 @@ std::string heading(FormatUse use) {
   return "Particles that isoextract writes";
 }
 
-// Returns "built in, with teem", or the plug-in's place, or what would bring it.
+// Returns "built in, with teem", or the path of the plug-in, or the package that a missing plug-in needs.
 std::string source_text(const ListedFormat& format) {
   if (!format.is_plugin) return format.library.empty() ? "built in" : fmt::format("built in, with {}", format.library);
   const std::string library = format.library.empty() ? "plug-in" : fmt::format("plug-in with {}", format.library);

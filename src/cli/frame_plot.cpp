@@ -36,7 +36,7 @@ constexpr std::array<Figure, kFigures> kFigureNames{
     Figure{"volume", "no surface is closed: none has a volume", false},
     Figure{"components", "no frame has a surface of known components", true}};
 
-// A kind of frames without a surface: failed or not started.
+// A status of frames without a surface, and the color of such frames.
 struct Ended {
   batch::FrameStatus status;
   std::string_view color;
@@ -152,7 +152,7 @@ std::string frame_axis(std::span<const batch::FrameRow> rows) {
                      std::max(1.0, step_for(std::max(1.0, (last - first) / 2))));
 }
 
-// Returns the data of the plots: the figures of each surface, and the numbers of failed and of unstarted frames.
+// Returns the data of the plots: the figures of each surface, and the frame numbers for each status in kEnded.
 std::string data_blocks(std::span<const batch::FrameRow> rows, std::size_t surfaces) {
   std::string script;
   for (std::size_t n = 0; n < surfaces; ++n) {

@@ -195,7 +195,7 @@ HelpTopic notes_topic() {
   return topic;
 }
 
-// Those that options of the default command are in: each is a topic.
+// Returns the option groups that the default command uses; each group is a help topic.
 std::vector<Word<OptionGroup>> topic_groups(const Command& program) {
   std::vector<Word<OptionGroup>> groups;
   for (const Word<OptionGroup>& group : words_of(OptionGroup{})) {
@@ -210,7 +210,7 @@ std::string examples_text() {
   return out;
 }
 
-// Those with a short text, a line each.
+// Returns one line for each example that has a short text.
 std::string first_examples_text() {
   std::string out = "Examples:\n";
   for (const Example& example : examples()) {

@@ -35,7 +35,7 @@ struct Described {
   std::optional<volume_io::ComponentChoice> component;
 };
 
-// `surfaces` are the options that choose them: "--iso 0.5".
+// `surfaces` are the options that choose the surfaces: "--iso 0.5".
 std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described,
                             const std::string& surfaces, bool has_nan, std::string_view creator) {
   std::string arguments;
@@ -44,7 +44,7 @@ std::string example_command(const InfoPlan& plan, const std::string& input, cons
   if (!plan.read.component && described.component) {
     arguments += fmt::format(" --component {}", described.component->number.value_or(0));
   }
-  // With --nodata such samples are outside by default.
+  // With --nodata, NaN samples are outside by default.
   if (has_nan && !plan.read.no_data) arguments += " --nan outside";
   if (const auto up = convert::up_axis_of(creator)) arguments += fmt::format(" --up {}", word_of(*up));
   std::vector<std::string> inputs{shell_quoted(input)};
@@ -111,7 +111,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   auto field = convert::read_field(input, read, context, unheard);
   std::optional<Error> no_values;
   if (!field && field.error().code == ErrorCode::input) {
-    // A double may not hold 64-bit integers, but they may be ids of labels.
+    // Reads again with label ids: 64-bit integers that a double cannot hold may be labels.
     no_values = std::move(field.error());
     read.label_ids = true;
     field = convert::read_field(input, read, context, unheard);
@@ -129,7 +129,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   return report_of(plan, input, described, std::move(report));
 }
 
-// Returns the grid to describe if its volumes or components offer a choice: the named grid, or the only one.
+// Returns the named grid, or without a name the first scalar grid; null if there is none.
 const volume_io::GridInfo* described_grid(const InfoPlan& plan, const std::vector<volume_io::GridInfo>& grids) {
   const auto is_it = [&](const volume_io::GridInfo& grid) {
     return plan.read.grid ? grid.label == *plan.read.grid || grid.name == *plan.read.grid : grid.scalar;
@@ -373,7 +373,7 @@ class InfoPage {
   convert::Json json_ = convert::Json::array();
 };
 
-// Reports on every input that it can read. Prints errors; returns the exit code of the first.
+// Reports on every input that it can read. Prints errors; returns the exit code of the first error.
 Result<int> run_info(const InfoPlan& plan, const Messages& messages) {
   InfoPage page(plan, messages);
   if (!plan.masks.empty()) page.add_masks();

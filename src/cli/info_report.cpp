@@ -131,7 +131,7 @@ void add_labels(NamedLines& lines, const InputReport& report) {
   }
 }
 
-// Returns the least and greatest id of labels that double does not hold; nothing for other samples.
+// Returns the least and greatest label if the samples are label ids that double cannot hold; nullopt otherwise.
 std::optional<std::pair<std::int64_t, std::int64_t>> range_of_ids(const FieldReport& report) {
   if (!report.field.label_ids || !report.labels) return std::nullopt;
   std::int64_t least = report.labels->map.labels.front().label;
@@ -251,14 +251,14 @@ void add_values(NamedLines& lines, const FieldReport& report) {
   if (statistics.nan + statistics.infinite > 0) {
     lines.add("not finite", fmt::format("{} NaN, {} infinite", statistics.nan, statistics.infinite));
   }
-  if (report.labels) return;  // their list is instead of the histogram
+  if (report.labels) return;  // the list of labels replaces the histogram
   add_distinct(lines, statistics);
   add_histogram(lines, statistics);
 }
 
 constexpr std::string_view kCtMethod = "multi-Otsu: three classes of the histogram";
 
-// Adds what the suggested conversion takes, and its command.
+// Adds the triangles and memory of the suggested conversion, and the command.
 void add_cost(NamedLines& lines, const FieldReport& report) {
   std::string cost = fmt::format("about {} triangles; converting takes about {} of memory",
                                  convert::estimated_triangles(report.size), format_byte_size(report.bytes));
@@ -385,7 +385,7 @@ convert::Json json_of(const FieldReport& report) {
   return json;
 }
 
-// Returns whether the user has to choose one of several grids, volumes or components.
+// Returns whether the user has to choose one of several grids, or one component of a vector grid.
 bool has_choice(std::span<const volume_io::GridInfo> grids) {
   return grid_without_choice(grids) == nullptr && std::ranges::any_of(grids, &volume_io::GridInfo::is_readable);
 }

@@ -47,7 +47,7 @@ std::optional<std::pair<double, double>> range_of(const SequenceReport& report,
   return range;
 }
 
-// `surfaces` are the options that choose them: "--iso 0.5". `joined`: all inputs give one output.
+// `surfaces` are the options that choose the surfaces: "--iso 0.5". `joined`: all inputs give one output.
 std::string example_of(const SequenceReport& report, const std::string& surfaces, bool joined = false) {
   const std::string name_of_input = report.input.substr(0, report.input.find_last_not_of('/') + 1);
   std::string stem = batch::stem_of(name_of_input);
@@ -61,7 +61,7 @@ std::string example_of(const SequenceReport& report, const std::string& surfaces
                      shell_quoted(name + ".glb"));
 }
 
-// Files of other names than numbers, each with one label, are masks of one grid.
+// Treats files without frame numbers in their names, each with one label, as masks of one grid.
 std::string example_of_labels(const SequenceReport& report) {
   const auto other = [](const FrameSummary& frame) { return frame.has_labels && !frame.is_mask; };
   if (report.have_numbers || std::ranges::any_of(report.frames, other))

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kMostShown = 20;     // labels in the text
 constexpr std::size_t kMaxLabelName = 60;  // bytes shown of a name
 
-// Returns the bounds of the centers of the voxels, as of the whole field.
+// Returns the world bounds of the voxel centers (not of the voxels), as the report does for the whole field.
 field::Box world_box_of(const field::LabelFigures& label, const field::ScalarField& field) {
   return field::image_of(field.index_to_world, {glm::dvec3(label.box.min), glm::dvec3(label.box.max)});
 }
@@ -140,7 +140,7 @@ void add_label_map(NamedLines& lines, const LabelReport& report, const field::Sc
                                   unit, shown));
   add_rows(lines, report, field);
   const std::vector<std::string> unused = names_without_voxels(report);
-  // A table may name the labels of any map.
+  // Skips unused names of a label table, because a table may serve several maps.
   if (unused.empty() || !report.table.empty()) return;
   const std::size_t told = std::min(unused.size(), kMostShown);
   lines.add("no voxels",

@@ -76,7 +76,7 @@ std::vector<Misplaced> options_of_fields(const ConvertFlags& flags) {
   return options;
 }
 
-// Refuses values in voxels and methods of particles.
+// Refuses values that need voxels, particles or a field, and --cap without --clip.
 Result<void> check_values(const ConvertFlags& flags) {
   if (flags.simplify && !flags.simplify->in_world_units) {
     return refuse_usage(
@@ -129,7 +129,7 @@ Result<void> check_output(const ConvertFlags& flags, const std::string& name) {
   return {};
 }
 
-// Returns the format of the output; nothing if it is no mesh or the name does not tell.
+// Returns the mesh format of the output; nullopt if the output is no mesh or its name does not state a format.
 std::optional<mesh_io::MeshFormat> output_format(const ConvertFlags& flags) {
   if (flags.format) return flags.format->mesh;
   return flags.output ? mesh_io::mesh_format_by_path(*flags.output) : std::nullopt;

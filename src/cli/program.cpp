@@ -74,8 +74,8 @@ extern "C" void on_end(int signal) {
   std::raise(signal);
 }
 
-// Handles all catchable signals that end a process, including those of batch queues (SIGXCPU, SIGUSR1, SIGUSR2) and
-// timers. Signals that the shell set to be ignored (nohup) stay ignored.
+// Handles the signals by which terminals, batch queues (SIGXCPU, SIGUSR1, SIGUSR2) and timers (SIGALRM) end a process.
+// Signals that the shell set to be ignored (nohup) stay ignored.
 void leave_nothing_when_interrupted() {
   for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2}) {
     if (std::signal(signal, on_end) == SIG_IGN) std::signal(signal, SIG_IGN);

@@ -25,7 +25,7 @@ constexpr std::string_view kEraseLine = "\r\x1b[K";
 std::string bar_text(const Progress& progress, const std::string& text) {
   const std::uint64_t total = progress.total();
   if (total == 0) return fmt::format("{}{} ...", kEraseLine, text);
-  // If a stage begins between the two reads, the bar is full for one redraw.
+  // Shows a full bar for one redraw if a stage begins between the two reads.
   const double share = std::min(1.0, static_cast<double>(progress.done()) / static_cast<double>(total));
   const auto filled = static_cast<std::size_t>(share * static_cast<double>(kBarWidth));
   return fmt::format("{}[{}{}] {:3.0f} % {}", kEraseLine, std::string(filled, '#'),

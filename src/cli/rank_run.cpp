@@ -28,7 +28,7 @@
 namespace isoextract::cli {
 namespace {
 
-// What one rank of several has, in memory until the process ends.
+// The state of this process as one of several ranks; it stays in memory until the process ends.
 struct Joined {
   explicit Joined(std::unique_ptr<RankLink> link) : ranks(std::move(link)) {}
 
@@ -59,7 +59,7 @@ std::optional<plugin_host::LaunchedRank> launched() {
 // Describes a rank to the others.
 struct Presence {
   int node = 0;
-  std::string processors;  // the bits of those that the rank may use
+  std::string processors;  // bytes of the cpu_set_t that the rank may use
   std::string words;       // its command line and folder
 
   [[nodiscard]] std::string packed() const { return Packer().put(node).put(processors).put(words).take(); }

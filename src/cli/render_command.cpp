@@ -163,7 +163,7 @@ class Pictures {
   Result<void> draw(const SceneSource& source, const render::Scene& scene, const PicturePlan& picture,
                     const StageTime& reading, ProgressBar& bar) {
     const bool shows_something = scene.volume != nullptr || !scene.surfaces.empty();
-    if (!box_ || (plan_.camera.is_fixed() && shows_something)) {  // the box then only determines near and far
+    if (!box_ || (plan_.camera.is_fixed() && shows_something)) {  // the box of a fixed camera only sets near and far
       box_ = TRY(render::box_of(scene));
       // Later frames may show more, so a sequence frames the whole volume.
       seen_ = plan_.is_sequence ? *box_ : TRY(render::visible_box_of(scene, context_));
@@ -212,8 +212,8 @@ class Pictures {
   const Messages& messages_;
   render::Renderer& renderer_;
   const Context& context_;
-  std::optional<field::Box> box_;  // of everything
-  field::Box seen_;                // to frame
+  std::optional<field::Box> box_;  // box of the whole scene
+  field::Box seen_;                // box that the camera frames
   convert::Json records_ = convert::Json::array();
 };
 
@@ -251,8 +251,8 @@ std::vector<FrameSource> first_frames(const RenderPlan& plan) {
   return frames;
 }
 
-// Gives all frames of a sequence the radius of particles and the spacing for spheres that convert finds, so that the
-// pictures show its meshes. Fails with ErrorCode::cancelled only.
+// Gives all frames of a sequence the particle radius and the sphere spacing that convert would choose, so that pictures
+// show the surfaces of convert. Fails with ErrorCode::cancelled only.
 Result<void> share_particle_values(RenderPlan& plan, const Context& context, const Messages& messages) {
   if (!plan.is_sequence) return {};
   convert::ParticleOptions& particles = plan.job.source.particles;
@@ -267,7 +267,7 @@ Result<void> share_particle_values(RenderPlan& plan, const Context& context, con
   return {};
 }
 
-// Draws picture by picture; stops at the first error.
+// Draws picture by picture; stops at the first error. A frame of a sequence may lack a surface.
 Result<void> run_render(const RenderPlan& given, const Messages& messages) {
   RenderPlan plan = given;
   for (const Note& note : plan.notes) messages.note(note);

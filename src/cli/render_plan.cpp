@@ -28,8 +28,8 @@ namespace {
 
 constexpr int kMostTurns = 100000;
 
-// The inputs by kind: decided by extension, since volumes and meshes have different ones; for standard input by its
-// content.
+// Inputs by kind: names with a mesh extension are meshes, all other names volumes; the content decides for standard
+// input.
 struct Inputs {
   std::vector<std::string> volumes;
   std::vector<std::string> meshes;
@@ -44,7 +44,7 @@ Inputs sorted_inputs(const RenderFlags& flags, const MemoryBudget& memory) {
                                                                  mesh_io::holds_mesh(input, Context(memory)));
     (is_mesh ? inputs.meshes : inputs.volumes).push_back(input);
   }
-  // PLY and others may hold particles instead; then options say so.
+  // Options can say that PLY and other mesh files hold particles.
   if (inputs.volumes.empty() && (flags.particles.method || flags.input.format))
     std::swap(inputs.volumes, inputs.meshes);
   if (!flags.frames) name_volume_of_files(inputs.volumes);

@@ -78,7 +78,7 @@ std::optional<glm::ivec3> whole_vector(std::string_view text, int least) {
   return vector;
 }
 
-// Parses two whole numbers.
+// Parses two whole numbers from `least` to `most`.
 std::optional<glm::ivec2> whole_pair(std::string_view text, std::string_view separators, int least, int most) {
   const std::vector<std::string_view> parts = split(text, separators);
   if (parts.size() != 2) return std::nullopt;

@@ -127,7 +127,7 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& 
   return reading;
 }
 
-// Notes that an attribute of the input's shape states another placement: either may be the wrong one.
+// Notes that an attribute of the input's shape states another placement: either placement may be wrong.
 void note_other_place(const field::ScalarField& input, VolumeAttribute& attribute) {
   const field::ScalarField& field = attribute.components.front();
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
@@ -201,9 +201,9 @@ std::optional<volume_io::GridInfo> listed_grid(const std::string& input, const v
   return *std::ranges::find_if(*listed, is_meant);
 }
 
-// Returns the number of components if the attribute is the whole vectors of a grid: its samples have from two to four
-// components, and the choice names none of them. An array of four axes, which may also hold several volumes, holds
-// vectors if it then has the input's shape, and no volume is chosen. Sets the options that read vectors.
+// Returns the number of components if the grid's samples have two to four and the choice names none of them. An array
+// of four axes holds vectors or volumes: it holds vectors if its grid then has the input's shape and the choice names
+// no volume. Sets the options that read vectors.
 std::optional<std::uint64_t> vector_size(const AttributeChoice& choice, const field::ScalarField& input,
                                          const Context& context, Reading& reading) {
   constexpr std::uint64_t kMost = 4;

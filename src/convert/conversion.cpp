@@ -167,7 +167,7 @@ class Conversion {
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
 
-  // Makes the surfaces and adds them to the file, each as soon as those before it are added.
+  // Makes the surfaces and adds them to the file, each as soon as all earlier surfaces are added.
   Result<void> add_surfaces(std::span<const ResolvedIso> isos, OutputMeshes& file, bool& in_pieces) {
     if (labels_ && !isos.empty()) {
       TRY(check_sharing(false));
@@ -307,7 +307,7 @@ class Conversion {
     }
     labels_ = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
     TRY(volume_io::check_mapping_intact(source_.field));
-    release_free_memory();  // finding them and relaxing take more than the labels keep
+    release_free_memory();  // finding and relaxing labels takes more memory than keeping them
     for (const Note& note : labels_->notes()) events_.note(note);
     const auto missing =
         looks_.note_of_missing(source_.label, labels_->labels(), job_.surface.background, job_.source.roi.has_value());
@@ -315,7 +315,7 @@ class Conversion {
     chosen_ = TRY(choose_labels(source_.isos, *labels_, looks_, job_.surface.least_voxels, job_.empty, source_.label));
     TRY(check_piece_names(job_, chosen_, looks_, source_.label));
     for (const Note& note : chosen_.notes) events_.note(note);
-    // Of several layers, some may have none of the labels.
+    // A layer may have none of the chosen labels if there are several layers.
     if (is_layered_ || !chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
     return tl::unexpected(no_label(source_, job_.surface.background, labels_->labels().size()));
   }
@@ -376,7 +376,7 @@ class Conversion {
     return std::move(result.files);
   }
 
-  // Completes the file, unless each label has its own.
+  // Completes the file, unless each label has a file of its own.
   Result<void> finish(OutputMeshes& file, const std::vector<SkippedSurfaces>& skipped) {
     std::vector<mesh_io::WrittenFile> files;
     const std::string path = file.written.files == 1 ? outcome_.files.back().path : file.job.path;  // of the only label
@@ -396,7 +396,7 @@ class Conversion {
     std::ranges::move(files, std::back_inserter(outcome_.files));
   }
 
-  // Without surfaces, no time is reported.
+  // Reports no time if `time` is empty: the output then has no surfaces.
   void tell_written(WrittenOutput output, const std::string& path, const std::optional<StageTime>& time,
                     std::vector<mesh_io::WrittenFile> files) {
     locate(std::move(files));

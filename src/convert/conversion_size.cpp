@@ -43,8 +43,8 @@ std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
 }
 
 // Returns the memory that simplifying or packing takes besides the mesh; they run one after the other, so the larger
-// counts. Their reservations cover the worst case, about twice as much as these fits. The fits are to the measured
-// peaks of gyroids of 79,000 to 496,000 vertices.
+// counts. Fits the measured peaks of gyroids of 79,000 to 496,000 vertices; the reservations cover the worst case,
+// about twice as much.
 std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
   constexpr std::uint64_t kMiB = 1 << 20;
   const mesh_io::PackingOptions packing = job.meshes().packing;
@@ -74,7 +74,7 @@ Result<std::uint64_t> memory_of_labels(const ConversionJob& job, const Source& s
   return estimated_label_bytes(source.field, size, making) + attribute_bytes(source, size.largest_sides);
 }
 
-// Returns the memory of the samples, and of what is made of them for the file: a tree, or dense samples.
+// Returns the memory of the samples, and of the tree or the dense samples that the writer makes from them.
 std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::VolumeFileFormat format) {
   const ConversionSize size = size_of_samples(field);
   if (format == volume_io::VolumeFileFormat::vdb) return size.sample_bytes + size.samples * 2 * sizeof(float);
@@ -140,18 +140,18 @@ std::uint64_t mesh_bytes(const ConversionSize& size, bool has_normals) {
   return size.vertices * (has_normals ? 2 : 1) * sizeof(glm::vec3) + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
-// Returns what `parts` parts of a mesh take, if all of it takes `bytes`.
+// Returns the memory of `parts` parts of a mesh if the whole mesh takes `bytes`.
 std::uint64_t bytes_of_parts(const ConversionSize& size, std::uint64_t parts, std::uint64_t bytes) {
   return bytes / size.slabs * std::min(parts, size.slabs) * 5 / 4;
 }
 
-// Returns the memory of the parts of a mesh that are in memory at a time, and of what is made of them for the file.
+// Returns the memory of the parts of a mesh that are in memory at a time, and of the records that the writer makes.
 std::uint64_t parts_bytes(const ConversionSize& size, const MeshFileOptions& file, Normals normals) {
   const bool has_normals = normals == Normals::smooth;
   const auto threads = static_cast<std::uint64_t>(usable_threads());
   const std::uint64_t record_bytes = 2 * threads << 20U;  // files::write_records()
   const auto of_parts = [&](std::uint64_t parts, std::uint64_t bytes) { return bytes_of_parts(size, parts, bytes); };
-  // The vertices of another part give the normals of faces.
+  // Face normals need the vertices of a second part, too.
   if (file.format == mesh_io::MeshFormat::stl || normals == Normals::flat)
     return of_parts(2, mesh_bytes(size, false)) + record_bytes;
   if (file.format == mesh_io::MeshFormat::obj || file.ascii) {

@@ -25,7 +25,7 @@ Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarFi
   const field::FieldStatistics statistics =
       field::measure_statistics(field, &context.progress(), field::WithPercentiles::no);
   field::IsoSuggestion suggestion = field::suggest_iso(field, statistics);
-  // Without finite samples the extraction reports best why there is no surface, so this is no error here.
+  // Leaves a field without finite samples to the extraction, which reports best why there is no surface.
   if (suggestion.separates || empty_is_fine || statistics.samples == 0) {
     return ResolvedIso{choice, suggestion.iso, std::move(suggestion.method)};
   }

@@ -58,7 +58,7 @@ bool have_same_grid(const field::ScalarField& a, const field::ScalarField& b) {
   return true;
 }
 
-// What a mask's samples are, and what they have in common with earlier masks.
+// Figures of a mask's voxels, and of the voxels that earlier masks have, too.
 struct Scan {
   std::uint64_t voxels = 0;
   std::uint64_t faces = 0;   // of voxels, towards other samples and the data boundary
@@ -315,7 +315,7 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
     }
     shared += mask.found.shared;
     masks.faces_ += mask.found.faces;
-    // A mask that meets all layers that have a bit gets a layer of its own.
+    // A mask that shares voxels with every layer that has a bit gets a layer of its own.
     std::int64_t layer = std::countr_one(mask.found.layers);
     if (mask.found.layers == kAllBits) layer = std::max(masks.count_, layer);
     masks.count_ = std::max(masks.count_, layer + 1);

@@ -144,7 +144,7 @@ Result<StageReport> shade_surface(Surface& surface, const StageContext& stage) {
     surface.welded = TRY(mesh::measure_topology(surface.mesh, stage.context));
   }
   if (stage.facts.recorded) {
-    // For reports only: finding components and open edges takes longer than extracting the mesh.
+    // Measures for reports only: finding components and open edges takes longer than extracting the mesh.
     const Stopwatch watch;
     surface.facts = TRY(mesh_facts(surface, stage.context));
     surface.measuring_time += watch.elapsed();

@@ -45,7 +45,7 @@ std::vector<particle_io::AttributeOfCondition> attributes_of_condition(const Par
 Result<std::optional<ParticleCount>> keep_chosen(points::ParticleSet& particles, const ParticleOptions& options,
                                                  const Context& context) {
   if (!options.select && options.stride == 1) return std::nullopt;
-  // Without a condition, the indices are those of a condition that is always true.
+  // Chooses all particles without a condition: "1 == 1" is always true.
   const auto condition = TRY(points::SelectionExpression::parse(options.select.value_or("1 == 1")));
   const auto indices = TRY(points::choose_particles(particles, condition, context));
   const std::size_t count = every_nth(indices->values.span(), options.stride);

@@ -16,7 +16,7 @@
 namespace isoextract::convert {
 namespace {
 
-// Refers to the spheres.
+// Returns options that refer to `spheres`, which must outlive them.
 volume_io::SphereOptions sphere_options(const points::SphereSet& spheres, points::Method method) {
   const points::ParticleFieldStatistics& figures = spheres.figures();
   volume_io::SphereOptions options;

@@ -74,7 +74,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
     if (!detected) return tl::unexpected(std::move(detected.error()));
     particles = std::move(*detected);
   }
-  // If the format holds both volume and point grids, the content or the chosen grid's name decides.
+  // The content or the name of the chosen grid decides if the format holds both volumes and points.
   if (volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && volume) {
     return fail(

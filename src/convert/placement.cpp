@@ -18,7 +18,7 @@ constexpr std::array kUnits{LengthUnit{"angstrom", 1e2}, LengthUnit{"nm", 1e3}, 
                             LengthUnit{"in", 25.4e9},    LengthUnit{"ft", 304.8e9}};
 constexpr std::size_t kMeter = 5;
 
-// Names of units in files, in lower case and without the plural s. Unicode has two characters for the micro sign.
+// Names of units in files, with ASCII letters in lower case and without the plural s. Unicode has two micro signs.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kOtherNames{
     {{"å", "angstrom"},    {"Å", "angstrom"},    {"nanometer", "nm"},  {"nanometre", "nm"},  {"µm", "um"},
      {"μm", "um"},         {"micron", "um"},     {"micrometer", "um"}, {"micrometre", "um"}, {"millimeter", "mm"},

@@ -48,7 +48,7 @@ std::optional<ValueRange> unless_empty(const ValueRange& range) {
   return range[0] <= range[1] ? std::optional(range) : std::nullopt;
 }
 
-// Returns a copy of the options with the attribute of the colors alone, which may be missing.
+// Returns a copy of the options without attributes, except the attribute of the colors.
 SourceOptions only_color(const ConversionJob& job) {
   SourceOptions options = job.source;
   std::erase_if(options.attributes,
@@ -94,7 +94,7 @@ double sample_at(const field::ScalarField& field, const void* values, std::size_
 
 // The stored samples of a field as runs of equal length.
 struct SampleRuns {
-  std::vector<std::pair<glm::ivec3, const void*>> runs;  // origin and first sample
+  std::vector<std::pair<glm::ivec3, const void*>> runs;  // origin of the block, or dims of dense samples; first sample
   std::size_t length = 0;                                // samples in a run
 };
 
@@ -109,8 +109,8 @@ SampleRuns runs_of(const field::ScalarField& field) {
   return runs;
 }
 
-// Returns the range of the vectors' lengths. Components that are stored in unlike places give a range from 0 to a
-// length that no vector exceeds.
+// Returns the range of the vectors' lengths. If the components are stored in different blocks, returns the range from 0
+// to a length that no vector exceeds.
 ValueRange range_of_lengths(const std::vector<field::ScalarField>& components, Progress& progress) {
   std::vector<SampleRuns> stored;
   bool are_alike = true;

@@ -132,8 +132,8 @@ void tell_isos(const std::optional<StageTime>& time, Events& events, const Sourc
   }
 }
 
-// Returns whether samples outside the region, and not next to it, cannot change the result. They do if an iso value or
-// an attribute depends on all samples, or if a step changes a sample by the values of others farther away.
+// Returns whether samples outside the region, and not next to it, cannot change the result. Such samples
+// matter if an iso value or attribute depends on all samples, or if a step reads samples that are farther away.
 bool needs_region_only(const SourceOptions& options, const SourceUse& use) {
   return options.roi && options.placement.space != Space::index && !use.outside_region && options.filters.empty() &&
          options.blurs.empty() && !options.resamples() && options.attributes.empty() &&
@@ -173,7 +173,7 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   return {};
 }
 
-// Notes missing optional attributes. Missing others fail later, and only if there is a surface.
+// Notes missing optional attributes. Missing required attributes fail later, and only if there is a surface.
 void tell_missing(const std::vector<MissingAttribute>& missing, const std::string& label, Events& events) {
   for (const MissingAttribute& attribute : missing) {
     if (!attribute.choice.optional) continue;

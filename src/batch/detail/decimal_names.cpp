@@ -51,7 +51,7 @@ std::string_view digits_at(std::string_view name, std::size_t at) {
   return at >= name.size() ? std::string_view() : name.substr(at, name.find_first_not_of(kDigits, at) - at);
 }
 
-// Returns whether a decimal point may stand at `at`: 0.25, 0,25, 0p25, and .25 after a word.
+// Returns whether a decimal point may stand at `at`: 0.25, 0,25, 0p25, and .25 after one of kEndsOfWords.
 bool is_decimal_point(std::string_view name, std::size_t at) {
   constexpr std::string_view kPoints(".,p");
   constexpr std::string_view kEndsOfWords("_-= ");

@@ -38,7 +38,7 @@ NameShape shape_of(std::string_view name) {
   return shape;
 }
 
-// Returns the digits that do not depend on the numbers of bodies, of a name whose runs are numbered like this.
+// Returns the digits of a name that do not depend on body numbers. `numbered` marks the runs that contain {piece}.
 std::string fixed_digits(const std::vector<std::string>& runs, const std::vector<bool>& numbered) {
   std::string digits;
   for (std::size_t i = 0; i < runs.size(); ++i) {

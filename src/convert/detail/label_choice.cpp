@@ -30,8 +30,8 @@ std::string hint_of_names(const std::string& given, const std::vector<std::strin
   return fmt::format("the names are {}{}", fmt::join(told, ", "), names.size() > kMostTold ? ", ..." : "");
 }
 
-// Removes the labels that the selection does not have. Fails for a number or name of it without a label, unless `empty`
-// allows it; notes other terms without a label.
+// Removes the labels that are not in the selection. Fails if a number or name in the selection matches no label, unless
+// `empty` allows it; adds notes about other terms that match no label.
 Result<void> select(const std::string& text, const LabelAppearance& looks, EmptyPolicy empty, const std::string& source,
                     ChosenLabels& chosen) {
   auto selection = LabelSelection::parse(text);

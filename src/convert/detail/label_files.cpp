@@ -28,7 +28,7 @@ std::string LabelFileNames::next(std::int64_t label, const std::string& name) {
   for (int repeat = 0;; ++repeat) {
     const std::string again = repeat > 1 ? fmt::format("_{}", repeat) : std::string();
     std::string path = pattern_;
-    // The name last: it may contain a placeholder of its own.
+    // Inserts the name last, because the name may contain a placeholder.
     replace_all(path, kLabelPlaceholder, number + again);
     replace_all(path, kNamePlaceholder, repeat == 0 ? text : fmt::format("{}_{}{}", text, number, again));
     if (used_.insert(path).second) return path;

@@ -26,7 +26,7 @@ bool writes_one_surface(const ConversionJob& job) {
   return job.outputs.size() == 1 && job.outputs.front().isos.size() == 1;
 }
 
-// Of vertices at equal positions, some would move apart, or only the whole mesh tells what readers find there.
+// Returns whether vertices at equal positions need the whole mesh: to move apart, or because readers weld them.
 bool needs_distinct_positions(const ConversionJob& job) {
   return job.edits.touching == Touching::apart || mesh_io::mesh_format_info(job.meshes().format).readers_weld;
 }

@@ -45,7 +45,7 @@ field::Affine requested_lattice(const SourceOptions& options, const field::Scala
   return lattice;
 }
 
-// Returns why the samples are interpolated instead; empty if they are not.
+// Returns why resampling interpolates instead of rebuilding the level set; empty if it rebuilds.
 std::string why_interpolated(const SourceOptions& options, volume_io::VolumeFileFormat format,
                              const field::Affine& index_to_world, const glm::dvec3& edges) {
   if (options.kernel != field::ResampleKernel::linear) return "the options choose a kernel";

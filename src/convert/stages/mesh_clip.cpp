@@ -30,7 +30,7 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
   StageReport report = stage.report_on(StageName::clip, surface);
   if (!surface.id.is_file_mesh() && !surface.id.is_only_surface())
     report.subject = fmt::format("{} {}", stage.source.label, surface_text(surface.asked));
-  // Of the voxel's shortest edge; the same for all surfaces, so that neighbors keep common vertices.
+  // Snapping distance in shortest voxel edges; equal for all surfaces, so that neighbors keep common vertices.
   constexpr double kSnap = 0.001;
   const glm::dmat3& voxel = stage.source.output_from_index.linear;
   const double edge = std::min({glm::length(voxel[0]), glm::length(voxel[1]), glm::length(voxel[2])});

@@ -20,7 +20,7 @@ struct MeshError {
   std::optional<accuracy::AnalyticError> analytic;  // for demo fields with a formula
   // Exact area and volume in the mesh's units, if known; nullopt for a part of the surface.
   std::optional<field::SurfaceSize> exact;
-  bool of_part = false;  // then: a region or clipping may have removed a part of the surface
+  bool of_part = false;  // a region or clipping may have removed a part of the surface
 };
 
 Figures figures_of(const accuracy::Length& length) {

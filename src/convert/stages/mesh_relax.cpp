@@ -112,7 +112,7 @@ Result<RelaxedVolumes> volumes_of_components(const mesh::Mesh& mesh, const Stage
 }  // namespace
 
 Result<StageReport> measure_relaxing(Surface& surface, const StageContext& stage) {
-  // A plane cuts the surface elsewhere than the voxels, so their volumes differ.
+  // A plane cuts the surface and the voxels at different points, so the two volumes are not comparable.
   if (!stage.job.surface.relaxes() || !stage.source.clip.empty()) return StageReport();
   const mesh::Mesh& mesh = surface.mesh;
   // The volume of a label's voxels is known: most labels are one component, which needs no search.

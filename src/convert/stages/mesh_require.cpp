@@ -18,7 +18,7 @@
 namespace isoextract::convert {
 namespace {
 
-// Whether the file stores float32 world coordinates, and readers weld equal ones.
+// Returns whether the file stores float32 world coordinates and readers weld vertices with equal coordinates.
 bool readers_weld(const ConversionJob& job) {
   const auto* const file = job.writes<MeshFileOptions>();
   return file != nullptr && mesh_io::mesh_format_info(file->format).readers_weld;
@@ -54,7 +54,7 @@ bool requires_one(const ConversionJob& job, check::Requirement one) {
   return std::ranges::find(job.edits.require, one) != job.edits.require.end();
 }
 
-// Whether rounding to the coordinates of the file can merge vertices.
+// Returns whether rounding to the coordinates of the file can merge vertices.
 bool rounds_coarsely(const Surface& surface, const ConversionJob& job) {
   constexpr double kMostOfEdge = 0.01;
   if (!readers_weld(job)) return false;

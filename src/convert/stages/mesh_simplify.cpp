@@ -28,7 +28,7 @@ constexpr double kPatchEdges = 40;  // typical edges of the mesh; those of march
 struct Stretch {
   double least = 1;
   double most = 1;
-  // Whether the map is a similarity up to rounding, which scales all lengths alike.
+  // Returns whether the map scales all lengths alike up to rounding (a similarity).
   [[nodiscard]] bool is_even() const { return most - least <= 1e-9 * most; }
 };
 
@@ -61,8 +61,8 @@ struct ComponentCount {
   std::uint64_t outside = 0;   // cavities inside no body: an even number of closed components around them
 };
 
-// Counts components before and after each simplification. Cheaper than measure_components(), which also examines edges
-// and takes several times as long. A component is closed if the vector areas of its triangles sum to 0; its volume is
+// Counts components; runs before and after each simplification. measure_components() also examines edges and takes
+// several times as long. A component is closed if the vector areas of its triangles sum to 0; its volume is
 // then the same from any point.
 Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& context) {
   struct Sum {
@@ -237,7 +237,7 @@ struct SimplifyPlan {
     }
   }
 
-  // `untangled_by` is how far untangling moved the surface before, at most, in voxels.
+  // `untangled_by` is the largest distance, in voxels, by which untangling moved the surface before.
   void set_distance(Simplified& result, double untangled_by) const {
     const bool is_in_voxels = options.to_metric != glm::dmat3(1.0);
     const double before = is_in_voxels ? untangled_by : untangled_by * voxel.most;

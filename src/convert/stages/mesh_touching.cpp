@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMoveInVoxels = 0.001;
 
-// Welds the vertices of a copy of the triangles; nullopt if there is nothing to weld.
+// Returns the topology after welding vertices at equal written positions; nullopt if all positions differ.
 Result<std::optional<mesh::Topology>> welded_topology(const mesh::Mesh& mesh, const std::string& what,
                                                       const Context& context) {
   const std::uint64_t vertices = mesh.positions.size();
