@@ -16,7 +16,7 @@
 namespace isoextract::edit {
 namespace {
 
-using Loop = std::vector<std::uint32_t>;  // vertices; the new triangles run along it
+using Loop = std::vector<std::uint32_t>;  // vertices in the direction of the new triangles
 
 // Returns the boundary loops, each without a repeated vertex.
 std::vector<Loop> boundary_loops(std::size_t vertices, const EdgeUses& uses) {

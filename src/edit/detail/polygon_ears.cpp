@@ -87,7 +87,7 @@ class EarCutter {
   EarCutter(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears,
             double rounding)
       : points_(points), ears_(ears), rounding_(rounding) {
-    // Own numbers, so that a small polygon among many takes little memory.
+    // Numbers the polygon's nodes from 0, so that a small polygon among many takes little memory.
     std::uint32_t n = first;
     do {
       ring_.push_back({nodes[n].point, 0, 0});
