@@ -423,7 +423,7 @@ void read_body(Body body, const Header& header, const MeshSource& source, FileSu
   for (const Element& element : header.elements) {
     const std::uint64_t least = element.least_bytes(header.encoding == BodyEncoding::text);
     const auto bytes = checked_product(element.count, least);
-    // In text, no blank follows the last number.
+    // Text has no blank after the last number.
     if (!bytes || *bytes > left + 1) {
       throw DamagedMesh(
           fmt::format("expected {} elements '{}' of at least {} bytes each, found {} bytes left in the file",
