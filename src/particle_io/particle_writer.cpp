@@ -36,7 +36,7 @@ bool is_plain_name(const std::string& name) {
   return !name.empty() && name.size() <= kMostLetters && std::ranges::all_of(name, is_plain_letter);
 }
 
-// Names in lower case, each once. The readers take the first ones for positions.
+// The taken names, in lower case: at first the names that readers take for positions.
 class TakenNames {
  public:
   // Returns whether the name is new.
