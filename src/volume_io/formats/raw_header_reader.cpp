@@ -67,7 +67,7 @@ struct Header {
   }
 };
 
-// Returns `count` numbers and nothing else.
+// Returns the `count` numbers of the text; nothing if it has other content.
 template <class T>
 std::optional<std::array<T, 3>> numbers_of(std::string_view text, std::size_t count) {
   std::array<T, 3> numbers{};

@@ -101,7 +101,8 @@ bool read_grid_head(VdbCursor& cursor, VdbGridRecord& grid) {
   return read_frame(cursor, grid);
 }
 
-// Does the same and finds the grid's end, in a file that does not store it. The last grid's end is not needed.
+// Calls read_grid_head(), and finds the grid's end in a file that does not store it. The last grid's end may stay
+// unknown.
 void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
   const bool known = read_grid_head(cursor, grid);
   grid.end_position = cursor.size();

@@ -21,7 +21,7 @@ enum InactiveCode : std::uint8_t {
   kBothBackgrounds,       // a mask follows: the negative background where off, the background where on
   kOneValueOrBackground,  // a value and a mask follow: the value where off, the background where on
   kTwoValues,             // two values and a mask follow
-  kAllStored,             // they are stored with the others
+  kAllStored,             // they are stored with the active values
 };
 
 std::size_t inactive_values(std::uint8_t code) {
@@ -179,10 +179,10 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
     packed.data = cursor.take(expected);
     return packed;
   }
-  // For zero halves OpenVDB writes nothing, for zero floats it writes a size.
+  // Without values to store, OpenVDB writes nothing for halves, but a size for other types.
   if (packed.stored == 0 && layout.half()) return packed;
 
-  // Zero or negative: that many uncompressed bytes.
+  // Positive: compressed bytes. Zero or negative: -size uncompressed bytes.
   const auto size = cursor.read_value<std::int64_t>();
   packed.compressed = size > 0;
   const std::uint64_t length =
