@@ -24,7 +24,7 @@ namespace {
 using mesh::ComponentFacts;
 using mesh::Components;
 
-// Which cavity lies in which body, and which body lies in which cavity.
+// The body around each cavity, and the cavity around each body.
 struct Nesting {
   static constexpr std::uint32_t kNone = Components::kNone;
 

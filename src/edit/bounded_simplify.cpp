@@ -116,7 +116,7 @@ class Simplifier {
     placed.resize(mesh_.positions.size());
     std::transform(mesh_.positions.begin(), mesh_.positions.end(), placed.begin(),
                    [&](const glm::vec3& p) { return glm::vec3(options_.to_metric * glm::dvec3(p)); });
-    slack_ = 2 * mesh::float32_resolution(placed);  // rounding moves each surface by half a last digit an axis
+    slack_ = 2 * mesh::float32_resolution(placed);  // rounding moves each surface by at most half an ulp per axis
     return placed;
   }
 

@@ -172,7 +172,7 @@ void LabelNet::join_vertices(std::span<mesh::Mesh* const> meshes, std::size_t ve
 }
 
 void LabelNet::join_triangles(std::span<mesh::Mesh* const> meshes, std::size_t triangles) {
-  constexpr std::uint32_t kOne = kNone;  // in place of a second label
+  constexpr std::uint32_t kOne = kNone;  // no second label
   std::vector<glm::uvec3> net;
   std::vector<std::array<std::uint32_t, 2>> labels;
   net.reserve(triangles);

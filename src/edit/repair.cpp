@@ -50,7 +50,7 @@ bool have_equal_attributes(const mesh::Mesh& mesh, std::uint32_t a, std::uint32_
   });
 }
 
-// Merges vertices, and counts those that were merged into another vertex.
+// Merges vertices of boundary or zero-length edges at equal positions. Counts the vertices merged into another.
 void weld(mesh::Mesh& mesh, RepairFigures& figures) {
   const std::size_t vertices = mesh.positions.size();
   const mesh::CoincidentVertices places(mesh.positions.span());

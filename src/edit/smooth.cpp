@@ -64,7 +64,7 @@ class VolumeRestorer {
     reset_lost(wanted, measure(moves), moves);
     for (int step = 0; step < kSteps; ++step) {
       const std::vector<double> volumes = measure(moves);
-      std::vector<double> gains(volumes.size(), 0);  // of volume for each unit of distance
+      std::vector<double> gains(volumes.size(), 0);  // volume gained per unit of distance
       for (std::size_t v = 0; v < moves.size(); ++v) {
         const std::uint32_t component = components_.of_vertex(v);
         if (component != mesh::Components::kNone) gains[component] += weight(v) * glm::length(gradients_[v]);
@@ -223,7 +223,7 @@ void renew_normals(mesh::Mesh& mesh) {
   });
 }
 
-// Averages the normals with those of their neighbors. Vertices of boundaries, caps and cuts keep theirs.
+// Averages each normal with its neighbors' normals. Vertices of boundaries, caps and cuts keep their normals.
 void average_normals(mesh::Mesh& mesh, const Signal& signal, std::span<const float> weights) {
   Buffer<glm::vec3> next(mesh.normals.size());
   for (int pass = 0; pass < kNormalPasses; ++pass) {

@@ -71,7 +71,7 @@ struct AnimationWriter::State {
   std::uint64_t collapsed = 0;            // triangles of all frames that rounding makes flat
   std::uint64_t triangles = 0;            // of all frames
   Notes notes;
-  std::set<Note> told;  // the same notes, for lookup
+  std::set<Note> told;  // copies of `notes`, for lookup
   std::vector<PackedFacts> packed;
   std::optional<Error> failure;
 

@@ -191,7 +191,7 @@ struct MeshWriter::State {
   std::optional<files::OutputFile> file;
   std::optional<files::OutputFile> binary;  // the .bin of .gltf
   std::unique_ptr<FormatWriter> format;
-  mesh::Mesh head;                        // of a mesh that comes in parts
+  mesh::Mesh head;                        // the mesh that comes in parts, without its arrays
   std::unique_ptr<PartwiseWriter> parts;  // writes these parts; null if all meshes come whole
   Ranks* ranks = nullptr;                 // processes that write the parts; null: one process
   std::vector<std::string> left_out;      // names of attributes that the format cannot store
@@ -387,7 +387,7 @@ Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mes
   return writer;
 }
 
-// Opens the file on all ranks. Rank 0 makes it, with its full size, before the others open it.
+// Opens the file on all ranks. Rank 0 makes it, with its full size, before other ranks open it.
 Result<bool> MeshWriter::State::join_ranks(const mesh::MeshShape& shape) {
   if (ranks->is_first()) {
     file = TRY(files::OutputFile::create_shared(path));

@@ -73,7 +73,7 @@ class DistanceProof {
 
  private:
   // Measures the triangles in doubt. Returns the triangles that are too far away; for an original one, the nearest
-  // remaining triangle if a collapse changed that.
+  // remaining triangle instead if a collapse changed it.
   std::vector<std::uint32_t> measure(const std::vector<std::uint32_t>& new_in_doubt,
                                      const std::vector<std::uint32_t>& old_in_doubt) {
     std::vector<std::uint32_t> wrong(new_in_doubt.size() + old_in_doubt.size(), kNone);
@@ -221,7 +221,7 @@ class DistanceProof {
     return marks;
   }
 
-  // Lists the restored triangles, and the original triangles near the form of a restored one before its undo.
+  // Lists the restored triangles, and the original triangles near the collapsed forms that they replace.
   void find_doubts(const std::vector<RestoredTriangle>& changed, std::vector<std::uint32_t>& new_in_doubt,
                    std::vector<std::uint32_t>& old_in_doubt) {
     new_in_doubt.clear();

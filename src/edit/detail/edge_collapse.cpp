@@ -296,8 +296,8 @@ class PatchCollapse : private PatchMesh {
     return sum;
   }
 
-  // Finds the new triangle nearest to v and to each sample around v, among those of the same sheet. Returns the largest
-  // squared distance, or infinity if it exceeds the limit.
+  // Finds the nearest new triangle of the same sheet for v and for each sample around v. Returns the largest squared
+  // distance, or infinity if it exceeds the limit.
   double attach(std::uint32_t v) {
     attached_.clear();
     targets_of_new_.clear();
@@ -484,7 +484,7 @@ class PatchCollapse : private PatchMesh {
   std::vector<mesh::ClosestPointTriangle> targets_of_new_;
   std::vector<Attached> attached_;
   std::vector<Near> near_;                           // for each of new_
-  std::vector<std::uint32_t> measured_;              // those of new_ that new_are_near() measures
+  std::vector<std::uint32_t> measured_;              // indices into new_ that new_are_near() measures
   std::vector<std::uint32_t> around_;                // the triangles of ring_
   std::vector<IntersectionGuard::Changed> changed_;  // new_ with positions
 };

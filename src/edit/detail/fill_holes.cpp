@@ -124,7 +124,7 @@ class LoopFiller {
   const Loop& loop_;
   std::size_t count_;
   std::vector<glm::dvec3> points_;
-  std::vector<Cost> costs_;  // of the triangles between two vertices; row by row
+  std::vector<Cost> costs_;  // cost of the triangles between two vertices; row by row
   std::vector<std::uint32_t> middles_;
 };
 

@@ -60,7 +60,7 @@ class HoleBridges {
 
  private:
   struct Loop {
-    std::uint32_t first;  // its node that is_before() all others
+    std::uint32_t first;  // the node that is_before() all other nodes
     double twice_area = 0;
     bool joined = false;  // bounds the filled region as part of a polygon
   };

@@ -38,7 +38,7 @@ bool IntersectionGuard::meet(const Corners& a, const Corners& b) {
   return box_of(a).meets(box_of(b)) && mesh::find_overlap(placed(a), placed(b)).meet;
 }
 
-// Lists the triangles near the changed ones, except those around the vertex.
+// Lists the triangles near changed ones, except the triangles around the vertex.
 void IntersectionGuard::find_near(std::span<const std::uint32_t> around, std::span<const Changed> changed) {
   mesh::FloatBox box;
   for (const Changed& c : changed) box = box.with(box_of(c.corners));

@@ -11,7 +11,7 @@ namespace isoextract::edit {
 namespace {
 
 constexpr int kDirections = 64;
-constexpr std::array kDistances{0.03, 0.1, 0.3, 0.5, 0.7, 0.95};  // in the space of SearchLimits::to_metric
+constexpr std::array kDistances{0.03, 0.1, 0.3, 0.5, 0.7, 0.95};  // lengths in the space of SearchLimits::to_metric
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 // Returns directions spread evenly over the sphere: a Fibonacci lattice. None lies along an axis of the grid.

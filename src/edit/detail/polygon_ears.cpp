@@ -169,7 +169,7 @@ class EarCutter {
     return turn > 0 && !is_blocked(n, kind);
   }
 
-  // Cuts off folds, where the outline runs back on itself; the remaining shape is the same. They go first: the test of
+  // Cuts off folds, where the outline runs back on itself; the remaining shape is the same. Folds go first: the test of
   // an ear's neighborhood is right only where one point of the outline lies at each position.
   void cut_folds() {
     while (!folds_.empty() && left_ > 3) {

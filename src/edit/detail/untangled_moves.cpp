@@ -121,7 +121,7 @@ class MoveUntangler {
   mesh::Mesh& mesh_;
   std::span<const glm::vec3> before_;
   std::span<const glm::vec3> moves_;
-  std::vector<std::uint8_t> part_;     // of each vertex: index into kParts
+  std::vector<std::uint8_t> part_;     // per vertex: index into kParts
   std::vector<std::uint8_t> changed_;  // 1: the vertex was taken back in this round
 };
 

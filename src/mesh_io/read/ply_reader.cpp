@@ -1,4 +1,5 @@
-// Reads PLY (Greg Turk, 1994) as text, little-endian or big-endian: the elements "vertex" and "face"; skips others.
+// Reads PLY (Greg Turk, 1994) as text, little-endian or big-endian: the elements "vertex" and "face"; skips other
+// elements.
 //
 // Vertex attributes are: red, green, blue and alpha as one color, if they share a type that a color can have; up to
 // four consecutive properties a_0, a_1, ... of one type as the components of a; and every other number.

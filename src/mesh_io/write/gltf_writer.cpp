@@ -343,8 +343,8 @@ class OrderedGlbWriter final : public PartwiseWriter {
   files::OutputFile& file_;
   std::size_t json_bytes_ = 0;
   bool has_normals_ = false;
-  bool measures_ = false;  // in the first pass
-  Notes notes_;            // of the JSON
+  bool measures_ = false;  // true in the first pass
+  Notes notes_;            // notes about the JSON
 };
 
 class GltfWriter final : public FormatWriter {

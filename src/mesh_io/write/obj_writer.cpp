@@ -263,7 +263,7 @@ class PartwiseObjWriter final : public PartwiseWriter {
   files::OutputFile& file_;
   WaitingPart waiting_;
   Normals normals_ = Normals::none;
-  bool writes_face_normals_ = false;  // in the second pass
+  bool writes_face_normals_ = false;  // true in the second pass
 };
 
 }  // namespace

@@ -1,7 +1,8 @@
-// XYZ: frames of a count, a comment, and one line per atom. - Plain: a line is x, y and z, optionally after the name of
-// an element. Numbers after z have no names. - Extended: the comment describes the columns
-// (Properties=species:S:1:pos:R:3:...; https://github.com/libAtoms/extxyz) and the box: Lattice="ax ay az bx by bz cx
-// cy cz", pbc="T T F", Origin="x y z". It may have the frame's time or step: Time=0.5, step=100 or Timestep=100.
+// XYZ: frames of a count, a comment, and one line per atom.
+// - Plain: a line is x, y and z, optionally after the name of an element. Numbers after z have no names.
+// - Extended: the comment describes the columns (Properties=species:S:1:pos:R:3:...;
+//   https://github.com/libAtoms/extxyz) and the box: Lattice="ax ay az bx by bz cx cy cz", pbc="T T F", Origin="x y z".
+//   It may have the frame's time or step: Time=0.5, step=100 or Timestep=100.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ struct XyzFrame {
   FrameTime time;
   Inherited inherited;                       // unused
   ParticleTable table;                       // without columns if there are no atoms
-  std::optional<points::SimulationBox> box;  // as in the file, possibly without a volume
+  std::optional<points::SimulationBox> box;  // the file's box, possibly without a volume
   bool box_is_unclear = false;               // the comment has a lattice that cannot be read
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kHoudiniMagic =
     std::endian::native == std::endian::little ? kHoudiniMagicLittle : kHoudiniMagicBig;
-constexpr std::uint64_t kPageSize = 1024;  // as Houdini writes
+constexpr std::uint64_t kPageSize = 1024;  // elements; Houdini's own page size
 
 // Codes of numbers in an array.
 enum class NumberCode : char { int32 = 0x13, fpreal32 = 0x19, fpreal64 = 0x1a };

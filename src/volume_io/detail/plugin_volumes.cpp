@@ -119,7 +119,7 @@ class PluginFormat final : public VolumeFormat {
     selection.volume = TRY(choose_volume(label, info.volumes, options.volume));
     const auto component = TRY(choose_component(label, info.components, options.component, info.component_names));
     selection.component = component ? static_cast<std::int64_t>(*component) : ISOEXTRACT_COMPONENT_LENGTH;
-    // Lengths are computed of values.
+    // The plug-in has already applied the scale to lengths.
     if (component) field.scale = {grid.slope, grid.intercept};
     if (!info.volume_times.empty()) field.time = info.volume_times[static_cast<std::size_t>(selection.volume)];
     if (grid.is_sparse != 0) {
@@ -323,7 +323,7 @@ class PluginFormat final : public VolumeFormat {
     dense.type = *plugin_host::sample_type_of(grid.sample_type);
     if (selection.component == ISOEXTRACT_COMPONENT_LENGTH) dense.type = type_of_lengths(dense.type);
     dense.dims = {static_cast<int>(grid.dims[0]), static_cast<int>(grid.dims[1]), static_cast<int>(grid.dims[2])};
-    // The placement is that of all samples, so that it is checked against all of them.
+    // Sets the placement for the dimensions of all samples, so that all of them are checked.
     field.samples = dense;
     TRY(set_placement(field, frame_of(grid), options));
     const field::IndexBox needed = samples_of_region(field.index_to_world, dense.dims, options.region);

@@ -119,7 +119,7 @@ bool is_series_kind(int kind) { return kind == nrrdKindTime || kind == nrrdKindL
 struct NrrdAxes {
   std::array<unsigned, 3> space{};     // fastest first
   std::optional<unsigned> series;      // axis of several volumes; faster or slower than the spatial ones
-  std::optional<unsigned> components;  // axis of several components, likewise
+  std::optional<unsigned> components;  // axis of several components; also faster or slower
 };
 
 // Finds the axes; ignores additional axes of length 1.

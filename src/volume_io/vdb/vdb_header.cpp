@@ -19,7 +19,7 @@ constexpr std::size_t kUuidLength = 36;
 constexpr std::string_view kHalfSuffix = "_HalfFloat";
 constexpr char kNameSeparator = '\x1e';
 
-// Calls item(name, type, bytes) for each metadata entry that is small enough to matter; skips the others.
+// Calls item(name, type, bytes) for each metadata entry that is small enough to matter; skips larger entries.
 void read_metadata(VdbCursor& cursor,
                    const std::function<void(const std::string&, const std::string&, const std::string&)>& item) {
   const auto count = cursor.read_value<std::uint32_t>();

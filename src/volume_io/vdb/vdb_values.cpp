@@ -124,8 +124,8 @@ Inactive<Value> inactive_of(const VdbPackedValues& packed, Value background) {
   return inactive;
 }
 
-// Moves values from `from`, possibly at the end of `values`, to the active entries; fills the others with the inactive
-// values.
+// Moves values from `from`, possibly at the end of `values`, to the active entries; fills the other entries with the
+// inactive values.
 template <class Value>
 void spread(const VdbPackedValues& packed, std::size_t stored_size, const std::byte* from,
             const Inactive<Value>& inactive, std::span<Value> values) {
