@@ -185,7 +185,7 @@ struct MeshWriter::State {
   MeshWriteOptions options;
   Context context;
   bool holds = false;            // holds all meshes until finish()
-  std::vector<mesh::Mesh> held;  // meshes that wait for finish()
+  std::vector<mesh::Mesh> held;  // meshes that are not written yet
   std::uint64_t held_bytes = 0;  // bytes of `held` without attributes
   std::size_t count = 0;         // number of meshes added
   std::optional<files::OutputFile> file;

@@ -127,8 +127,8 @@ std::string_view without_byte_order_mark(std::string_view line) {
   return line.starts_with("\xEF\xBB\xBF") ? line.substr(3) : line;
 }
 
-// Returns whether a line has three or more numbers between spaces, with decimal commas: "1,5 2,5 3". The commas of "1
-// ,2 ,3" are no decimal commas: no number begins with a comma.
+// Returns whether a line has three or more numbers between spaces, with decimal commas: "1,5 2,5 3". No number begins
+// with a comma, so "1 ,2 ,3" has no decimal commas.
 bool has_decimal_commas(std::string_view line) {
   std::vector<std::string_view> words;
   split_words(line, words);
