@@ -24,12 +24,12 @@ namespace {
 using mesh::ComponentFacts;
 using mesh::Components;
 
-// Which cavity lies in which body, and which body lies in which cavity.
+// The body around each cavity, and the cavity around each body.
 struct Nesting {
   static constexpr std::uint32_t kNone = Components::kNone;
 
-  // For each component its body: a cavity's surrounding body, a body itself. A cavity without a body around it (it lies
-  // in matter that continues beyond the data) is its own body.
+  // For each component, the index of its body: a cavity has the body around it, a body itself. A cavity without a body
+  // around it (its material continues beyond the data) is its own body.
   std::vector<std::uint32_t> body;
   // For each body: the cavity that it lies in, or kNone.
   std::vector<std::uint32_t> within;
@@ -112,7 +112,7 @@ struct Shells {
     return Shells{std::move(components), std::move(facts), std::move(nesting), std::move(memory)};
   }
 
-  // Does the same with `sites` as positions, and restores the mesh's own.
+  // Calls find() with `sites` as positions, then restores the mesh's positions.
   static Result<Shells> find_at(OriginalPositions sites, mesh::Mesh& mesh, const glm::dmat3& to_metric,
                                 const Context& context) {
     if (sites.empty()) return find(mesh, to_metric, context);
@@ -150,8 +150,8 @@ double measured(const ComponentFacts& facts, ComponentMeasure measure, double ro
   const auto triangles = static_cast<double>(facts.triangles);
   switch (measure) {
     case ComponentMeasure::triangles: return triangles;
-    // Sides are at least as long as those of regular triangles: their sum is 4.56 roots of the area. Longer ones change
-    // more.
+    // Rounding changes an area by up to `rounding` times half the sum of the sides, which is at least 4.56 roots of the
+    // area (equilateral). The factor 4 instead of 2.28 allows for longer sides.
     case ComponentMeasure::area: return facts.area + 4 * rounding * std::sqrt(triangles * facts.area);
     case ComponentMeasure::volume: break;
   }
@@ -159,7 +159,7 @@ double measured(const ComponentFacts& facts, ComponentMeasure measure, double ro
 }
 
 // Returns how far a vertex may be from its exact position, in the space of `to_metric`: rounding to float32, plus the
-// margin at the ends of grid edges, which is eight times that.
+// margin at the ends of grid edges, which is eight times the rounding.
 double rounding_of(const mesh::Mesh& mesh, const glm::dmat3& to_metric) {
   constexpr double kMarginAndRounding = 9;
   const double stretch = glm::length(to_metric[0]) + glm::length(to_metric[1]) + glm::length(to_metric[2]);
@@ -179,7 +179,7 @@ std::vector<std::uint32_t> bodies_by_area(const Shells& shells, const std::vecto
 std::vector<bool> choose(const Shells& shells, const BodySelection& options, double rounding) {
   const std::size_t count = shells.count();
   std::vector<bool> stays(count, true);
-  std::vector<bool> filled(count, false);  // cavities that are filled although their body stays
+  std::vector<bool> filled(count, false);  // cavities to fill, and then the components in them
   for (std::size_t i = 0; i < count; ++i) {
     const bool small = options.least && measured(shells.facts[i], options.measure, rounding) < *options.least;
     if (!shells.is_body(i)) {

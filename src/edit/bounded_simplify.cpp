@@ -46,8 +46,8 @@ class Simplifier {
     const double enough = options_.max_distance - slack_;
     if (!(enough > 0) || left_ <= options_.triangles) return CollapsedSheets();
     TRY(options_.triangles > 0 ? collapse_to_count(enough) : within(enough));
-    // Undoing for one reason can make the other one hold again. It ends, as every time fewer collapses are left. Each
-    // looks again only near what the other one brought back.
+    // Alternates distance proof and intersection check, as undoing collapses for one can break the other. Ends because
+    // each round leaves fewer collapses. Each check looks only near triangles that the other restored.
     ProvenDistances proven;
     do {
       facts_.distance_lower = 0;
@@ -84,8 +84,8 @@ class Simplifier {
   }
 
  private:
-  // Returns the number of undone collapses. `restored` are the triangles that came back since the last call and the
-  // last round; then holds those that this call brought back.
+  // Returns the number of undone collapses. `restored` lists the triangles restored since the last call or round; then
+  // the triangles that this call restored.
   Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored) {
     UndoneIntersections undone =
         TRY(undo_intersections(state_, logs_, restored, !patches_are_checked_, mesh_.name, context_));
@@ -109,19 +109,19 @@ class Simplifier {
     return {};
   }
 
-  // Returns positions in the space of to_metric, or nothing if that is the mesh's own. Sets slack_, as mapping rounds.
+  // Returns positions in the space of to_metric; empty if that is the identity. Sets slack_ to the rounding error.
   std::vector<glm::vec3> place_vertices() {
     std::vector<glm::vec3> placed;
     if (options_.to_metric == glm::dmat3(1.0)) return placed;
     placed.resize(mesh_.positions.size());
     std::transform(mesh_.positions.begin(), mesh_.positions.end(), placed.begin(),
                    [&](const glm::vec3& p) { return glm::vec3(options_.to_metric * glm::dvec3(p)); });
-    slack_ = 2 * mesh::float32_resolution(placed);  // rounding moves each surface by at most half a last place an axis
+    slack_ = 2 * mesh::float32_resolution(placed);  // rounding moves each surface by at most half an ulp per axis
     return placed;
   }
 
-  // Sweeps with growing distances, so that flat regions in all patches go before curved ones are flattened. A larger
-  // distance does more after the same start, so it never leaves more triangles.
+  // Sweeps with growing distances, so that all patches simplify flat regions before curved ones. A run with a larger
+  // limit begins with the same sweeps, so that it does not leave more triangles.
   Result<void> within(double enough) {
     constexpr double kFirst = 1.0 / 320;  // fraction of the patch size: a tenth of a voxel
     constexpr double kSteps = 10;
@@ -152,8 +152,8 @@ class Simplifier {
     }
   }
 
-  // Runs rounds with growing distances until one patch can hold the rest; then collapses the cheapest edges first.
-  // Where the samples underestimated a distance, undoes collapses for good and does others instead.
+  // Runs rounds with growing distances until few patches or triangles are left; then collapses the cheapest edges of
+  // the whole mesh first. Where samples underestimated a distance, undoes collapses for good and does others.
   Result<void> collapse_to_count(double enough) {
     constexpr double kFirst = 1.0 / 2000;  // fraction of the patch size
     constexpr double kSteps = 1.5;
@@ -190,7 +190,7 @@ class Simplifier {
     return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
   }
 
-  // Collapses all that is left as one patch, down to the number of triangles.
+  // Collapses edges of all remaining triangles as one patch, down to options_.triangles.
   Result<void> cheapest(double enough) {
     std::fill(wanted_.begin(), wanted_.end(), 1);
     TRY(round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, {}));
@@ -307,7 +307,7 @@ class Simplifier {
     const double largest = std::max({extent.x, extent.y, extent.z});
     if (!(size < largest)) return places;
     const double side = std::max(size, largest / kMostCells);
-    // Above 0, so that cells of centroids outside the box are not negative.
+    // Alternates by half a cell between rounds; above 0, so that cells of centroids outside the box are not negative.
     const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;
     const auto place = [&](std::size_t i) {
       const glm::uvec3& c = state_.corners[places[i].triangle];
@@ -333,7 +333,7 @@ class Simplifier {
     for (const std::uint32_t v : {c.x, c.y, c.z}) std::atomic_ref(vertices[v]).store(1, std::memory_order_relaxed);
   }
 
-  // Locks the vertices of several patches, and those with triangles outside all patches.
+  // Locks vertices that several patches share, vertices with triangles outside all patches, and refused_ vertices.
   void lock_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     patch_of_.assign(mesh_.positions.size(), kNone);
     std::fill(locked_.begin(), locked_.end(), 0);
@@ -346,7 +346,7 @@ class Simplifier {
         in_patch[triangles[i]] = 1;
         const glm::uvec3& c = state_.corners[triangles[i]];
         for (const std::uint32_t v : {c.x, c.y, c.z}) {
-          // Any patch may be the first one at a vertex; another one locks it.
+          // Any patch may claim a vertex first; a second patch locks it.
           const std::atomic_ref of_vertex(patch_of_[v]);
           std::uint32_t patch = of_vertex.load(std::memory_order_relaxed);
           if (patch == kNone && of_vertex.compare_exchange_strong(patch, p, std::memory_order_relaxed)) continue;
@@ -363,7 +363,7 @@ class Simplifier {
     });
   }
 
-  // Wants the vertices between patches and their neighbors, whose edges would have joined two locked vertices.
+  // Marks the vertices between patches and their neighbors for the next round: locks kept their edges from collapsing.
   void want_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     std::fill(wanted_.begin(), wanted_.end(), 0);
     const auto want = [&](std::size_t i) {
@@ -375,7 +375,7 @@ class Simplifier {
   }
 
   static constexpr double kOfVertices = 0.95;           // samples are nearer than the points between them
-  static constexpr std::uint64_t kSweepWork = 1 << 20;  // in parts; the share of a round is a guess
+  static constexpr std::uint64_t kSweepWork = 1 << 20;  // progress units; the share of a round is a guess
   static constexpr char kBetweenPatches = 1;
   static constexpr char kOutside = 2;
 
@@ -389,7 +389,7 @@ class Simplifier {
   std::vector<char> locked_;
   std::vector<char> wanted_;
   std::vector<char> refused_;            // vertices that must stay to keep the distance; empty: none
-  std::vector<std::uint32_t> patch_of_;  // of lock_patch_borders(): one of each vertex's patches, by any thread
+  std::vector<std::uint32_t> patch_of_;  // one of each vertex's patches; threads decide which
   std::vector<CollapseLog> logs_;
   std::uint64_t numbers_ = 0;         // collapses numbered so far
   bool patches_are_checked_ = false;  // for intersections; a round needs a new check

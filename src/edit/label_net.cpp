@@ -83,7 +83,7 @@ bool is_one_fan(const mesh::VertexStar& star) {
   return ends == 0 || ends == 2;
 }
 
-// Vertices of one mesh that collapses made one. Union by the least number, with path halving.
+// Sets of vertices of one mesh that collapses merged. Union by the least number, with path halving.
 class MergedVertices {
  public:
   explicit MergedVertices(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0U); }
@@ -172,7 +172,7 @@ void LabelNet::join_vertices(std::span<mesh::Mesh* const> meshes, std::size_t ve
 }
 
 void LabelNet::join_triangles(std::span<mesh::Mesh* const> meshes, std::size_t triangles) {
-  constexpr std::uint32_t kOne = kNone;  // in place of a second label
+  constexpr std::uint32_t kOne = kNone;  // no second label
   std::vector<glm::uvec3> net;
   std::vector<std::array<std::uint32_t, 2>> labels;
   net.reserve(triangles);
@@ -210,8 +210,8 @@ void LabelNet::join_triangles(std::span<mesh::Mesh* const> meshes, std::size_t t
   for (std::size_t m = 0; m < meshes.size(); ++m) set_roles(*meshes[m], parts_[m]);
 }
 
-// Marks vertices of the net at which the mesh has several. Keeps those where a vertex of the mesh has an edge in common
-// with itself, so that collapsing one edge of the net would collapse two of the mesh at one vertex.
+// Sets the role `touching` for vertices of the net that stand for several vertices of the mesh. Sets `kept` where
+// several edges at one vertex of the mesh are one edge of the net, whose collapse would collapse them all.
 void LabelNet::set_roles(const mesh::Mesh& mesh, const Part& part) {
   if (mesh.triangles.empty()) return;
   std::vector<glm::uvec3> placed(mesh.triangles.size());
@@ -235,7 +235,7 @@ void LabelNet::set_roles(const mesh::Mesh& mesh, const Part& part) {
   }
 }
 
-// Gives a mesh its triangles of the net. `there` tells which vertices of the net stay.
+// Replaces the triangles of a mesh by the simplified ones of the net. `there` is 1 for vertices of the net that remain.
 void LabelNet::take_triangles(mesh::Mesh& mesh, const Part& part, const CollapsedSheets& collapsed,
                               std::span<const char> there) const {
   // The vertex of a triangle of the mesh at a corner of the net's triangle, before all collapses.
@@ -249,7 +249,7 @@ void LabelNet::take_triangles(mesh::Mesh& mesh, const Part& part, const Collapse
     const MergedCorners& corners = collapsed.merged[part.triangles[t]];
     if (corners.from >= 0) merged.merge(at_corner(t, corners.from), at_corner(t, corners.to));
   }
-  std::vector<std::uint32_t> left(mesh.positions.size(), kNone);  // the vertex that stays of those merged
+  std::vector<std::uint32_t> left(mesh.positions.size(), kNone);  // remaining vertex of each merged set
   for (std::uint32_t v = 0; v < left.size(); ++v) {
     if (there[part.vertices[v]] != 0) left[merged.find(v)] = v;
   }

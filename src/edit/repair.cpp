@@ -50,7 +50,7 @@ bool have_equal_attributes(const mesh::Mesh& mesh, std::uint32_t a, std::uint32_
   });
 }
 
-// Merges vertices, and counts those that were merged into another vertex.
+// Merges vertices of boundary or zero-length edges at equal positions. Counts the vertices merged into another.
 void weld(mesh::Mesh& mesh, RepairFigures& figures) {
   const std::size_t vertices = mesh.positions.size();
   const mesh::CoincidentVertices places(mesh.positions.span());
@@ -93,8 +93,8 @@ std::uint8_t longest_side(const mesh::Mesh& mesh, const glm::uvec3& t) {
   return static_cast<std::uint8_t>(std::ranges::max_element(lengths) - lengths.begin());
 }
 
-// Splits the neighbor at the longest side of a triangle without area at its middle corner. Returns false if there is no
-// such neighbor, or if an edge would occur twice.
+// Flips the longest side of a triangle without area: its middle corner splits the neighbor there. Returns false without
+// such a neighbor, or if an edge would occur twice or a new triangle had no area.
 bool flip(mesh::Mesh& mesh, const EdgeUses& uses, std::uint32_t t, std::vector<bool>& changed) {
   const glm::uvec3 flat = mesh.triangles[t];
   const std::uint8_t side = longest_side(mesh, flat);

@@ -21,19 +21,19 @@ namespace isoextract::edit {
 namespace {
 
 constexpr double kFloatSteps = 8;
-// A vertex moves off the planes of its triangles by at least so many steps of float32 numbers, against rounding.
+// A vertex moves off the planes of its triangles by at least this many float32 steps, against rounding.
 constexpr double kStepsOffPlanes = 2;
 constexpr double kLastSlope = 1e-6;  // without regard to rounding, if the vertices would stay together otherwise
 constexpr double kMostTimesDistance = 20;
 
-// A vertex at the position of others, and where it moves.
+// A vertex that shares its position with other vertices, and its new position.
 struct TouchingVertex {
   std::uint32_t first;  // the first vertex at the position
   std::uint32_t vertex;
   glm::vec3 to{0.0F};
 };
 
-// Lists the vertices that share their position, those of one position side by side.
+// Lists the vertices that share their position, grouped by position.
 std::vector<TouchingVertex> list_touching(std::span<const glm::vec3> positions) {
   const mesh::CoincidentVertices places(positions);
   std::vector<TouchingVertex> touching;

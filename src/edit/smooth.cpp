@@ -64,7 +64,7 @@ class VolumeRestorer {
     reset_lost(wanted, measure(moves), moves);
     for (int step = 0; step < kSteps; ++step) {
       const std::vector<double> volumes = measure(moves);
-      std::vector<double> gains(volumes.size(), 0);  // of volume for each unit of distance
+      std::vector<double> gains(volumes.size(), 0);  // volume gained per unit of distance
       for (std::size_t v = 0; v < moves.size(); ++v) {
         const std::uint32_t component = components_.of_vertex(v);
         if (component != mesh::Components::kNone) gains[component] += weight(v) * glm::length(gradients_[v]);
@@ -82,13 +82,13 @@ class VolumeRestorer {
 
  private:
   static constexpr int kSteps = 4;             // the error of a step is quadratic in its length
-  static constexpr double kLeastVolume = 0.2;  // of the volume before, to grow from
+  static constexpr double kLeastVolume = 0.2;  // fraction of the volume before smoothing
 
   void reset_lost(const std::vector<double>& wanted, const std::vector<double>& volumes, Buffer<glm::vec3>& moves) {
     for_each_vertex(moves.size(), [&](std::size_t v) {
       const std::uint32_t component = components_.of_vertex(v);
       if (component == mesh::Components::kNone || is_free_[component] == 0) return;
-      // The two have one sign, which is negative for cavities.
+      // Both volumes have the same sign, negative for cavities.
       if (!(volumes[component] / wanted[component] >= kLeastVolume)) moves[v] = glm::vec3(0);
     });
   }
@@ -223,7 +223,7 @@ void renew_normals(mesh::Mesh& mesh) {
   });
 }
 
-// Averages the normals with those of their neighbors. Vertices of boundaries, caps and cuts keep theirs.
+// Averages each normal with its neighbors' normals. Vertices of boundaries, caps and cuts keep their normals.
 void average_normals(mesh::Mesh& mesh, const Signal& signal, std::span<const float> weights) {
   Buffer<glm::vec3> next(mesh.normals.size());
   for (int pass = 0; pass < kNormalPasses; ++pass) {
@@ -303,7 +303,7 @@ Result<SmoothFigures> smooth(mesh::Mesh& mesh, const SmoothOptions& options, con
   const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
   std::uint64_t together = std::max(filtering, shading);
   if (options.method == SmoothMethod::weighted) {
-    // Of the volumes, and of the normals that are averaged while the neighbors are there.
+    // Memory for the volumes, and for averaging normals while the neighbors still exist.
     const std::uint64_t restoring = mesh::Components::bytes(vertices) + vertices * sizeof(glm::dvec3);
     const std::uint64_t averaging = shading > 0 ? shading + vertices * sizeof(glm::vec3) : 0;
     together = filtering + std::max(restoring, averaging);

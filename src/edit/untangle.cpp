@@ -21,12 +21,12 @@
 namespace isoextract::edit {
 namespace {
 
-constexpr int kMostRounds = 40;  // of a look
+constexpr int kMostRounds = 40;  // per look
 constexpr int kMovingRings = 2;  // vertices so many edges away from an intersecting triangle may move
 constexpr std::uint64_t kMostPairs = 1 << 20;
-constexpr int kMostLooks = 4;                  // each look takes the pairs that the one before left
+constexpr int kMostLooks = 4;                  // each look takes the pairs that the previous look left
 constexpr std::uint64_t kMostSearched = 2000;  // more pairs than this are left to flips: each search takes about 0.05 s
-constexpr double kMostMove = 1;                // in the space of UntangleOptions::to_metric
+constexpr double kMostMove = 1;                // length in the space of UntangleOptions::to_metric
 // While more pairs than kFewPairs are left, as of bodies that overlap, searching ends unless it removes a tenth of
 // them.
 constexpr std::uint64_t kFewPairs = 100;
@@ -65,7 +65,7 @@ Buffer<T> resized(const Buffer<T>& old, std::size_t size) {
   return buffer;
 }
 
-// The triangles that untangling can change or meet, as a mesh of their own. Its boundary stays in place.
+// The triangles that untangling can change or meet, as a separate mesh. Its boundary stays in place.
 class Patch {
  public:
   // `before` are the positions of the whole mesh from which moves are measured.
@@ -93,7 +93,7 @@ class Patch {
       vertices_.push_back(v);
     }
     mesh_.name = mesh.name;
-    mesh_.origin = mesh.origin;  // walls and cuts lie there
+    mesh_.origin = mesh.origin;  // for tests against walls and cuts
     mesh_.positions = Buffer<glm::vec3>(vertices_.size());
     before_.resize(vertices_.size());
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
@@ -141,7 +141,7 @@ class Patch {
     return pairs * (2 * sizeof(glm::vec3) + 2 * sizeof(glm::uvec3));
   }
 
-  // Appends new vertices and triangles to the mesh, and vertices to `before`.
+  // Copies the patch back into the whole mesh. Appends new vertices and triangles, and the vertices to `before`.
   void put_back(mesh::Mesh& whole, std::vector<glm::vec3>& before) {
     if (!split_.empty()) append_vertices(whole, before);
     for (std::size_t v = 0; v < vertices_.size(); ++v) whole.positions[vertices_[v]] = mesh_.positions[v];
@@ -191,8 +191,8 @@ class Patch {
 
   mesh::Mesh mesh_;
   std::vector<glm::vec3> before_;
-  std::vector<std::uint32_t> vertices_;              // of the whole mesh, ascending
-  std::vector<std::uint32_t> triangles_;             // of the whole mesh, ascending
+  std::vector<std::uint32_t> vertices_;              // indices in the whole mesh, ascending
+  std::vector<std::uint32_t> triangles_;             // indices in the whole mesh, ascending
   std::vector<std::array<std::uint32_t, 2>> split_;  // the edge of each new vertex
 };
 

@@ -66,12 +66,12 @@ struct AnimationWriter::State {
   std::optional<std::int64_t> first;  // number of the first accepted frame
   std::int64_t last = 0;
   std::optional<FrameSpan> span;
-  std::map<std::int64_t, double> starts;  // in seconds; empty: by the frames' numbers
+  std::map<std::int64_t, double> starts;  // seconds by frame; empty: times follow frame numbers
   std::uint64_t count = 0;                // number of frames added
   std::uint64_t collapsed = 0;            // triangles of all frames that rounding makes flat
   std::uint64_t triangles = 0;            // of all frames
   Notes notes;
-  std::set<Note> told;  // the same notes, for lookup
+  std::set<Note> told;  // copies of `notes`, for lookup
   std::vector<PackedFacts> packed;
   std::optional<Error> failure;
 

@@ -84,7 +84,8 @@ Reader reader_of(const MeshSource& source) {
                                 files::printable(text, 16)));
 }
 
-// If all coordinates are float32 numbers, chooses an origin that keeps them exact: zero if the usual one does not.
+// Chooses the local origin: the usual one, or zero if the usual one would round coordinates that are all float32
+// numbers.
 glm::dvec3 choose_origin(std::span<const glm::dvec3> positions, const glm::dvec3& low, const glm::dvec3& high) {
   const glm::dvec3 wanted = mesh::choose_local_origin(low, high);
   const auto are_floats = [&](const glm::dvec3& origin) {

@@ -74,16 +74,16 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
   return {};
 }
 
-// Meshes of a GLB that are larger together are written as they come, although that doubles the bytes written.
+// Limit of the meshes of a GLB in memory. Above it, meshes are written as they come, which doubles the bytes written.
 constexpr std::uint64_t kMostHeldBytes = std::uint64_t{64} << 20;
 
-// Returns whether the parts of a mesh can come in any order: their places in the file do not depend on the others.
-// Normals of faces need the vertices of the next part.
+// Returns whether the parts of a mesh can come in any order: the file offset of a part does not depend on other parts.
+// Face normals rule this out, as they need the vertices of the next part.
 bool takes_any_order(const fs::path& path, const MeshWriteOptions& options) {
   return has_fixed_places(options.format, options.ascii) && !options.flat_normals && !files::is_stream(path);
 }
 
-// Returns the size of a mesh without its attributes.
+// Returns the bytes of a mesh without its attributes.
 std::uint64_t array_bytes(const mesh::Mesh& mesh) {
   return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes();
 }
@@ -185,15 +185,15 @@ struct MeshWriter::State {
   MeshWriteOptions options;
   Context context;
   bool holds = false;            // holds all meshes until finish()
-  std::vector<mesh::Mesh> held;  // the meshes, if it holds them
-  std::uint64_t held_bytes = 0;  // of these
+  std::vector<mesh::Mesh> held;  // meshes that are not written yet
+  std::uint64_t held_bytes = 0;  // bytes of `held` without attributes
   std::size_t count = 0;         // number of meshes added
   std::optional<files::OutputFile> file;
   std::optional<files::OutputFile> binary;  // the .bin of .gltf
   std::unique_ptr<FormatWriter> format;
-  mesh::Mesh head;                        // of a mesh that comes in parts
-  std::unique_ptr<PartwiseWriter> parts;  // writes them; null if all meshes come whole
-  Ranks* ranks = nullptr;                 // which write the parts together
+  mesh::Mesh head;                        // the mesh that comes in parts, without its arrays
+  std::unique_ptr<PartwiseWriter> parts;  // writes these parts; null if all meshes come whole
+  Ranks* ranks = nullptr;                 // processes that write the parts; null: one process
   std::vector<std::string> left_out;      // names of attributes that the format cannot store
   Notes notes;
   std::optional<Error> failure;
@@ -290,7 +290,7 @@ Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
   return added;
 }
 
-// Writes the meshes of a GLB that it held until now, and holds no others.
+// Writes the held meshes of a GLB, and holds no later ones.
 Result<void> MeshWriter::State::write_held() {
   TRY(open_file());
   format = make_streamed_glb_writer(options, context, *file);
@@ -363,7 +363,7 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
   });
 }
 
-// The format takes parts, and the files are open.
+// Expects a format that takes parts, and open files.
 std::unique_ptr<PartwiseWriter> MeshWriter::State::make_partwise_writer() {
   const bool any = takes_any_order(path, options);
   switch (options.format) {
@@ -387,7 +387,7 @@ Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mes
   return writer;
 }
 
-// Opens the file on all ranks. Rank 0 makes it, with its full size, before the others open it.
+// Opens the file on all ranks. Rank 0 makes it, with its full size, before other ranks open it.
 Result<bool> MeshWriter::State::join_ranks(const mesh::MeshShape& shape) {
   if (ranks->is_first()) {
     file = TRY(files::OutputFile::create_shared(path));
@@ -405,7 +405,7 @@ Result<bool> MeshWriter::State::join_ranks(const mesh::MeshShape& shape) {
 
 Result<void> MeshWriter::State::finish_parts() {
   if (ranks == nullptr) return parts->finish(notes);
-  // The others close the file before rank 0 gives it its name, so that their bytes are in it on network file systems,
+  // Ranks above 0 close the file before rank 0 renames it, so that their bytes are in the file on network file systems,
   // too.
   if (!ranks->is_first()) {
     TRY(file->commit());

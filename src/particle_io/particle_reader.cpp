@@ -33,7 +33,7 @@ const ParticleFormat* particles_by_id(std::string_view id) {
   return nullptr;
 }
 
-// If `only_tellable` is set, skips formats that their content would have identified.
+// Skips formats that their content would have identified, if `only_tellable` is set.
 const ParticleFormat* particles_by_extension(const std::filesystem::path& path, bool only_tellable) {
   const std::string name = to_lower(files::name_without_packing(path.filename().string()));
   for (const ParticleFormat* format : particle_formats()) {

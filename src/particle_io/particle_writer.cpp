@@ -36,7 +36,7 @@ bool is_plain_name(const std::string& name) {
   return !name.empty() && name.size() <= kMostLetters && std::ranges::all_of(name, is_plain_letter);
 }
 
-// Names in lower case, each once. The readers take the first ones for positions.
+// The taken names, in lower case: at first the names that readers take for positions.
 class TakenNames {
  public:
   // Returns whether the name is new.
@@ -209,7 +209,7 @@ Result<void> write_text_rows(const ParticleSet& particles, files::OutputFile& fi
   return files::write_records(file, particles.size(), record, [&](std::size_t first, std::size_t last, char* out) {
     for (std::size_t i = first; i < last; ++i) {
       out = put_row(particles, i, put_words(i, out), put_text<double>, put_text<float>);
-      out[-1] = '\n';  // in place of the last space
+      out[-1] = '\n';  // replaces the last space
     }
     return out;
   });

@@ -145,7 +145,7 @@ std::string work_on(const points::ParticleSet& particles) {
   return (particles.label.empty() ? "the particles" : particles.label) + ": their surface";
 }
 
-// Refers to the particles and their radii.
+// Returns a job that refers to the particles and their radii.
 isoextract_sphere_job sphere_job(const points::ParticleSet& particles, const SphereOptions& options) {
   isoextract_sphere_job job{};
   static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));

@@ -142,8 +142,8 @@ glm::dvec3 default_label_color(std::int64_t label) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr double kSaturation = 0.6;
   constexpr double kValue = 0.9;
-  // A double holds a label beyond 2^53 only roughly, and the product's fraction even sooner: such a label takes the
-  // color of a smaller one.
+  // A product with a label beyond 2^40 has too few digits after the point, so these labels take the color of their
+  // remainder modulo 2^40.
   constexpr std::int64_t kExact = std::int64_t{1} << 40;
   const double turns = std::fmod(static_cast<double>(label % kExact) * kGolden, 1.0);
   const double hue = 6 * (turns < 0 ? turns + 1 : turns);

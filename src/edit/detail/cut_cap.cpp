@@ -79,7 +79,7 @@ std::optional<std::vector<std::uint32_t>> loops_of(const std::vector<VertexPair>
   return next;
 }
 
-// Projects without rounding, seen from outside.
+// Projects along the normal's largest axis, without rounding, as seen from outside the kept side.
 glm::dvec2 in_plane(const glm::vec3& p, const mesh::HalfSpace& kept) {
   const glm::dvec3 size = glm::abs(kept.normal);
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -87,8 +87,8 @@ glm::dvec2 in_plane(const glm::vec3& p, const mesh::HalfSpace& kept) {
   return kept.normal[axis] < 0 ? seen : glm::dvec2(seen.y, seen.x);
 }
 
-// Moves points nearer than `near` to each other to one place, for the triangulation only. Rounding gives the vertices
-// around a sample on the surface a wrong order. Moves no vertex.
+// Gives points closer than `near` one position, for the triangulation only (no vertex moves): rounding may give the
+// vertices around a sample on the surface a wrong order.
 void merge_places(std::vector<glm::dvec2>& points, double near) {
   if (!(near > 0)) return;
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
@@ -162,8 +162,8 @@ Result<void> append(const std::vector<VertexPair>& boundary, const LoopTriangles
   return {};
 }
 
-// Returns the first edge between two vertices at one position in the triangles from `first` on, whose ends have only
-// the other corners of its two triangles in common.
+// Returns the first edge between two vertices at one position, in the triangles from `first` on, that is not in
+// `refused`.
 std::optional<VertexPair> edge_without_length(const mesh::Mesh& mesh, std::size_t first,
                                               const std::vector<VertexPair>& refused) {
   for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
@@ -177,6 +177,7 @@ std::optional<VertexPair> edge_without_length(const mesh::Mesh& mesh, std::size_
   return std::nullopt;
 }
 
+// Returns whether the edge's ends have only the other corners of its two triangles in common.
 bool may_collapse(const mesh::Mesh& mesh, const VertexPair& edge) {
   std::vector<std::uint32_t> near_first;
   std::vector<std::uint32_t> near_second;
@@ -200,8 +201,8 @@ bool may_collapse(const mesh::Mesh& mesh, const VertexPair& edge) {
   return between == 2 && common.size() == 2;
 }
 
-// A vertex where loops meet was split, but if the cap lies between its copies, all triangles around them are one fan.
-// The cap then has two triangles without area between the copies: removes these and joins the copies.
+// Merges the copies of a vertex that was split where loops meet, if the cap lies between them: all their triangles then
+// form one fan. Removes the cap's two triangles without area between the copies.
 Result<void> join_copies(mesh::Mesh& mesh, std::size_t first_of_cap, const std::string& what, const Context& context) {
   std::vector<VertexPair> refused;
   bool joined = false;
@@ -248,7 +249,7 @@ Result<CutCapFigures> cap_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, dou
   std::vector<glm::dvec2> points;
   points.reserve(edges.boundary.size());
   for (const VertexPair& edge : edges.boundary) points.push_back(in_plane(mesh.positions[edge.first], kept));
-  // Inner edges by points instead of vertices.
+  // Inner edges as pairs of points instead of vertices.
   std::vector<VertexPair> taken;
   const auto point_at = [&](std::uint32_t vertex) -> std::optional<std::uint32_t> {
     const auto at = std::ranges::lower_bound(edges.boundary, VertexPair(vertex, 0));

@@ -72,8 +72,8 @@ class DistanceProof {
   }
 
  private:
-  // Measures the triangles in doubt. Returns those that are too far away, or instead of an unchanged one the triangle
-  // nearest to it.
+  // Measures the triangles in doubt. Returns the triangles that are too far away; for an original one, the nearest
+  // remaining triangle instead if a collapse changed it.
   std::vector<std::uint32_t> measure(const std::vector<std::uint32_t>& new_in_doubt,
                                      const std::vector<std::uint32_t>& old_in_doubt) {
     std::vector<std::uint32_t> wrong(new_in_doubt.size() + old_in_doubt.size(), kNone);
@@ -86,7 +86,7 @@ class DistanceProof {
       if (!good(found)) wrong[i] = t;
     });
     if (context_.cancelled()) return {};
-    // Later passes need only the triangles near changes: nearer ones elsewhere can only lower the distance.
+    // Later passes use only triangles near changes: other triangles could only lower the distance.
     const std::vector<char> left_out = marked([&](std::uint32_t t) {
       return state_.gone[t] != 0 ||
              (!covers_all_ && !in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
@@ -130,8 +130,8 @@ class DistanceProof {
     });
   }
 
-  // A triangle that takes far more parts than the original triangles under it is close to the limit: it is rejected.
-  // `near` are slots of the tree that may be near.
+  // Bounds the distance from t to the tree. Rejects a triangle that needs far more parts than there are original
+  // triangles under it: it is close to the limit. `near` holds slots of the tree that may be near t.
   [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
                                           std::span<const std::uint32_t> near) const {
     const auto places = corners(t);
@@ -165,7 +165,7 @@ class DistanceProof {
   static constexpr int kWideShift = 2;
   static constexpr double kWide = 1 << kWideShift;
 
-  // Calls visit(cell) for the cells that the triangle's box, enlarged by `gap`, meets, until it returns true. Returns
+  // Calls visit(cell) for each cell that meets the triangle's box, enlarged by `gap`, until visit returns true. Returns
   // whether it did.
   template <class Visit>
   static bool any_cell(const std::array<glm::dvec3, 3>& triangle, double gap, double cell_size, const Visit& visit) {
@@ -182,7 +182,7 @@ class DistanceProof {
     return false;
   }
 
-  // A set of cells by a hash: may hold more, but never misses one.
+  // A set of cells by hash: may_hold() may be true for a cell that was not added, but never misses one.
   class CellBits {
    public:
     void clear(std::size_t cells) {
@@ -221,7 +221,7 @@ class DistanceProof {
     return marks;
   }
 
-  // Finds the triangles that came back, and the original triangles near changed ones.
+  // Lists the restored triangles, and the original triangles near the collapsed forms that they replace.
   void find_doubts(const std::vector<RestoredTriangle>& changed, std::vector<std::uint32_t>& new_in_doubt,
                    std::vector<std::uint32_t>& old_in_doubt) {
     new_in_doubt.clear();
@@ -261,7 +261,7 @@ class DistanceProof {
   bool covers_all_ = true;      // the pass measures the whole mesh
   std::vector<Cell> doubtful_;  // sorted
   CellBits maybe_doubtful_;     // spares most searches in doubtful_
-  CellBits wide_doubtful_;      // of cells that are kWide times as wide: spares most looks at their parts
+  CellBits wide_doubtful_;      // cells kWide times as wide: spares most searches of small cells
 };
 
 // Bounds all changed triangles, each within its sheet, in the order of the triangles.
@@ -269,7 +269,7 @@ void bound_by_sheet(const CollapseState& state, const SheetTrees& trees, const m
                     const Context& context, Proof& proof) {
   std::vector<DistanceBounds> found;
   const auto add = [&](std::span<const glm::uvec3> triangles, const SheetTrees& to, const auto& counts) {
-    // Each round knows the distance of those before.
+    // Each round starts from the largest distance of earlier rounds.
     std::size_t round = 1 << 8;
     for (std::size_t begin = 0; begin < triangles.size() && !context.cancelled(); begin += found.size(), round *= 2) {
       found.assign(std::min(round, triangles.size() - begin), {});

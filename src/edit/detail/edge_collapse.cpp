@@ -59,7 +59,7 @@ class PatchCollapse : private PatchMesh {
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
     }
   };
-  // The target of a vertex that costs least.
+  // The cheapest target of a vertex.
   struct Target {
     double cost = std::numeric_limits<double>::infinity();
     std::uint32_t vertex = kNone;
@@ -119,7 +119,7 @@ class PatchCollapse : private PatchMesh {
     queue(v);
   }
 
-  // Does what push() does for a neighbor of `to`, after `removed` has collapsed to it.
+  // Updates the candidate of v, a neighbor of `to`, after `removed` has collapsed to `to`.
   void push_neighbor(std::uint32_t v, std::uint32_t removed, std::uint32_t to) {
     Target& cheapest = cheapest_[v];
     if (cheapest.vertex == kNone || cheapest.vertex == removed || cheapest.vertex == to) return push(v);
@@ -174,7 +174,7 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // Expects ring_ to be that of the candidate's vertex.
+  // Expects ring_ to be the ring of the candidate's vertex.
   void look_at_targets(const Candidate& candidate) {
     const std::uint32_t v = candidate.vertex;
     // Tries the best targets by quadric error. A vertex that fails is tried again only after a change around it.
@@ -202,9 +202,9 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // The link condition of complexes: v and `to` share only the neighbors opposite their edge. They belong to no
-  // tetrahedron and no triangular hole. A vertex of a curve stays on it, and no leaf between its two curve edges is a
-  // single triangle, which would make two curve edges one. No new edge joins two locked vertices.
+  // Checks the link condition: v and `to` share only the neighbors opposite their edge, and belong to no tetrahedron
+  // and no triangular hole. A vertex of a curve stays on it, and no leaf between its two curve edges is a single
+  // triangle, whose collapse would merge these edges. No new edge joins two locked vertices.
   [[nodiscard]] bool keeps_topology(std::uint32_t v, std::uint32_t to) {
     apexes_.clear();
     for (const Around& a : ring_.around) {
@@ -241,7 +241,7 @@ class PatchCollapse : private PatchMesh {
     return true;
   }
 
-  // Returns whether a curve along which a label touches itself keeps a vertex of its parts between its ends.
+  // Returns whether a curve along which a label touches itself keeps an inner vertex after the collapse of v.
   [[nodiscard]] bool keeps_touching_parts(std::uint32_t v, std::uint32_t to) const {
     if (!state_.has_role(vertices_[v], VertexRole::touching) || is_touching(to)) return true;
     return std::ranges::any_of(ring_.neighbors,
@@ -253,7 +253,7 @@ class PatchCollapse : private PatchMesh {
     return leaves_[v] > 0 && locked_[v] == 0 && state_.has_role(vertices_[v], VertexRole::touching);
   }
 
-  // Lists the remaining triangles of v, with `to` in its place.
+  // Lists in new_ the triangles of v that remain, with `to` instead of v.
   void make_new(std::uint32_t v, std::uint32_t to) {
     new_.clear();
     for (const Around& a : ring_.around) {
@@ -296,8 +296,8 @@ class PatchCollapse : private PatchMesh {
     return sum;
   }
 
-  // Finds the new triangle nearest to v and to each sample around v, among those of the same sheet. Returns the largest
-  // squared distance, or infinity if it exceeds the limit.
+  // Finds the nearest new triangle of the same sheet for v and for each sample around v. Returns the largest squared
+  // distance, or infinity if it exceeds the limit.
   double attach(std::uint32_t v) {
     attached_.clear();
     targets_of_new_.clear();
@@ -343,7 +343,7 @@ class PatchCollapse : private PatchMesh {
     return sheets_;
   }
 
-  // A vertex can be a sample of one triangle only: that of the sheet that is farthest away.
+  // A vertex can be a sample of one triangle only: keeps the sheet that is farthest from v.
   void keep_farthest() { attached_ = {*std::ranges::max_element(attached_, {}, &Attached::distance_squared)}; }
 
   // Returns the largest squared distance from the midpoints of new edges to the original mesh, at least `known`. Call
@@ -484,7 +484,7 @@ class PatchCollapse : private PatchMesh {
   std::vector<mesh::ClosestPointTriangle> targets_of_new_;
   std::vector<Attached> attached_;
   std::vector<Near> near_;                           // for each of new_
-  std::vector<std::uint32_t> measured_;              // those of new_ that new_are_near() measures
+  std::vector<std::uint32_t> measured_;              // indices into new_ that new_are_near() measures
   std::vector<std::uint32_t> around_;                // the triangles of ring_
   std::vector<IntersectionGuard::Changed> changed_;  // new_ with positions
 };

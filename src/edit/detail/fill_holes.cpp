@@ -16,7 +16,7 @@
 namespace isoextract::edit {
 namespace {
 
-using Loop = std::vector<std::uint32_t>;  // vertices; the new triangles run along it
+using Loop = std::vector<std::uint32_t>;  // vertices in the direction of the new triangles
 
 // Returns the boundary loops, each without a repeated vertex.
 std::vector<Loop> boundary_loops(std::size_t vertices, const EdgeUses& uses) {
@@ -124,7 +124,7 @@ class LoopFiller {
   const Loop& loop_;
   std::size_t count_;
   std::vector<glm::dvec3> points_;
-  std::vector<Cost> costs_;  // of the triangles between two vertices; row by row
+  std::vector<Cost> costs_;  // cost of the triangles between two vertices; row by row
   std::vector<std::uint32_t> middles_;
 };
 

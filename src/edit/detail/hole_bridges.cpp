@@ -60,7 +60,7 @@ class HoleBridges {
 
  private:
   struct Loop {
-    std::uint32_t first;  // its node that is_before() all others
+    std::uint32_t first;  // the node that is_before() all other nodes
     double twice_area = 0;
     bool joined = false;  // bounds the filled region as part of a polygon
   };
@@ -120,7 +120,7 @@ class HoleBridges {
       if (!loops_[loop_of_[n]].joined) continue;
       const glm::dvec2& a = place(n);
       const glm::dvec2& b = place(result_.nodes[n].next);
-      // The filled region is on the right of edges that run downward.
+      // Edges that run downward have the filled region at larger x.
       if (a.y <= b.y || p.y > a.y || p.y < b.y || mesh::orientation_2d(a, b, p) < 0) continue;
       const double x = a.x + (p.y - a.y) * ((b.x - a.x) / (b.y - a.y));
       if (x > nearest) {

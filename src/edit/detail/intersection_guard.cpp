@@ -38,7 +38,7 @@ bool IntersectionGuard::meet(const Corners& a, const Corners& b) {
   return box_of(a).meets(box_of(b)) && mesh::find_overlap(placed(a), placed(b)).meet;
 }
 
-// Lists the triangles near the changed ones, except those around the vertex.
+// Lists the triangles near changed ones, except the triangles around the vertex.
 void IntersectionGuard::find_near(std::span<const std::uint32_t> around, std::span<const Changed> changed) {
   mesh::FloatBox box;
   for (const Changed& c : changed) box = box.with(box_of(c.corners));
@@ -79,14 +79,14 @@ bool IntersectionGuard::allows(std::span<const std::uint32_t> around, std::span<
   return true;
 }
 
-// Returns whether a triangle can be in a pair of the original mesh. Changed triangles of two patches can intersect,
-// too, until that is undone.
+// Returns whether t may be in an intersecting pair of the original mesh. Changed triangles of two patches may
+// intersect, too, until undo_intersections() runs.
 bool IntersectionGuard::may_have_met(std::uint32_t t) const {
   return at(t).counts && (state_.changed_by[patch_[t]] == kNone || state_.tangled[patch_[t]] != 0);
 }
 
-// Returns whether each partner in met_ is one of the triangles around the vertex before the collapse, and the pairs do
-// not become more.
+// Returns whether each partner in met_ intersected a triangle around the vertex before the collapse, too, and the
+// number of pairs does not grow.
 bool IntersectionGuard::met_before(std::span<const std::uint32_t> around) const {
   std::size_t before = 0;
   for (std::size_t i = 0; i < around.size(); ++i) {

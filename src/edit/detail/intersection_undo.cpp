@@ -40,7 +40,7 @@ mesh::FloatBox box_of(const CollapseState& state, std::uint32_t t) {
 
 bool has_area(const mesh::PlacedTriangle& t) { return !mesh::are_collinear(t.corners[0], t.corners[1], t.corners[2]); }
 
-// Returns whether two triangles intersect and a collapse may be to blame. Copies of a triangle do not intersect.
+// Returns whether two triangles intersect and a collapse may be the cause. Copies of one triangle do not count.
 bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
   if (state.tangled[a] != 0 && state.tangled[b] != 0) return false;
   if (state.changed_by[a] == kNone && state.changed_by[b] == kNone) return false;
@@ -51,8 +51,8 @@ bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
          mesh::find_overlap(p, q).meet;
 }
 
-// Finds intersections between triangles that were changed last by different patches, or by one and by none. The guard
-// has seen the others.
+// Finds intersections between triangles that different patches changed last, or of which only one was changed. The
+// guard has tested all other pairs.
 class PairsOfPatches {
  public:
   PairsOfPatches(const CollapseState& state, std::span<const CollapseLog> logs, std::span<mesh::BoxTree::Item> items,

@@ -21,8 +21,8 @@ class Triangulation {
   Triangulation(std::span<const glm::dvec2> points, Ears ears)
       : points_(points.begin(), points.end()), triangles_(std::move(ears.triangles)), twin_(std::move(ears.twins)) {}
 
-  // Lawson's flips. Each increases a bounded measure of quality; rounding could make it cycle, so their number is
-  // limited.
+  // Runs Lawson's flips. Each increases a bounded measure of quality; rounding could make flips cycle, so their number
+  // is limited.
   void flip_to_delaunay() {
     std::vector<HalfEdge> waiting(twin_.size());
     for (HalfEdge h = 0; h < twin_.size(); ++h) waiting[h] = h;

@@ -55,7 +55,7 @@ class PinchPointSplitter {
     if (!alternate(at, false) && !alternate(at, true)) return;
     // Counter-clockwise, each filled sector begins at a leaving edge and ends at the next one, which enters.
     const std::size_t count = around_.size();
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> goes_on;  // which node's edge follows which node
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> goes_on;  // entering node, node whose edge follows
     for (std::size_t i = 0; i < count; ++i) {
       if (!around_[i].leaves) goes_on.emplace_back(around_[i].node, around_[(i + count - 1) % count].node);
     }

@@ -11,7 +11,7 @@ namespace isoextract::edit {
 namespace {
 
 constexpr int kDirections = 64;
-constexpr std::array kDistances{0.03, 0.1, 0.3, 0.5, 0.7, 0.95};  // in the space of SearchLimits::to_metric
+constexpr std::array kDistances{0.03, 0.1, 0.3, 0.5, 0.7, 0.95};  // lengths in the space of SearchLimits::to_metric
 constexpr std::size_t kAnyNumber = std::numeric_limits<std::size_t>::max();
 
 // Returns directions spread evenly over the sphere: a Fibonacci lattice. None lies along an axis of the grid.
@@ -48,8 +48,8 @@ std::vector<PairCounter::Triangle> PlaceSearch::star_of(std::uint32_t vertex) co
   return star;
 }
 
-// Returns the place of the vertex at which the fewest pairs are left, fewer than `fewest`, and leaves it where it is.
-// `origin` is the position from which the move is measured.
+// Returns the position of the vertex that leaves the fewest pairs, fewer than `fewest`; does not move the vertex.
+// Measures the move from `origin`.
 std::optional<PlaceSearch::Found> PlaceSearch::find_place(std::uint32_t vertex, std::uint8_t bound,
                                                           const glm::vec3& origin,
                                                           std::span<const PairCounter::Triangle> star,
@@ -77,7 +77,7 @@ std::optional<PlaceSearch::Found> PlaceSearch::find_place(std::uint32_t vertex, 
 }
 
 std::optional<PlaceSearch::Move> PlaceSearch::best_move(std::uint32_t vertex) {
-  // Each place takes time by the square of the number of triangles: those of a vertex with many stay.
+  // Testing a position takes time quadratic in the number of triangles, so vertices with many triangles stay.
   constexpr std::size_t kMostTriangles = 64;
   if (signal_.constraints(vertex) >= kFixed || around_.corners(vertex).size() > kMostTriangles) return std::nullopt;
   const std::vector<PairCounter::Triangle> star = star_of(vertex);

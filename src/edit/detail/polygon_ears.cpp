@@ -87,7 +87,7 @@ class EarCutter {
   EarCutter(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears,
             double rounding)
       : points_(points), ears_(ears), rounding_(rounding) {
-    // Own numbers, so that a small polygon among many takes little memory.
+    // Numbers the polygon's nodes from 0, so that a small polygon among many takes little memory.
     std::uint32_t n = first;
     do {
       ring_.push_back({nodes[n].point, 0, 0});
@@ -169,7 +169,7 @@ class EarCutter {
     return turn > 0 && !is_blocked(n, kind);
   }
 
-  // Cuts off folds, where the outline runs back on itself; the remaining shape is the same. They go first: the test of
+  // Cuts off folds, where the outline runs back on itself; the remaining shape is the same. Folds go first: the test of
   // an ear's neighborhood is right only where one point of the outline lies at each position.
   void cut_folds() {
     while (!folds_.empty() && left_ > 3) {

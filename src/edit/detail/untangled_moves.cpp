@@ -33,7 +33,7 @@ class MoveUntangler {
     std::erase_if(pairs, [&](const auto& pair) { return met_before(pair[0], pair[1]); });
     if (pairs.empty()) return {};
     const mesh::BoxTree tree = tree_of_moves();
-    // Each round takes a vertex of each pair back, so the rounds end.
+    // Each round takes all vertices of each pair back by one part, so the rounds end.
     while (!pairs.empty()) {
       TRY(context.check());
       take_back(pairs);
@@ -104,7 +104,7 @@ class MoveUntangler {
     return (changed_[c.x] | changed_[c.y] | changed_[c.z]) != 0;
   }
 
-  // Returns the pairs with a changed triangle. Those before had only such triangles, so there are no others.
+  // Returns the pairs with a changed triangle. Every earlier pair has a changed triangle, so there are no others.
   [[nodiscard]] TrianglePairs new_pairs(const mesh::BoxTree& tree) const {
     const auto positions = std::as_const(mesh_.positions).span();
     TrianglePairs pairs;
@@ -121,7 +121,7 @@ class MoveUntangler {
   mesh::Mesh& mesh_;
   std::span<const glm::vec3> before_;
   std::span<const glm::vec3> moves_;
-  std::vector<std::uint8_t> part_;     // of each vertex: index into kParts
+  std::vector<std::uint8_t> part_;     // per vertex: index into kParts
   std::vector<std::uint8_t> changed_;  // 1: the vertex was taken back in this round
 };
 

@@ -8,7 +8,7 @@ namespace {
 
 // Returns the shortest vector in the convex hull of the vectors, by steps to the vector that is least along the current
 // one (E. G. Gilbert, An iterative procedure for computing the minimum of a quadratic form on a convex set. SIAM J.
-// Control 4(1), 1966). All vectors are on its side with the widest margin.
+// Control 4(1), 1966). For unit vectors, it has the direction whose smallest cosine to them is largest.
 glm::dvec3 shortest_in_hull(std::span<const glm::dvec3> vectors, glm::dvec3 start) {
   constexpr int kMostSteps = 200;
   glm::dvec3 p = start;

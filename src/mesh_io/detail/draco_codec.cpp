@@ -98,8 +98,8 @@ class DracoEncoding {
   }
 
  private:
-  // Does what SetAttributeExplicitQuantization() does, but with exact numbers. The library stores them as text, and its
-  // setters write six decimals, which is too imprecise for a lattice or a small mesh.
+  // Sets the options of SetAttributeExplicitQuantization(), but with exact numbers. The library stores them as text,
+  // and its setters write six decimals, which is too imprecise for a lattice or a small mesh.
   [[nodiscard]] draco::Options quantization() const {
     // The library divides the range by the number of steps, which gives the step again without rounding.
     const float range = static_cast<float>((std::uint32_t{1} << input_.bits) - 1) * input_.step;

@@ -199,8 +199,8 @@ void GltfData::place(GltfView& view, const json& owner, std::uint64_t item) {
   view.first = values.data() + start;
 }
 
-// Builds a sparse accessor (glTF 2.0, 3.6.2.3): replaces the values at the given ascending indices. The base values are
-// those of the buffer view, or zeros without one.
+// Builds a sparse accessor (glTF 2.0, 3.6.2.3): replaces the values at the given ascending indices. The base values
+// come from the buffer view, or are zeros without one.
 GltfView GltfData::with_sparse(const GltfView& dense, const json& sparse, std::uint64_t item) {
   if (!sparse.is_object()) {
     throw DamagedMesh(fmt::format("expected a JSON object as 'sparse' of an accessor, found {}", shown(sparse)));

@@ -248,7 +248,7 @@ class ModelReader {
     }
   }
 
-  // Makes vertices of the corners of a primitive without indices.
+  // Welds the corners of a primitive without indices into vertices.
   void add_corners(const GltfView& places, const std::vector<GltfView>& views, std::uint64_t mode) {
     const std::uint64_t triangles = triangle_count(mode, places.count, "vertices");
     const std::size_t first_vertex = surface_.positions.size();
@@ -286,7 +286,7 @@ class ModelReader {
     surface_.parts.push_back({std::string(name), surface_.positions.size(), surface_.triangles.size(), material});
   }
 
-  // Adds the primitives of a mesh as one part; of a scene, those of each material.
+  // Adds the primitives of a mesh as one part; for a scene, as one part per run of primitives with equal material.
   void add_mesh(const json& mesh, std::string_view name, const Transform& transform) {
     const auto primitives = mesh.find("primitives");
     if (primitives == mesh.end() || !primitives->is_array()) {

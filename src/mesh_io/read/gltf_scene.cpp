@@ -49,7 +49,7 @@ bool has_texture(const json& material) {
           (surface->contains("baseColorTexture") || surface->contains("metallicRoughnessTexture")));
 }
 
-// Returns whether the material has other values for light than those that the writer sets.
+// Returns whether the material's metalness, roughness, emission or extensions differ from the writer's.
 bool has_own_light(const json& material) {
   constexpr double kMetallic = 0;
   constexpr double kRoughness = 0.6;

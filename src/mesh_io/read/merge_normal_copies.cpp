@@ -93,7 +93,7 @@ void merge_normal_copies(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const C
   };
   for (const OpenEdge& edge : open) {
     const OpenEdge* back = only_one(ends_of(mesh, edge.to, edge.from));
-    // If several edges coincide, it is unknown which belong together.
+    // Several coinciding edges do not tell which of them belong together.
     if (back == nullptr || only_one(ends(edge)) == nullptr) continue;
     if (part_of(parts, edge.from) != part_of(parts, back->to)) continue;
     joined.join(edge.from, back->to);

@@ -1,5 +1,5 @@
-// Reads the vertices and faces of Wavefront OBJ, and normals if requested. Of a scene, makes a part of each
-// object. Ignores texture coordinates and materials.
+// Reads the vertices and faces of Wavefront OBJ, and normals if requested. For a scene, makes each object a part.
+// Ignores texture coordinates and materials.
 #include <limits>
 
 #include <fmt/format.h>
@@ -40,8 +40,8 @@ std::uint32_t normal_index(const TextScanner& scanner, std::string_view corner, 
   return index_of(scanner, corner.substr(second + 1), corner, normals, "normal");
 }
 
-// Makes parts of the objects of a file, if the faces of each use only vertices that stand between its name and the
-// next.
+// Makes each object of a file a part, if the faces of each object use only vertices listed between its name and the
+// next name.
 class ObjectParts {
  public:
   ObjectParts(FileSurface& surface, MemoryUse& memory) : surface_(surface), memory_(memory) {}

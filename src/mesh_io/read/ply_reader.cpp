@@ -1,4 +1,5 @@
-// Reads PLY (Greg Turk, 1994) as text, little-endian or big-endian: the elements "vertex" and "face"; skips others.
+// Reads PLY (Greg Turk, 1994) as text, little-endian or big-endian: the elements "vertex" and "face"; skips other
+// elements.
 //
 // Vertex attributes are: red, green, blue and alpha as one color, if they share a type that a color can have; up to
 // four consecutive properties a_0, a_1, ... of one type as the components of a; and every other number.
@@ -423,7 +424,7 @@ void read_body(Body body, const Header& header, const MeshSource& source, FileSu
   for (const Element& element : header.elements) {
     const std::uint64_t least = element.least_bytes(header.encoding == BodyEncoding::text);
     const auto bytes = checked_product(element.count, least);
-    // In text, no blank follows the last number.
+    // Text has no blank after the last number.
     if (!bytes || *bytes > left + 1) {
       throw DamagedMesh(
           fmt::format("expected {} elements '{}' of at least {} bytes each, found {} bytes left in the file",

@@ -25,7 +25,7 @@ constexpr float kScales[][3] = {{0, 0, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 
 constexpr std::size_t kHiddenAgain = 0;    // 0 1 0 0
 constexpr std::size_t kShownToTheEnd = 4;  // 0 1 1
 
-// At 0, when it is shown, when it is hidden, and at the end of the time line.
+// Key times of a frame: 0, shown, hidden, and the end of the time line.
 constexpr std::uint64_t kMaxTimes = 4;
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
@@ -64,7 +64,7 @@ Result<bool> AnimatedGlb::add(const std::string& name, std::span<const GltfPart>
   for (const GltfPart& part : parts) bytes += part.bytes();
   if (bytes_with(json_.bytes(), binary_ + bytes, keys_.size() + 1) > largest_) return false;
 
-  // Works on a copy, so that a frame which does not fit changes nothing. The copy is small: take() removed everything.
+  // Works on a copy, so that a frame which does not fit changes nothing. The copy is small: flush() emptied model_.
   GltfModel model = model_;
   const int node = model.add_frame(name, parts, !keys_.empty());
   bool fits = false;

@@ -27,7 +27,7 @@ double spacing(double size) {
   return static_cast<double>(std::nextafter(number, std::numeric_limits<Number>::infinity()) - number);
 }
 
-// Sums over triangles of their normal vectors, whose length is twice the area.
+// Sums over triangles: lengths of normal vectors (twice the area), and of the changes of these vectors.
 struct Change {
   double lengths = 0;
   double changes = 0;           // by rounding

@@ -1,8 +1,8 @@
 // glTF 2.0 (ISO/IEC 12113): TinyGLTF builds the model and its JSON (gltf_model); the binary data goes from the meshes'
 // buffers directly to the file. Each mesh is laid out before it is written, so that the JSON knows every offset. In a
 // GLB, whose JSON precedes the data, all meshes are laid out first. If its one mesh comes in parts, room for the JSON
-// is left before the data; in a stream, a pass over the parts finds the bounds for the JSON. If there is not enough
-// memory for all meshes of a GLB, their data is written first, and moves when the JSON is known.
+// is left before the data; in a stream, a pass over the parts finds the bounds for the JSON. If the meshes of a GLB
+// exceed 64 MiB together, their data is written first, and moves when the JSON is known.
 #include <limits>
 #include <map>
 #include <mutex>
@@ -33,8 +33,8 @@ Result<void> check_glb_length(std::uint64_t json_bytes, std::uint64_t binary_byt
               {Remedy::set, Setting::mesh_format, "gltf or ply"});
 }
 
-// Returns whether the length of a file's JSON must not depend on the bounds of its positions, so that the JSON can be
-// written after the data: the file has one large mesh.
+// Returns whether a file's JSON gets a fixed length, whatever the bounds of its positions, so that it can be written
+// after the data: the file has one large mesh.
 bool reserves_bounds(const GltfPart& part) {
   return part.packed == nullptr && part.layout == GltfPart::Layout::indexed && !part.short_indices;
 }
@@ -205,7 +205,7 @@ class PartwiseJson {
   std::multimap<std::uint64_t, mesh::GrowingBounds> bounds_;  // by the first vertex of their part
 };
 
-// The places of the arrays of one mesh in a file.
+// File offsets of the arrays of one mesh.
 class PartPlaces {
  public:
   // Makes room at the end of the file.
@@ -262,7 +262,7 @@ class PartwiseGlbWriter final : public PartwiseWriter {
   PartwiseJson json_;
   files::OutputFile& file_;
   std::size_t json_bytes_ = 0;
-  std::uint64_t json_at_ = 0;  // place in the file
+  std::uint64_t json_at_ = 0;  // byte offset in the file
   PartPlaces places_;
 };
 
@@ -343,8 +343,8 @@ class OrderedGlbWriter final : public PartwiseWriter {
   files::OutputFile& file_;
   std::size_t json_bytes_ = 0;
   bool has_normals_ = false;
-  bool measures_ = false;  // in the first pass
-  Notes notes_;            // of the JSON
+  bool measures_ = false;  // true in the first pass
+  Notes notes_;            // notes about the JSON
 };
 
 class GltfWriter final : public FormatWriter {

@@ -200,7 +200,7 @@ class ObjWriter final : public FormatWriter {
   Next next_;
 };
 
-// Normals of faces need the vertices of the next part, so parts wait for it then.
+// With face normals, a part waits for the next part, whose vertices its normals need.
 class PartwiseObjWriter final : public PartwiseWriter {
  public:
   PartwiseObjWriter(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,
@@ -263,7 +263,7 @@ class PartwiseObjWriter final : public PartwiseWriter {
   files::OutputFile& file_;
   WaitingPart waiting_;
   Normals normals_ = Normals::none;
-  bool writes_face_normals_ = false;  // in the second pass
+  bool writes_face_normals_ = false;  // true in the second pass
 };
 
 }  // namespace

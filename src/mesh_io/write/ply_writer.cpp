@@ -25,7 +25,7 @@ constexpr std::uint8_t kCorners = 3;
 constexpr std::array<std::string_view, 8> kTypeNames{"char", "uchar", "short", "ushort",
                                                      "int",  "uint",  "float", "double"};
 
-// Returns whether the name can be a property name: printable ASCII without blanks.
+// Returns the name as a property name: replaces all but printable ASCII by '_'; "attribute" if empty.
 std::string property_name(const std::string& name) {
   std::string text = name.empty() ? std::string("attribute") : name;
   std::replace_if(
@@ -33,7 +33,7 @@ std::string property_name(const std::string& name) {
   return text;
 }
 
-// The properties of the mesh's attributes, component by component.
+// Returns the header lines of the attributes' properties, component by component.
 std::string attribute_properties(const mesh::Mesh& mesh, Notes& notes) {
   constexpr std::array<std::string_view, mesh::kMaxComponents> kColor{"red", "green", "blue", "alpha"};
   std::set<std::string, std::less<>> taken{"x", "y", "z", "nx", "ny", "nz"};
@@ -239,7 +239,7 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
 
 constexpr std::size_t kShadedVertexBytes = 2 * sizeof(glm::vec3);
 
-// Return the binary records of the vertices, which have normals, and of the faces of a part that outlives the result.
+// Return the binary records of a part: vertices with normals, or faces. The part must outlive the result.
 files::FillRecords vertices_of(const mesh::MeshPart& part) {
   return [&part](std::size_t first, std::size_t last, char* out) {
     for (std::size_t v = first; v < last; ++v) out = put_bytes(put_bytes(out, part.positions[v]), part.normals[v]);
@@ -298,12 +298,12 @@ class PartwisePlyWriter final : public PartwiseWriter {
   MeshWriteOptions options_;
   files::OutputFile& file_;
   std::size_t vertex_bytes_ = 0;
-  std::uint64_t vertices_at_ = 0;   // place of the first vertex in the file
-  std::uint64_t triangles_at_ = 0;  // place of the first triangle
+  std::uint64_t vertices_at_ = 0;   // file offset of the first vertex
+  std::uint64_t triangles_at_ = 0;  // file offset of the first triangle
 };
 
-// Writes vertices, and then faces, in order: text, streams, and normals of faces, which need the vertices of the next
-// part. So parts wait for it then.
+// Writes vertices, then faces, in order: for text, streams and face normals. With face normals, a part waits for the
+// next part, whose vertices its normals need.
 class OrderedPlyWriter final : public PartwiseWriter {
  public:
   OrderedPlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, const Context& context,

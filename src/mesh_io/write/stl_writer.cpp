@@ -52,7 +52,7 @@ std::array<char, kStlHeaderBytes> binary_header(const std::string& placement) {
   return header;
 }
 
-// A triangle as the file has it.
+// A triangle as stored in the file.
 struct Facet {
   glm::vec3 normal;
   std::array<glm::vec3, 3> corners;
@@ -98,7 +98,7 @@ std::string solid_name(const mesh::Mesh& mesh) {
   return mesh.name.empty() ? std::string("isoextract") : one_line(mesh.name);
 }
 
-// Writes what comes before the triangles. Fails if binary STL cannot hold as many.
+// Writes the header. Fails if binary STL cannot hold that many triangles.
 Result<void> write_start(const mesh::Mesh& head, std::uint64_t triangles, const MeshWriteOptions& options,
                          files::OutputFile& file) {
   if (options.ascii) return file.write(fmt::format("solid {}\n", solid_name(head)));
@@ -115,7 +115,7 @@ Result<void> write_start(const mesh::Mesh& head, std::uint64_t triangles, const 
   return file.write(std::as_bytes(std::span(&count, 1)));
 }
 
-// Writes what comes after the triangles.
+// Writes the end line of text.
 Result<void> write_end(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file) {
   return options.ascii ? file.write(fmt::format("endsolid {}\n", solid_name(head))) : Result<void>();
 }

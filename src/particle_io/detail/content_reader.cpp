@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMostBuffered = 2 * ContentReader::kMaxPeekedBytes;
 constexpr std::uint64_t kLeastPiece = std::uint64_t{1} << 16;
-// Bytes to inflate at a time once the line end is known: a parked stream keeps those that were not read.
+// Bytes to inflate at a time once the line end is known: a parked stream keeps its unread bytes.
 constexpr std::size_t kInflatedPiece = std::size_t{1} << 16;
 constexpr std::size_t kMostParked = 4 * kInflatedPiece;
 
@@ -43,8 +43,8 @@ Reservation ContentReader::reserve(std::uint64_t bytes, std::string_view what) c
   return must(file_.context().reserve(bytes, fmt::format("{}: {}", file_.name(), what)));
 }
 
-// Appends bytes to the unread ones, which move to the front of the buffer if there is no room. Returns the number of
-// new bytes; 0 at the end of the content.
+// Moves the unread bytes to the front of the buffer and appends bytes to them. Returns the number of new bytes; 0 at
+// the end of the content.
 std::size_t ContentReader::refill() {
   if (at_end_) return 0;
   must(file_.context().check());

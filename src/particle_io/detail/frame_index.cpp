@@ -64,7 +64,7 @@ std::uint64_t FrameIndex::seek_nearest_frame(ContentReader& content, std::uint64
   if (known.places.empty()) return 0;
   const std::size_t i = std::min<std::uint64_t>(wanted / known.stride, known.places.size() - 1);
   const FramePlace& place = known.places[i];
-  // Expects the frame's own length, or that of the one before.
+  // Expects the bytes up to the next known frame or, for the last known frame, from the previous known frame.
   const std::size_t measured = i + 1 < known.places.size() ? i + 1 : i;
   content.go_to(place.at,
                 measured == 0 ? 0 : known.places[measured].at.position - known.places[measured - 1].at.position);

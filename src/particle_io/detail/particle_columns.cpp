@@ -81,7 +81,7 @@ std::size_t named_column(const ParticleTable& table, const std::string& name) {
       fmt::format("the file has {} columns: {}", table.columns.size(), column_list(table)));
 }
 
-// Compared with case: px, py and pz are momenta.
+// Case-sensitive: a group "p" of px, py and pz is a momentum.
 constexpr std::string_view kHoudiniPosition = "P";
 
 // Names of a position in order of preference.
@@ -135,7 +135,7 @@ std::optional<ColumnTuple> find_attribute(const ParticleTable& table, const std:
   return std::nullopt;
 }
 
-// Throws if it is not numeric.
+// Throws if the attribute is not numeric.
 void add_attribute(const ParticleTable& table, const ColumnTuple& attribute, ColumnChoice& choice) {
   check_numbers(table, attribute.columns, fmt::format("'{}'", printable(attribute.name, 80)),
                 attribute_list(table, choice.position));
@@ -148,8 +148,8 @@ bool has_words(const ParticleTable& table, const ColumnTuple& attribute) {
   return table.has_words && attribute.columns.size() == 1 && table.columns[attribute.columns.front()].has_words;
 }
 
-// Chooses an attribute of a condition: as words if it is text that can be read so. Otherwise throws if it is not
-// numeric.
+// Chooses the attribute that a condition names: as words if it is text that can be read as words. Throws if any other
+// attribute is not numeric.
 void add_attribute_of_condition(const ParticleTable& table, const AttributeOfCondition& asked, ColumnChoice& choice) {
   for (const std::string& name : asked.names) {
     const auto attribute = find_attribute(table, name);

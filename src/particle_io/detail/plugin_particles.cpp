@@ -32,7 +32,7 @@ std::optional<AttributeKind> kind_of(std::int32_t kind) {
   }
 }
 
-// Adds what the table of the plug-in says about its library, and where the plug-in is.
+// Adds the library and package from the plug-in's table, and the path of the plug-in.
 ParticleFormatDescription with_plugin(ParticleFormatDescription about, const plugin_host::PluginFolders& folders,
                                       std::span<const plugin_host::PluginTable> tables) {
   about.is_plugin = true;
@@ -61,7 +61,7 @@ class PluginParticles : public ParticleFormat {
     return opened.read(options);
   }
 
-  // Uses one worker for both.
+  // Uses one worker process for the info and the particles.
   [[nodiscard]] DescribedParticles describe(const files::InputFile& file,
                                             const ParticleReadOptions& options) const override {
     const OpenedFile opened(*this, file, options);
@@ -76,7 +76,7 @@ class PluginParticles : public ParticleFormat {
     OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
         : id_(format.about().id), name_(file.name()), context_(file.context()) {
       const std::string what = file.name() + ": the memory of the plug-in that reads it";
-      // The size is known only later; until then reserves twice the size of the file.
+      // The plug-in's memory is known only after opening; until then reserves twice the size of the file.
       memory_ = must(
           file.context().reserve(checked_product(file.size(), std::uint64_t{2}).value_or(~std::uint64_t{0}), what));
       file.context().progress().begin("reading", 0);

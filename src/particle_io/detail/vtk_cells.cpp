@@ -28,7 +28,7 @@ std::string bytes_at(const files::InputFile& file, std::uint64_t offset, std::ui
   return bytes;
 }
 
-// Returns the offset after a word's line, from an offset on.
+// Returns the offset after the line of the first `word` from `offset` on.
 std::optional<std::uint64_t> find_line_end(const files::InputFile& file, std::uint64_t offset, std::string_view word) {
   std::string part;
   while (offset < file.size()) {
@@ -36,7 +36,7 @@ std::optional<std::uint64_t> find_line_end(const files::InputFile& file, std::ui
     const std::size_t at = part.find(word);
     const std::size_t end = at == std::string::npos ? at : part.find('\n', at + word.size());
     if (end != std::string::npos) return offset + end + 1;
-    // A part ends in the middle of the word or of its line.
+    // A part may end in the middle of the word or its line, so parts overlap.
     constexpr std::size_t kOverlap = 256;
     if (part.size() <= kOverlap) return std::nullopt;
     offset += part.size() - kOverlap;
@@ -74,7 +74,7 @@ bool has_vtk_cells(const files::InputFile& file, std::string_view start) {
   if (start.find("\"UnstructuredGrid\"") == std::string_view::npos) return false;
   const auto points = number_after(start, "NumberOfPoints=\"");
   const auto cells = number_after(start, "NumberOfCells=\"");
-  // A file of points has a cell for each, or one for all.
+  // A file of points has one cell per point, or one cell for all points.
   return points && cells && *cells > 1 && *cells != *points;
 }
 

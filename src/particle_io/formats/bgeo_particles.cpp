@@ -46,7 +46,7 @@ struct BgeoFile {
   Notes notes;
 };
 
-// Reads the definition of a point attribute and its default; adds its columns and their places in a record.
+// Reads the definition of a point attribute and its default; adds its columns and their byte offsets in a record.
 void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
   const std::string name = bgeo_text(content, "the name of an attribute");
   if (name.size() > kMaxNameBytes) {
@@ -156,7 +156,7 @@ class BgeoParticles final : public ParticleFormat {
     return files::starts_with(start, kHoudiniMagicLittle) || files::starts_with(start, kHoudiniMagicBig);
   }
 
-  // Throws if the content has neither format.
+  // Returns whether the content is the newer format. Throws if it has neither format.
   static bool is_newer(const files::InputFile& file) {
     const auto start = must(files::first_bytes(file, 16));
     if (is_houdini(start)) return true;

@@ -18,7 +18,7 @@
 namespace isoextract::particle_io {
 namespace {
 
-constexpr char kWords = ' ';  // separator of fields that are words
+constexpr char kWords = ' ';  // fields are separated by spaces and tabs
 
 bool is_space(char c) { return c == ' ' || c == '\t'; }
 
@@ -35,14 +35,15 @@ bool is_comment(std::string_view line) {
   return text.starts_with('#') || (text.starts_with("sep=") && text.size() <= 5);
 }
 
-// Splits lines into fields. Stores unescaped copies of fields with doubled quotes; the others are views of the line.
+// Splits lines into fields. Stores unescaped copies of fields with doubled quotes; other fields are views of the line.
 class FieldSplitter {
  public:
   explicit FieldSplitter(char delimiter) : delimiter_(delimiter) {}
 
   [[nodiscard]] char delimiter() const { return delimiter_; }
 
-  // Returns false if a quote does not end. Everything after kMaxParticleColumns fields is not split.
+  // Returns false if a quote does not end, or no delimiter follows it. Does not split beyond kMaxParticleColumns
+  // fields.
   bool split(std::string_view line, std::vector<std::string_view>& fields) {
     unescaped_.clear();
     if (delimiter_ == kWords && line.find('"') == std::string_view::npos) {
@@ -126,8 +127,8 @@ std::string_view without_byte_order_mark(std::string_view line) {
   return line.starts_with("\xEF\xBB\xBF") ? line.substr(3) : line;
 }
 
-// Returns whether a line has three or more numbers between spaces, with decimal commas: "1,5 2,5 3". Those of "1 ,2 ,3"
-// are no decimal commas: a number begins with a digit or a sign.
+// Returns whether a line has three or more numbers between spaces, with decimal commas: "1,5 2,5 3". No number begins
+// with a comma, so "1 ,2 ,3" has no decimal commas.
 bool has_decimal_commas(std::string_view line) {
   std::vector<std::string_view> words;
   split_words(line, words);
@@ -237,7 +238,7 @@ CsvFile survey_csv(const files::InputFile& file) {
   return csv;
 }
 
-// Returns whether numbers have decimal commas.
+// Reads the rows into the sinks. Returns whether numbers have decimal commas.
 bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const ColumnSink> sinks) {
   DecimalReader decimals;
   DecimalReader* const commas = csv.delimiter == ',' ? nullptr : &decimals;

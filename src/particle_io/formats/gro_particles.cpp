@@ -24,7 +24,7 @@ struct GroFrame {
   std::string name;
   FrameTime time;
   Inherited inherited;    // unused
-  std::size_t width = 8;  // of a number; its precision is free
+  std::size_t width = 8;  // characters of a number; files differ
   ParticleTable table;    // without columns if there are no atoms
 };
 

@@ -49,7 +49,7 @@ std::uint64_t whole_of(HoudiniJson& json, const JsonToken& token, std::string_vi
   return static_cast<std::uint64_t>(token.number);
 }
 
-// The texts of a string attribute, to which its numbers are indices.
+// The texts of a string attribute; its numbers are indices into these texts.
 struct HoudiniTexts {
   std::vector<std::string> texts;
   std::size_t bytes = 0;
@@ -93,7 +93,7 @@ class AttributeSinks {
   }
 
  private:
-  // An index of -1 is that of no text.
+  // An index of -1 means no text.
   void put_word(const ColumnSink& sink, std::size_t point, double index) const {
     if (texts_.too_many) return sink.words->give_up();
     if (index == -1) return sink.put_word(point, {});
@@ -145,7 +145,7 @@ class PageCursor {
   std::uint64_t first_ = 0;  // first element of the page
   std::uint64_t page_number_ = 0;
   std::size_t part_ = 0;         // index of the sub-vector
-  std::uint64_t before_ = 0;     // components of the sub-vectors before
+  std::uint64_t before_ = 0;     // components of the earlier sub-vectors
   std::uint64_t element_ = 0;    // within the page
   std::uint64_t component_ = 0;  // within the sub-vector
 };
@@ -321,7 +321,7 @@ HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::
   return attribute;
 }
 
-// At least one column, as attributes are counted by columns.
+// Returns at least 1, as attributes are counted by columns.
 std::size_t columns_of(const HoudiniAttribute& attribute) {
   return attribute.type == "numeric" ? std::max<std::size_t>(1, static_cast<std::size_t>(attribute.size)) : 1;
 }

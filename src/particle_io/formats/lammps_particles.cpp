@@ -18,11 +18,11 @@ namespace {
 
 struct LammpsFrame {
   std::uint64_t begin = 0;  // position of its first byte in the content
-  std::string step;         // as in the file
+  std::string step;         // text in the file
   FrameTime time;
   Inherited inherited;  // the units, which the file states once for all later frames
   std::uint64_t atoms = 0;
-  std::optional<points::SimulationBox> box;  // as in the file, possibly without a volume
+  std::optional<points::SimulationBox> box;  // the file's box, possibly without a volume
   ParticleTable table;
   std::string unit;  // unit of lengths
 };
@@ -47,7 +47,7 @@ std::string_view line_of(ContentReader& content, std::string_view what) {
   return *line;
 }
 
-// Reads three lines of bounds, with tilt factors if the title names them. The bounds are those of the axis-aligned box
+// Reads three lines of bounds, with tilt factors if the title names them. The bounds describe the axis-aligned box
 // around the parallelepiped. The last three words of the title are the boundaries: "pp" is a periodic edge.
 points::SimulationBox read_lammps_box(ContentReader& content, std::span<const std::string_view> title) {
   // "ITEM: BOX BOUNDS xy xz yz pp pp pp"; with "abc origin" the edges are given directly.

@@ -76,7 +76,7 @@ struct NpyParticleFile {
   volume_io::NpyHeader header;
   std::uint64_t frames = 1;
   std::uint64_t whole = 1;      // frames that the file is long enough for
-  std::uint64_t particles = 0;  // in each frame
+  std::uint64_t particles = 0;  // per frame
   std::uint64_t frame_bytes = 0;
   ParticleTable table;
   RecordLayout layout;

@@ -56,7 +56,7 @@ struct PdbFrame {
   std::uint64_t atoms = 0;  // known once the frame was passed
   std::string name;
   FrameTime time;       // unset
-  Inherited inherited;  // kEnded if a record ended the frame before
+  Inherited inherited;  // text is kEnded if a record ended the previous frame
 };
 
 constexpr std::string_view kEnded = "ended";
@@ -75,7 +75,7 @@ void pass_pdb_atoms(ContentReader& content, PdbFrame& frame, const Use& use) {
     frame.inherited.text = kEnded;
     return;
   }
-  // The last frame needs no record at its end if the others have none.
+  // The last frame needs no record at its end if the previous frame has none.
   if (before_ended) {
     throw TruncatedFrame("expected ENDMDL or END after the atoms, found the end of the file",
                          fmt::format("{} atoms without the record ENDMDL or END after them", frame.atoms));
@@ -109,8 +109,8 @@ struct PdbFrames {
   }
 };
 
-// Returns the element by the name of the atom, for files without its column: names have the symbol right-justified in
-// their first two characters, except those of hydrogen with four characters.
+// Returns the element from the atom's name, for files without the element column: names have the symbol right-justified
+// in their first two characters, except hydrogen names of four characters.
 std::string_view element_of_name(std::string_view line) {
   const std::string_view name = line.substr(12, 4);
   if (fixed_field(name, 0, 4).size() == 4 && name.front() == 'H') return name.substr(0, 1);

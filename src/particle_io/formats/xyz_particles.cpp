@@ -1,8 +1,8 @@
 // XYZ: frames of a count, a comment, and one line per atom.
-// - Plain: a line is the name of an element and x, y, z, or those three alone. Numbers after them have no names.
+// - Plain: a line is x, y and z, optionally after the name of an element. Numbers after z have no names.
 // - Extended: the comment describes the columns (Properties=species:S:1:pos:R:3:...;
 //   https://github.com/libAtoms/extxyz) and the box: Lattice="ax ay az bx by bz cx cy cz", pbc="T T F", Origin="x y z".
-//   It may have the moment of the frame: Time=0.5, step=100 or Timestep=100.
+//   It may have the frame's time or step: Time=0.5, step=100 or Timestep=100.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ struct XyzFrame {
   FrameTime time;
   Inherited inherited;                       // unused
   ParticleTable table;                       // without columns if there are no atoms
-  std::optional<points::SimulationBox> box;  // as in the file, possibly without a volume
+  std::optional<points::SimulationBox> box;  // the file's box, possibly without a volume
   bool box_is_unclear = false;               // the comment has a lattice that cannot be read
 };
 
@@ -48,7 +48,7 @@ std::optional<std::string_view> value_of_any(std::string_view comment, const std
   return std::nullopt;
 }
 
-// Sets the moment and the name of the frame.
+// Sets the time, step and name of the frame.
 void read_time(std::string_view comment, XyzFrame& frame) {
   constexpr std::array<std::string_view, 2> kTime{"Time=", "time="};
   constexpr std::array<std::string_view, 4> kStep{"step=", "Step=", "Timestep=", "timestep="};
@@ -71,7 +71,7 @@ std::vector<std::string_view> list_words(std::string_view list) {
   return words;
 }
 
-// Returns the three or nine numbers of a list; nothing if the list differs.
+// Returns the N numbers of a list; nothing if the list has other words or another length.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers_of_list(std::string_view list) {
   const auto words = list_words(list);
@@ -101,7 +101,7 @@ void read_lattice(std::string_view comment, XyzFrame& frame) {
   for (std::size_t k = 0; k < 3; ++k) box.periodic[k] = std::ranges::find(kTrue, flags[k]) != kTrue.end();
 }
 
-// "species:S:1:pos:R:3"
+// Parses "species:S:1:pos:R:3".
 ParticleTable extended_table(const ContentReader& content, std::string_view properties) {
   ParticleTable table;
   const auto next = [&](std::string_view what) {
@@ -204,7 +204,7 @@ class XyzParticles final : public ParticleFormat {
                         .has_columns = true,
                         .needs_extension = true}) {}
 
-  // A count alone may begin any file; an extended one says what it is.
+  // Recognizes only extended XYZ: a count alone may begin any file.
   [[nodiscard]] bool probe(const files::FileStart& start) const override {
     std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
     const std::size_t end = text.find('\n');

@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::string_view kHoudiniMagic =
     std::endian::native == std::endian::little ? kHoudiniMagicLittle : kHoudiniMagicBig;
-constexpr std::uint64_t kPageSize = 1024;  // as Houdini writes
+constexpr std::uint64_t kPageSize = 1024;  // elements; Houdini's own page size
 
 // Codes of numbers in an array.
 enum class NumberCode : char { int32 = 0x13, fpreal32 = 0x19, fpreal64 = 0x1a };
 
-// Builds text of tokens. A member of an array that stands for a map is its name, then its value.
+// Builds a sequence of tokens. An array that stands for a map alternates names and values.
 class JsonText {
  public:
   JsonText& begin() { return code('['); }

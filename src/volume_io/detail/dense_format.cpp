@@ -106,7 +106,7 @@ GridInfo grid_of(const DenseFile& dense, std::string name) {
 
 std::string stem_of(const std::filesystem::path& path) {
   if (files::is_standard_input(path)) return "stdin";
-  // The folder of an unpacked archive has a name of its own.
+  // The folder of an unpacked archive has another name than the archive.
   std::error_code none;
   const std::filesystem::path source = files::packed_source(path);
   if (source != path && std::filesystem::is_directory(path, none)) return stem_of(source);

@@ -30,7 +30,7 @@ bool is_exact(T value) {
   return as_double < kEnd && static_cast<T>(as_double) == value;
 }
 
-// Converts 64-bit integers to double in place, as both have eight bytes.
+// Converts 64-bit integers to double in place (both have eight bytes). Fails for inexact values other than `no_data`.
 template <class T>
 Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::span<std::byte> bytes,
                    std::optional<double> no_data) {
@@ -65,8 +65,8 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
       "subtract a common offset from the values, or divide them; renumber the ids of a label map");
 }
 
-// Maps the samples if possible. A mapping needs no memory of its own: the system keeps the pages in use and drops
-// others when memory is short.
+// Maps the samples if possible, else reads them. A mapping needs no reserved memory: the system keeps the pages in use
+// and drops other pages when memory is short.
 Result<field::DenseSamples> load_samples(const files::InputFile& file, const DenseFile& dense,
                                          const SampleSource& source, bool last, std::optional<double> no_data,
                                          Notes& notes) {
@@ -95,7 +95,7 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
   return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
 }
 
-// Reads or maps 64-bit ids, and keeps only their indices and `ids`, the table of them.
+// Reads or maps 64-bit ids. Keeps only their indices, and the table of the ids in `ids`.
 Result<field::DenseSamples> load_ids(const files::InputFile& file, const DenseFile& dense, const SampleSource& source,
                                      field::LabelIdTable& ids) {
   const Context& context = file.context();
@@ -120,7 +120,7 @@ Result<field::DenseSamples> load_ids(const files::InputFile& file, const DenseFi
   return field::DenseSamples{field::SampleType::u32, dense.dims, std::move(indexed.samples), data, false};
 }
 
-// Returns all samples.
+// Returns the source of all samples.
 SampleSource source_of(const DenseFile& dense) {
   SampleSource source;
   source.pieces = dense.pieces;
@@ -130,12 +130,12 @@ SampleSource source_of(const DenseFile& dense) {
   return source;
 }
 
-// Returns the samples of one volume and component.
+// Returns the source of the samples of one volume and component.
 Result<SampleSource> part_of(const SampleSource& all, const DenseFile& dense, std::uint64_t volume,
                              std::uint64_t component) {
   const Share volumes{volume, dense.volumes};
   const Share components{component, dense.components};
-  // The index along both axes when they are on the same side of the spatial ones.
+  // Combines the volume and component indices, for when both axes are on the same side of the spatial axes.
   const auto both = [&] {
     const Share& fast = dense.component_before_volume ? components : volumes;
     const Share& slow = dense.component_before_volume ? volumes : components;

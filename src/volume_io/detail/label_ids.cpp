@@ -41,7 +41,7 @@ void make_unique(std::vector<std::int64_t>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-// Appends the ids of a task, each once unless there are very many.
+// Collects the ids of a task, sorted and each once.
 void collect_ids(std::span<const std::byte> stored, std::size_t task, std::vector<std::int64_t>& ids) {
   constexpr std::size_t kLeast = 4096;
   std::size_t limit = kLeast;

@@ -7,7 +7,7 @@ namespace {
 
 std::string dims_text(const glm::ivec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
-// Returns the placement of a file that has none of its own.
+// Returns the placement that `other` gives to a file without one.
 Result<field::Affine> placement_by_reference(field::ScalarField& field, const ReferenceVolume& other) {
   const std::string states_none = field.source + " states no spacing and no origin";
   if (other.spacing) {

@@ -119,7 +119,7 @@ class PluginFormat final : public VolumeFormat {
     selection.volume = TRY(choose_volume(label, info.volumes, options.volume));
     const auto component = TRY(choose_component(label, info.components, options.component, info.component_names));
     selection.component = component ? static_cast<std::int64_t>(*component) : ISOEXTRACT_COMPONENT_LENGTH;
-    // Lengths are computed of values.
+    // The plug-in has already applied the scale to lengths.
     if (component) field.scale = {grid.slope, grid.intercept};
     if (!info.volume_times.empty()) field.time = info.volume_times[static_cast<std::size_t>(selection.volume)];
     if (grid.is_sparse != 0) {
@@ -133,7 +133,7 @@ class PluginFormat final : public VolumeFormat {
 
  private:
   [[nodiscard]] bool has_file_of_format(const fs::path& folder, const Context& context) const {
-    // Enough to tell: other files are few in a folder of slices, as are the folders above it.
+    // Limits that suffice: a folder of slices has few other files in it and few folders above it.
     constexpr int kMostTried = 32;
     constexpr int kMostDepth = 3;
     int tried = 0;
@@ -175,7 +175,7 @@ class PluginFormat final : public VolumeFormat {
       TRY(file.read_at(0, start));
       wanted.bytes = file.size();
       for (std::size_t i = 1; i < wanted.files.size(); ++i) wanted.bytes += fs::file_size(wanted.files[i], none);
-      // A file may be one of a series, as one of its folder.
+      // A file may be one of a series in its folder.
       if (std::ranges::count(table_.folders, "*") > 0) {
         wanted.bytes += bytes_in<fs::directory_iterator>(folder.empty() ? "." : folder);
       }
@@ -192,7 +192,7 @@ class PluginFormat final : public VolumeFormat {
     return std::move(slices).value_or(std::vector<std::string>());
   }
 
-  // Returns the size of the files that the iterator finds; of the first ones, if there are very many.
+  // Returns the bytes of the files among the first kMostFiles entries that the iterator finds.
   template <class Iterator>
   static std::uint64_t bytes_in(const fs::path& folder) {
     constexpr std::size_t kMostFiles = 10000;
@@ -224,7 +224,7 @@ class PluginFormat final : public VolumeFormat {
     return fail(ErrorCode::input, fmt::format("{}: the plug-in for {} returns {}", input, about().id, what));
   }
 
-  // Returns the texts, times and labels of a grid.
+  // Sets the texts, times and labels of a grid in `info`.
   static void describe_contents(const isoextract_volume_grid& grid, GridInfo& info) {
     using plugin_host::plugin_text;
     info.type = printable(plugin_text(grid.type_name), 80);
@@ -288,7 +288,7 @@ class PluginFormat final : public VolumeFormat {
     return frame;
   }
 
-  // Adds what the plug-in says about the samples that it has read.
+  // Adds the plug-in's part counts and notes about the samples that it has read.
   void take_facts(const plugin_host::VolumeSession& visit, const isoextract_volume_samples& samples,
                   field::ScalarField& field) const {
     field.parts = {samples.parts_read, samples.parts};
@@ -323,7 +323,7 @@ class PluginFormat final : public VolumeFormat {
     dense.type = *plugin_host::sample_type_of(grid.sample_type);
     if (selection.component == ISOEXTRACT_COMPONENT_LENGTH) dense.type = type_of_lengths(dense.type);
     dense.dims = {static_cast<int>(grid.dims[0]), static_cast<int>(grid.dims[1]), static_cast<int>(grid.dims[2])};
-    // The placement is that of all samples, so that it is checked against all of them.
+    // Sets the placement for the dimensions of all samples, so that all of them are checked.
     field.samples = dense;
     TRY(set_placement(field, frame_of(grid), options));
     const field::IndexBox needed = samples_of_region(field.index_to_world, dense.dims, options.region);
@@ -361,8 +361,8 @@ class PluginFormat final : public VolumeFormat {
     return is_wide ? field::SampleType::f64 : field::SampleType::f32;
   }
 
-  // Returns the samples that a region of the world needs, with two beyond each of its faces for gradients; all of them
-  // if it touches none.
+  // Returns the index box of the samples that a world region needs, with two more beyond each face for gradients; the
+  // box of all samples if the region meets none.
   static field::IndexBox samples_of_region(const field::Affine& index_to_world, const glm::ivec3& dims,
                                            const std::optional<field::Box>& region) {
     const field::IndexBox all{glm::ivec3(0), dims - 1};

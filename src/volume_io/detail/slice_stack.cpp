@@ -33,7 +33,7 @@ bool has_extension_of(const VolumeFormat& format, const std::string& name) {
                              [&](const std::string& extension) { return lower.ends_with(extension); });
 }
 
-// Returns the files that match the pattern, whose number is in the file's name.
+// Returns the files that match the pattern; none if its number is in a folder's name.
 Result<std::vector<NumberedFile>> matching_files(const files::FramePattern& pattern) {
   const std::string& prefix = pattern.prefix();
   const std::size_t name = prefix.find_last_of('/') + 1;
@@ -66,8 +66,8 @@ std::optional<std::vector<std::int64_t>> numbers_of(const std::vector<std::strin
   return numbers;
 }
 
-// Returns the files of a folder in order; they are numbered from 0 if their names do not differ in one number. Returns
-// nothing if one is not of the format.
+// Returns the files of a folder in order; they are numbered from 0 unless their names differ only in one number.
+// Returns no files if one has another volume format's extension.
 Result<std::vector<NumberedFile>> files_of_folder(const std::string& folder, const VolumeFormat& format) {
   std::vector<std::string> names;
   bool has_others = false;

@@ -95,8 +95,8 @@ bool is_folder(const std::string& input) {
   return !files::is_standard_input(input) && std::filesystem::is_directory(input, none);
 }
 
-// Returns the only file in an unpacked archive whose name is that of a volume, such as a header beside its data; the
-// folder itself if there is none or several.
+// Returns the only file in an unpacked archive with a volume's extension, such as a header beside its data; the folder
+// itself if there is none or several.
 std::string only_volume_in(const std::string& folder) {
   namespace fs = std::filesystem;
   std::string found;

@@ -1,5 +1,5 @@
-// NumPy's archives of arrays (.npz): ZIP files whose members are NPY files. A member is selected like a grid; of the
-// others only headers are read.
+// NumPy's archives of arrays (.npz): ZIP files whose members are NPY files. A member is selected like a grid; only the
+// headers of other members are read.
 #include <algorithm>
 #include <array>
 #include <span>

@@ -23,8 +23,7 @@ class HeaderLines {
  public:
   explicit HeaderLines(const files::InputFile& file) : file_(file) {}
 
-  // Returns the next line without its end; nothing at the end of the file. Sets `complete` to whether the line has an
-  // end.
+  // Returns the next line without its end; nothing at the end of the file.
   Result<std::optional<std::string>> next() {
     std::size_t end = 0;
     while ((end = text_.find('\n', begin_)) == std::string::npos) {

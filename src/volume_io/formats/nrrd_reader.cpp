@@ -76,7 +76,7 @@ Result<ParsedNrrd> parse_fields(const std::string& file, const std::string& fiel
     const std::unique_ptr<char, decltype(&std::free)> text(::biffGetDone(NRRD), &std::free);
     if (text) messages = text.get();
   }
-  // If every line is valid but one is missing, these messages are clearer than teem's.
+  // Gives clearer messages than teem if every line is valid but a field is missing.
   if (!failed || messages.find("complete valid header") != std::string::npos) {
     TRY(check_fields(file, parsed));
   }
@@ -113,13 +113,13 @@ bool has_direction(const Nrrd& nrrd, unsigned axis) {
 
 bool is_spatial_kind(int kind) { return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace; }
 
-// Returns whether such an axis enumerates volumes instead of components.
+// Returns whether an axis of this kind enumerates volumes instead of components.
 bool is_series_kind(int kind) { return kind == nrrdKindTime || kind == nrrdKindList; }
 
 struct NrrdAxes {
   std::array<unsigned, 3> space{};     // fastest first
   std::optional<unsigned> series;      // axis of several volumes; faster or slower than the spatial ones
-  std::optional<unsigned> components;  // axis of several components, likewise
+  std::optional<unsigned> components;  // axis of several components; also faster or slower
 };
 
 // Finds the axes; ignores additional axes of length 1.

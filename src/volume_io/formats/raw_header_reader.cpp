@@ -6,8 +6,8 @@
 //   Format: USHORT                 or UINT16, Vec2FLOAT32, ...
 //   ObjectModel: RGBA              number of components: I (1), RGB and XYZ (3), RGBA (4)
 //   SliceThickness: 1 1 2          or Spacing: distances between samples
-//   BasisVector1: 5.684 0 0        the first edge of the box of all voxels; likewise 2 and 3
-//   Offset: 0 0 0                  its corner
+//   BasisVector1: 5.684 0 0        the first edge of the box of all voxels; also 2 and 3
+//   Offset: 0 0 0                  the corner of that box
 //   ByteOffset: 512                or skip: bytes before the first sample
 //   Endianess: BIG                 or ByteOrder
 #include <algorithm>
@@ -67,7 +67,7 @@ struct Header {
   }
 };
 
-// Returns `count` numbers and nothing else.
+// Returns the `count` numbers of the text; nothing if it has other content.
 template <class T>
 std::optional<std::array<T, 3>> numbers_of(std::string_view text, std::size_t count) {
   std::array<T, 3> numbers{};

@@ -19,7 +19,7 @@ constexpr std::size_t kUuidLength = 36;
 constexpr std::string_view kHalfSuffix = "_HalfFloat";
 constexpr char kNameSeparator = '\x1e';
 
-// Calls item(name, type, bytes) for each metadata entry that is small enough to matter; skips the others.
+// Calls item(name, type, bytes) for each metadata entry that is small enough to matter; skips larger entries.
 void read_metadata(VdbCursor& cursor,
                    const std::function<void(const std::string&, const std::string&, const std::string&)>& item) {
   const auto count = cursor.read_value<std::uint32_t>();
@@ -101,7 +101,8 @@ bool read_grid_head(VdbCursor& cursor, VdbGridRecord& grid) {
   return read_frame(cursor, grid);
 }
 
-// Does the same and finds the grid's end, in a file that does not store it. The last grid's end is not needed.
+// Calls read_grid_head(), and finds the grid's end in a file that does not store it. The last grid's end may stay
+// unknown.
 void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
   const bool known = read_grid_head(cursor, grid);
   grid.end_position = cursor.size();

@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 6> kPluginValues{"bool", "mask", "int64",
 constexpr std::string_view kStaggeredClass = "staggered";
 constexpr std::array<std::string_view, 4> kVectorParts{"[x]", "[y]", "[z]", "[length]"};
 
-// Matches only trees of the usual configuration: value_type includes any other.
+// Matches only trees of the usual configuration: value_type states any other configuration.
 bool is_left_to_plugin(const VdbGridRecord& record) { return std::ranges::count(kPluginValues, record.value_type) > 0; }
 
 // "velocity[x]" -> "velocity"; other names as they are.

@@ -21,7 +21,7 @@ enum InactiveCode : std::uint8_t {
   kBothBackgrounds,       // a mask follows: the negative background where off, the background where on
   kOneValueOrBackground,  // a value and a mask follow: the value where off, the background where on
   kTwoValues,             // two values and a mask follow
-  kAllStored,             // they are stored with the others
+  kAllStored,             // they are stored with the active values
 };
 
 std::size_t inactive_values(std::uint8_t code) {
@@ -124,8 +124,8 @@ Inactive<Value> inactive_of(const VdbPackedValues& packed, Value background) {
   return inactive;
 }
 
-// Moves values from `from`, possibly at the end of `values`, to the active entries; fills the others with the inactive
-// values.
+// Moves values from `from`, possibly at the end of `values`, to the active entries; fills the other entries with the
+// inactive values.
 template <class Value>
 void spread(const VdbPackedValues& packed, std::size_t stored_size, const std::byte* from,
             const Inactive<Value>& inactive, std::span<Value> values) {
@@ -179,10 +179,10 @@ VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active
     packed.data = cursor.take(expected);
     return packed;
   }
-  // For zero halves OpenVDB writes nothing, for zero floats it writes a size.
+  // Without values to store, OpenVDB writes nothing for halves, but a size for other types.
   if (packed.stored == 0 && layout.half()) return packed;
 
-  // Zero or negative: that many uncompressed bytes.
+  // Positive: compressed bytes. Zero or negative: -size uncompressed bytes.
   const auto size = cursor.read_value<std::int64_t>();
   packed.compressed = size > 0;
   const std::uint64_t length =

@@ -25,7 +25,7 @@ std::string_view nrrd_type_name(field::SampleType type) {
   return "double";
 }
 
-// Returns NRRD's name for a space of a scan, or nothing for one that it does not know.
+// Returns NRRD's name for a space of a scan, or nothing for a space that NRRD does not know.
 std::string_view nrrd_space_name(std::string_view space) {
   if (space == "RAS+ (NIfTI)") return "right-anterior-superior";
   constexpr std::array<std::string_view, 6> kKnown{"right-anterior-superior", "left-anterior-superior",
