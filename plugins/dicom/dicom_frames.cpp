@@ -13,7 +13,7 @@ using gdcm::Tag;
 
 std::string key_text(const std::optional<double>& value) { return value ? number_text(*value) : std::string(); }
 
-// Each read_ function below reads attributes of an object's data set, or of an item of a functional group.
+// Reads the position from an object's data set or an item of a functional group, as the next three functions do.
 void read_position(const DataSet& data, Frame& frame) {
   const auto values = decimals_of(data, Tag(0x0020, 0x0032));
   if (values.size() != 3) return;

@@ -133,7 +133,7 @@ class Lister {
   void visit_group(const std::string& path, int depth) {
     isoextract_plugin::check_cancelled(host_);
     const Handle group(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "HDF5 cannot open its group " + path);
-    // Lists datasets before inner groups, so that a dataset with several paths gets the shallowest one.
+    // Lists datasets before inner groups: a dataset that both have is listed by its name in the outer group.
     std::vector<std::string> inner_groups;
     for (const std::string& name : names_in(group)) {
       H5O_info_t info{};

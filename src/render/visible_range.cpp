@@ -136,7 +136,7 @@ VisibleRange range_of_values(const field::ScalarField& field, const field::Field
 
 VisibleRange visible_range(const field::ScalarField& field, const field::FieldStatistics& statistics) {
   VisibleRange range = range_of_values(field, statistics);
-  // If all samples are equal, any range will do: nothing is visible.
+  // Any range will do if all samples are equal: nothing is visible.
   if (!(range.high > range.low)) range.high = range.low + std::max(std::abs(range.low), 1.0);
   return range;
 }
