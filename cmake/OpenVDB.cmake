@@ -1,6 +1,6 @@
-# OpenVDB, as the target openvdb_library where it is installed: for the plug-ins around it, for tests, seeds and samples,
-# which write VDB files with it, and for benchmarks; the program itself does without. Debian's FindOpenVDB asks for Imath's CMake package, which names a
-# Python library that is not installed with it.
+# Makes the target openvdb_library where OpenVDB is installed. The plug-ins around OpenVDB, tests, seeds, samples and
+# benchmarks link it; the program itself does not. Does not use Debian's FindOpenVDB: it asks for Imath's CMake package,
+# which names a Python library that is not installed with Imath.
 if(TARGET openvdb_library)
   return()
 endif()

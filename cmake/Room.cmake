@@ -56,8 +56,8 @@ function(isoextract_room name)
   isoextract_precompile(${target})
 endfunction()
 
-# The headers that most files include, compiled once for all rooms. For builds that begin from nothing again and again:
-# elsewhere a file that forgets one of them would go unnoticed.
+# Precompiles the headers that most files include, once for all rooms. Only for builds that often start from scratch:
+# with precompiled headers, a file that lacks one of these includes goes unnoticed.
 function(isoextract_precompile target)
   if(NOT ISOEXTRACT_PRECOMPILE)
     return()
@@ -71,7 +71,7 @@ function(isoextract_precompile target)
   endif()
 endfunction()
 
-# For the tests of a room, which see what is its own.
+# Lets the tests of a room include all headers of the room.
 function(isoextract_see_all target room)
   target_include_directories(${target} BEFORE PRIVATE ${PROJECT_BINARY_DIR}/include-all/${room})
 endfunction()

@@ -6,7 +6,7 @@ build=$root/build/release
 
 say() { printf 'isoextract: %s\n' "$*" >&2; }
 
-# Passes on what a build prints, and says on stderr how far it is: a line every so many seconds, also within a long step.
+# Passes on a build's output, and reports progress on stderr: a line every progress_seconds, also within a long step.
 progress_seconds=10
 tell_progress() {
   local start=$SECONDS told=$SECONDS begun='' line wait steps=
@@ -29,7 +29,7 @@ tell_progress() {
   done
 }
 
-# On a terminal a command's output shows as it comes, elsewhere how far it is, and its output only if it fails.
+# Runs a command. On a terminal, shows its output; elsewhere, reports progress, and shows the output only on failure.
 quietly() {
   if [ -t 2 ]; then
     "$@" >&2
@@ -42,7 +42,7 @@ quietly() {
   fi
 }
 
-# Plug-ins by the package group of what they are around: "vtk", "dicom" or "openvdb".
+# Builds the program and the plug-ins with the given IDs ("vtk", "dicom"), which are package groups of setup.sh as well.
 bring_up_to_date() {
   local missing=()
   for group in "$@"; do
@@ -60,10 +60,10 @@ bring_up_to_date() {
   quietly cmake --build --preset release --target isoextract completions "${@/#/plugins_}"
 }
 
-# Installs and builds what is missing, the plug-ins named among it; ends the script with 3 if that fails.
+# Installs missing packages, and builds the program and the named plug-ins; ends the script with 3 if that fails.
 build_release() {
   mkdir -p "$build"
-  # One build at a time where several are started at once; the lock ends with the subshell.
+  # The lock serializes builds that start at once; it ends with the subshell.
   if ! (flock 9 && bring_up_to_date "$@") 9>"$build/.lock"; then
     say "the program could not be built"
     exit 3

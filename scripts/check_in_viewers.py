@@ -51,7 +51,7 @@ MESHLAB_SCRIPT = """<!DOCTYPE FilterScript>
 
 @dataclasses.dataclass
 class Expected:
-    """What a file holds, by our own reading."""
+    """Facts of a file as this script reads it."""
     facts: Facts
     facts_in_blender: Facts
     has_connectivity: bool
@@ -92,7 +92,7 @@ def ask_meshlab(path):
         script = Path(folder) / 'measure.mlx'
         script.write_text(MESHLAB_SCRIPT)
         saved = Path(folder) / 'saved.ply'
-        # Under a plain name: MeshLab's command line knows no others.
+        # Links the file under a plain name: MeshLab's command line accepts no others.
         link = Path(folder) / ('mesh' + path.suffix.lower())
         link.symlink_to(path.resolve())
         command = ['xvfb-run', '-a', 'meshlabserver', '-i', str(link), '-o', str(saved), '-s', str(script)]
@@ -116,12 +116,12 @@ def meshlab_opens_obj():
 
 
 def differences(expected, found):
-    """What is not equal, as words."""
+    """Names of the facts that differ."""
     if found is None:
         return ['not opened']
     wrong = [name for name in ('vertices', 'triangles', 'open_edges', 'crossed_edges')
              if getattr(expected, name) != getattr(found, name)]
-    # Both programs compute in float32: one step at the farthest coordinate, and Blender adds the place of the object.
+    # Both programs compute in float32: one step at the farthest coordinate; Blender adds the position of the object.
     farthest = max(map(abs, expected.minimum + expected.maximum))
     tolerance = 2.0 ** -23 * farthest
     if any(abs(a - b) > tolerance

@@ -51,7 +51,7 @@ def metaballs(x, y, z):
 
 
 def turbulence(x, y, z):
-    """Waves of random directions, longer ones higher."""
+    """Waves of random directions; longer waves have larger amplitudes."""
     random = numpy.random.default_rng(3)
     total = 0
     for _ in range(60):
@@ -124,8 +124,8 @@ class Surface:
     def __init__(self, function, iso, lines):
         self.function, self.iso = function, iso
         between = [self.on_lines(axis, lines) for axis in range(3)]
-        self.even = sum(map(len, between))  # the first points: the density of the others is another
-        # Small pieces of the surface pass no line but those through samples.
+        self.even = sum(map(len, between))  # number of evenly dense points; lines through samples follow
+        # A small component may cross no lines except those through samples.
         self.points = numpy.concatenate(between + [self.on_lines(axis, 1, True) for axis in range(3)])
         self.spacing = 1 / lines
         self.buckets = Buckets(self.points, numpy.arange(len(self.points)), function.last)
@@ -134,8 +134,8 @@ class Surface:
         return self.function.value(points) - self.iso
 
     def on_lines(self, axis, lines, through_samples=False):
-        """Where lines along an axis pass iso: off the samples' planes by a half of the lines' distance, from side to side.
-        Those of a formula end beyond the sides by as little as rounding: where it is iso there, its samples need not be."""
+        """Points where lines along an axis cross iso: half a spacing off the planes of samples, or through samples.
+        Lines of a formula end `beyond` voxels outside the grid: a side may be iso by the formula but not by samples."""
         last = self.function.last
         across = [numpy.arange(last[a] + 1.0) if through_samples else (numpy.arange(last[a] * lines) + 0.5) / lines
                   for a in range(3) if a != axis]
@@ -160,7 +160,7 @@ class Surface:
                             for e in numpy.eye(3)], axis=1)
 
     def land(self, points):
-        """Newton's method, no farther than the spacing; and which points got there."""
+        """Moves points to iso by Newton's method. Returns them, and which of them converged within two spacings."""
         start, near = points.copy(), numpy.zeros(len(points), bool)
         for _ in range(4):
             gradient, residual = self.gradient(points), self.residual(points)
@@ -171,7 +171,7 @@ class Surface:
         return points, near
 
     def distances(self, places, starts=3):
-        """To the nearest point: from the nearest ones of the cloud along the surface, while that comes nearer."""
+        """Distances to the surface: moves from the cloud's nearest points along the surface while that comes nearer."""
         best = numpy.full(len(places), numpy.inf)
         found = self.buckets.nearest(places, lambda p, n: ((p - self.points[n]) ** 2).sum(-1), starts)
         for column in found.T:
@@ -195,7 +195,7 @@ class Surface:
 
 
 class Buckets:
-    """Numbers of elements by the cell of their place. Finds the elements nearest to a position in the cells around it."""
+    """Indices of elements by the cell of their position. Finds the elements nearest to a position in nearby cells."""
 
     FARTHEST = 4  # cells
 
@@ -211,7 +211,7 @@ class Buckets:
         return x + self.dims[0] * (y + self.dims[1] * z)
 
     def nearest(self, places, squared, count, slack=0):
-        """The numbers of the `count` nearest elements, -1 where there are fewer. An element is within `slack` of its place."""
+        """Indices of the `count` nearest elements, or -1. An element is within `slack` of its position."""
         result = numpy.full((len(places), count), -1)
         left = numpy.arange(len(places))
         for ring in range(1, self.FARTHEST + 1):
@@ -265,7 +265,7 @@ def squared_to_triangles(p, a, b, c):
 
 
 class Triangles:
-    """Of a mesh, cut until none is longer than a third of a cell."""
+    """The triangles of a mesh, bisected until no side is longer than a third of a cell."""
 
     def __init__(self, corners):
         small = []
@@ -304,7 +304,7 @@ def rms(distances, weights=None):
 
 
 class Truth:
-    """Of one field at one resolution."""
+    """The true surfaces of one field at one resolution."""
 
     def __init__(self, field, size):
         self.field, self.size, self.array = field, size, field.samples(size)
@@ -314,12 +314,12 @@ class Truth:
             self.formula = Surface(Formula(field.formula, size), field.iso, max(LINES, -(-150 // size)))
 
     def from_mesh(self, surface, corners, count, worst):
-        """Root mean square and greatest distance of a mesh; what is beyond the samples has no truth. Also looked at is
-        `worst`, which is said to be the farthest point of the mesh; it counts only if it is on the mesh."""
+        """Root mean square and greatest distance of a mesh. Points beyond the samples have no true distance. Includes
+        `worst`, the farthest point according to the report, if it is on the mesh."""
         triangles = Triangles(corners)
         last = surface.function.last
         places = triangles.sample(count, numpy.random.default_rng(1))
-        # Farthest are corners and centers, if a few points are to be looked at.
+        # Corners and centers of triangles are the most likely farthest points.
         extremes = numpy.concatenate([corners.reshape(-1, 3), corners.mean(1)])
         extremes = extremes[:: max(1, 2 * len(extremes) // count)]
         inside = [((p >= 0) & (p <= last)).all(1) for p in (places, extremes)]
@@ -330,7 +330,7 @@ class Truth:
         return rms(even), float(max(even.max(), surface.distances(extremes).max()))
 
     def to_mesh(self, corners, count, worst):
-        """Of the points on lines; their density along a surface is the sum of its normal's components."""
+        """Figures of the points on lines; their density on the surface is the sum of its normal's components."""
         points = self.surface.points[:self.surface.even]
         points = points[numpy.random.default_rng(2).permutation(len(points))[:count]]
         normal = numpy.abs(self.surface.gradient(points))
@@ -344,7 +344,7 @@ class Truth:
 
 
 def told(program, source, iso, method, folder):
-    """The mesh, as corners in index space, and what the report has of its error."""
+    """The triangles' corners in index space, and the error in the report."""
     done = subprocess.run([program, source, "--iso", str(iso), "--method", method, "--error", "--space", "index", "-q",
                            "-o", "mesh.ply", "--report", "report.json"], cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != 0:
@@ -383,9 +383,9 @@ def rows_of(program, field, size, methods, folder, count):
 
 
 def is_true(row):
-    """The rms and the maximum to a tenth; no distance exceeds the reported bound by more than a tenth."""
+    """Whether the rms is right to a tenth, and the maximum and the reported bound are at most a tenth off."""
     _, _, told_rms, true_rms, told_max, true_max, at_most = row
-    floor = 1e-5  # what float32 leaves
+    floor = 1e-5  # rounding of float32
     return (abs(told_rms - true_rms) <= ALLOWED * true_rms + floor and true_max <= (1 + ALLOWED) * at_most + floor and
             told_max <= (1 + ALLOWED) * true_max + floor)
 

@@ -7,8 +7,8 @@
 A level set is made with vdb_tool and a gyroid with the benchmark. The commands of a comparison run in turn: first cold,
 the input's pages having been dropped from the system's page cache before each of them, then in rounds, warm. Every
 output is removed before the next run, off the clock. Prints wall time, processor time (user and system) and peak memory,
-and how isoextract's relate to each other's: the median over the rounds of the ratio. What is not installed is left out,
-and said so. scripts/measure makes a page of the file that --json writes.
+and the ratios of isoextract to each other program: the medians over the rounds. Skips programs that are not installed,
+with a message. scripts/measure makes a page of the file that --json writes.
 """
 
 import argparse
@@ -104,7 +104,7 @@ def compare(options, folder):
 
     if vdb_tool:
         versions["vdb_tool"] = record.first_line([vdb_tool, "-version"]).removeprefix("vdb_tool: ")
-        # Of the same package: vdb_tool does not tell the library's version.
+        # vdb_print is of the same package; vdb_tool does not print the library's version.
         versions["OpenVDB"] = record.first_line(["vdb_print", "--version"]).removeprefix("OpenVDB library version: ")
         volume = folder / f"sphere{size}.vdb"
         if not volume.exists():

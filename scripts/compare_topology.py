@@ -27,7 +27,7 @@ SIZE = 5
 
 
 def euler_numbers(points, triangles):
-    """Of the components of a mesh, sorted. Equal positions are one point; triangles without area are left out."""
+    """Sorted Euler numbers of a mesh's components. Merges equal positions, and drops triangles without area."""
     _, names = numpy.unique(points, axis=0, return_inverse=True)
     names = numpy.ravel(names)
     triangles = names[triangles]
@@ -117,7 +117,7 @@ def build_writer():
 
 
 def count_right(count, peers):
-    """Of each program (name, version, method), how many surfaces of each kind of field are right; and of how many fields
+    """For each program (name, version, method), how many surfaces of each kind of field are right; for how many fields
     the oracle does not know the topology."""
     ours = ("isoextract", "", "mc")
     table = {name: [] for name in (ours, *peers)}

@@ -95,7 +95,7 @@ def by_admesh(path):
     edges = sum(count * first(rf"^Facets with {count} disconnected edges? +: +(\d+)", told) for count in (1, 2, 3))
     counts = {what: first(rf"^{name} +: +(\d+)", told) for name, what in (
         ("Degenerate facets", "degenerate"), ("Facets reversed", "reversed"), ("Backwards edges", "backwards edges"))}
-    # admesh fills holes, and then counts what is reversed and how large it is.
+    # admesh counts reversed facets and measures the volume after it has filled holes.
     return Verdict(edges, "" if edges else counts_in_words(counts), first(r"^Number of parts +: +(\d+)", told),
                    None if edges else first(r"Volume +: +(\S+)", told, float))
 
@@ -158,7 +158,7 @@ def agree(verdicts):
         volumes = [verdict.volume for verdict in verdicts.values()]
         return (len({verdict.parts for verdict in verdicts.values()}) == 1
                 and max(volumes) - min(volumes) <= VOLUME_TOLERANCE * abs(volumes[-1]))
-    # An edge of three or four triangles is an open edge for some of them.
+    # An edge of three or four triangles is an open edge for some programs.
     only_open = not any(verdict.defects for verdict in verdicts.values())
     return closed == {False} and (not only_open or len({verdict.open_edges for verdict in verdicts.values()}) == 1)
 

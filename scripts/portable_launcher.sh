@@ -54,7 +54,7 @@ for folder in "$lib"/spare/*; do spare=$spare:$folder; done
 # program is not run. A loader older than glibc 2.30 knows no --preload and fails; it is too old anyway.
 list() { LD_TRACE_LOADED_OBJECTS=1 "$1" --library-path "$2" --preload "$graphics" "$program" 2>&1; }
 
-# The machine's glibc has to do for everything of this folder that may come to be used.
+# Uses the machine's glibc only if it suffices for all libraries of this folder that may be used.
 loader=$bundled
 path=$lib/glibc:$lib$spare
 if [ "${ISOEXTRACT_LIBRARIES-}" != bundled ] && [ -x "$host" ] &&

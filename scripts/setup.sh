@@ -7,7 +7,7 @@
 #   scripts/setup.sh plugins    what all plug-ins need; the ID of one, such as dicom or vtk ('isoextract formats' lists them):
 #                               what that one needs; scripts/run asks for it where it is needed
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
-#   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
+#   scripts/setup.sh measure    what scripts/measure needs: the packages of bench, and more programs to compare with
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
 #   scripts/setup.sh viewers    what scripts/check_in_viewers.py and scripts/compare_verdicts.py need: Blender, MeshLab, slicers
 #   scripts/setup.sh cluster    what scripts/cluster/try_slurm needs: Slurm, and GNU parallel
@@ -31,7 +31,7 @@ test_packages=(
   admesh python3-scipy python3-zarr python3-numcodecs python3-mrcfile ferret-datasets
 )
 fuzz_packages=(clang libclang-rt-14-dev)
-# By the IDs of plug-ins, as the folders of plugins have them.
+# Packages by the ID of the plug-in, which is the name of its folder in plugins.
 declare -A plugin_packages=(
   [archive]="libarchive-dev"
   [dicom]="libgdcm-dev"
@@ -59,7 +59,7 @@ cluster_packages=(slurm-wlm munge parallel)
 say() { printf 'setup: %s\n' "$*" >&2; }
 
 wanted=("${build_packages[@]}")
-# Another vendor's nodejs brings its own npm and conflicts with Debian's: whatever is on the PATH serves.
+# Any node and npm on the PATH will do: another vendor's nodejs brings its own npm and conflicts with Debian's.
 want_node() {
   command -v node >/dev/null || wanted+=(nodejs)
   command -v npm >/dev/null || wanted+=(npm)
@@ -103,7 +103,7 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
-# dpkg-query fails, and still lists the others, where it has never heard of one.
+# dpkg-query fails if it does not know a package, but still lists the others.
 installed=$(dpkg-query -W -f '${db:Status-Status} ${binary:Package}\n' "${wanted[@]}" 2>/dev/null |
   sed -n 's/^installed \([^:]*\).*/\1/p' || true)
 missing=()

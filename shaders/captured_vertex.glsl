@@ -133,8 +133,8 @@ dvec3 gradient(Site site, ivec3 p) {
 
 bool has_nan(dvec3 v) { return is_nan(v.x) || is_nan(v.y) || is_nan(v.z); }
 
-// Returns the outward unit normal. If the gradient is zero or not finite, it is the direction of `out_step`, which
-// leads outside. If NaN leaves no gradient, its length of 2 tells the CPU to find a normal
+// Returns the outward unit normal; the direction of `out_step`, which leads outside, if the gradient is zero or not
+// finite. If NaN leaves no gradient, returns that direction with length 2, which tells the CPU to find a normal
 // (OutputPlacement::placeholder_normal()).
 vec3 gradient_normal(Site site, ivec3 p, ivec3 step, double t, ivec3 out_step) {
   dvec3 along = local_x * double(out_step.x) + local_y * double(out_step.y) + local_z * double(out_step.z);

@@ -5,14 +5,14 @@ layout(location = 1) out vec3 picture_normal;
 layout(location = 2) out float picture_depth;
 layout(location = 3) out uvec4 picture_counts;  // rays in the volume, samples taken, skipped, terminated
 
-// Software drivers stop loops after a fixed number of rounds. The first count then has this value.
+// Software drivers stop loops after a fixed number of rounds. The first count then has this bit set.
 const uint kCutOff = 2u;
 
 uniform double near_depth;
 uniform double far_depth;
 uniform double unit;
 uniform double world_step;
-uniform double unit_lengths;    // of the transfer function, in one of the world
+uniform double unit_lengths;    // unit lengths of the transfer function in a world unit
 uniform float least_light;      // a ray with less light left ends
 uniform vec4 background;        // straight alpha
 
@@ -95,7 +95,7 @@ void main() {
   uint skipped = 0u;
   int k = 0;
   int slabs = 0;
-  bool inside = false;  // a slab
+  bool inside = false;  // of a slab
   double first = 0.0lf;
   double last = 0.0lf;
   double from = 0.0lf;

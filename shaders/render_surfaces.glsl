@@ -3,9 +3,9 @@
 uniform usamplerBuffer triangle_corners;  // vertex numbers in the mesh of the surface
 uniform usamplerBuffer vertex_positions;  // as bits: comparing floats does not detect NaN reliably
 uniform dmat3 view_linear;                // of stored positions
-uniform dvec2 to_corner;                  // the view through the upper left corner of the picture
+uniform dvec2 to_corner;                  // x, y of the direction (z = -1) through the picture's upper left corner
 uniform dvec2 per_pixel;
-uniform ivec2 tile_first;                 // the picture's pixel at the tile's first
+uniform ivec2 tile_first;                 // the picture's pixel at the tile's pixel (0, 0)
 
 struct Triangle {
   dvec3 a, b, c;

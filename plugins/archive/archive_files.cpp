@@ -1,5 +1,5 @@
-// Unpacks a compressed file or an archive with libarchive. Its list has a grid of bytes (u8) for the content of all
-// files together, in their order, and then one for each file with its name and size; only the first can be read.
+// Unpacks a compressed file or an archive with libarchive (gzip: zlib). The first grid (u8) holds the bytes of all
+// files in order. One more grid per file states the file's name and size, and cannot be read.
 //
 // Sizes are counted by unpacking, because archives may state other sizes than their files have, and compressed files
 // state none. Nothing is kept in memory between the list and the reading.
@@ -30,7 +30,7 @@ using isoextract_plugin::Request;
 using isoextract_plugin::VolumeFile;
 
 constexpr std::size_t kPart = std::size_t{1} << 20;
-// For the decoders: xz's window is at most 64 MiB at the levels that its program has, and zstd's 128 MiB.
+// Estimate for the decoders. Windows of xz (up to 64 MiB at its program's levels) and zstd (128 MiB) may exceed it.
 constexpr std::uint64_t kDecoderBytes = std::uint64_t{16} << 20;
 constexpr std::size_t kMaxFiles = 100000;
 
@@ -60,14 +60,14 @@ Archive open_archive(const std::string& path, Content content) {
   Archive opened(archive_read_new());
   if (!opened) throw std::bad_alloc();
   if (is_zip(path)) {
-    // Without raw content, which a truncated zip file would be.
+    // Does not enable the raw format: libarchive would take a truncated zip file for raw content.
     archive_read_support_format_zip_seekable(opened.get());
   } else {
     archive_read_support_filter_gzip(opened.get());
     archive_read_support_filter_xz(opened.get());
     archive_read_support_filter_zstd(opened.get());
     archive_read_support_filter_bzip2(opened.get());
-    // Not both: libarchive takes content that begins with zeros for an empty tar archive.
+    // Enables one format only: libarchive takes content that begins with zeros for an empty tar archive.
     if (content == Content::tar) archive_read_support_format_tar(opened.get());
     if (content == Content::raw) archive_read_support_format_raw(opened.get());
   }
@@ -75,7 +75,7 @@ Archive open_archive(const std::string& path, Content content) {
   return opened;
 }
 
-// Returns what a compressed or plain file holds, by the signature of tar.
+// Returns `tar` if the unpacked content has tar's signature, else `raw`; zip files need neither.
 Content content_of(const std::string& path) {
   if (is_zip(path)) return Content::raw;
   const Archive opened = open_archive(path, Content::raw);
@@ -93,8 +93,8 @@ struct GzipDeleter {
 };
 using Gzip = std::unique_ptr<gzFile_s, GzipDeleter>;
 
-// Returns the file if it is gzip around anything but a tar archive; null otherwise. zlib reads it, because libarchive
-// does not check its sums.
+// Returns the file if it is gzip around anything but a tar archive; null otherwise. zlib reads such files, because
+// libarchive does not check gzip's checksums.
 Gzip open_gzip(const std::string& path) {
   std::array<char, 2> magic{};
   std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());

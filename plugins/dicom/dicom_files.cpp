@@ -49,8 +49,8 @@ void add_folder(const fs::path& folder, bool with_subfolders, std::vector<std::s
   }
 }
 
-// Finds a file of a DICOMDIR, whose ID is its path below the folder in up to eight parts. File systems may have changed
-// the case; copies often have only the last folders.
+// Finds a file of a DICOMDIR by its ID, a path below the DICOMDIR's folder in up to eight parts. File systems may have
+// changed the case; copies often keep only the last folders of the path.
 std::optional<fs::path> find_referenced(const fs::path& folder, const std::string& id) {
   std::vector<std::string> parts{""};
   for (const char c : id) {
@@ -77,7 +77,7 @@ std::optional<fs::path> find_referenced(const fs::path& folder, const std::strin
   return std::nullopt;
 }
 
-// Returns the IDs in a DICOMDIR; nothing for other files.
+// Returns the file IDs in a DICOMDIR; nothing for other files.
 std::optional<std::vector<std::string>> directory_of(const std::string& path, const isoextract_plugin_host& host) {
   const Structure structure = check_structure(path, host);
   if (structure.class_uid != "1.2.840.10008.1.3.10") return std::nullopt;

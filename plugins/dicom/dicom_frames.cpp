@@ -1,4 +1,4 @@
-// Place, scale and order of the frames of an object.
+// Position, scale and sort keys of an object's frames.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,7 +13,7 @@ using gdcm::Tag;
 
 std::string key_text(const std::optional<double>& value) { return value ? number_text(*value) : std::string(); }
 
-// Positions, directions and distances from a data set: an object's, or that of a functional group.
+// Reads the position from an object's data set or an item of a functional group, as the next three functions do.
 void read_position(const DataSet& data, Frame& frame) {
   const auto values = decimals_of(data, Tag(0x0020, 0x0032));
   if (values.size() != 3) return;
@@ -27,7 +27,7 @@ void read_orientation(const DataSet& data, Frame& frame) {
   std::copy_n(values.begin(), 3, frame.row_direction.begin());
   std::copy_n(values.begin() + 3, 3, frame.column_direction.begin());
   const auto is_unit = [](const Vector& v) { return std::abs(length(v) - 1) < 0.01; };
-  // Rounded cosines are a little off; others are no directions.
+  // Tolerates direction cosines that are rounded in the header.
   frame.has_orientation = is_unit(frame.row_direction) && is_unit(frame.column_direction) &&
                           std::abs(dot(frame.row_direction, frame.column_direction)) < 0.01;
 }
@@ -66,12 +66,12 @@ void read_keys(const DataSet& data, Frame& frame) {
   set(Key::acquisition_time, key_text(seconds_of(text_of(data, Tag(0x0008, 0x0032)))));
 }
 
-// The functional groups of one frame: its own, else the shared ones.
+// The functional groups of one frame: per-frame groups, else the shared ones.
 class Groups {
  public:
   Groups(const DataSet* own, const DataSet* shared) : sets_{own, shared} {}
 
-  // Calls use(data) with the first item of a group; not if the frame has none.
+  // Calls use(data) with the first item of a group, if the frame has the group.
   template <class Use>
   void with(const Tag& group, Use&& use) const {
     for (const DataSet* const set : sets_) {

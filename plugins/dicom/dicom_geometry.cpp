@@ -35,7 +35,7 @@ std::array<double, 12> index_to_world(const Frame& frame, const Vector& origin, 
 
 namespace {
 
-// Distances between neighbors, and which of them differ from the usual one.
+// Returns text with the range of the distances between neighbors, and those that differ from the median.
 std::string describe_distances(const std::vector<double>& distances) {
   std::vector<double> sorted = distances;
   std::ranges::sort(sorted);
@@ -63,7 +63,7 @@ std::string describe_distances(const std::vector<double>& distances) {
   return text;
 }
 
-// Returns the largest distance of the positions from a lattice of `step`, whose points have these numbers.
+// Returns the largest distance between positions[i] and its lattice point, positions[0] + numbers[i] * step.
 double largest_error(const std::vector<Vector>& positions, const Vector& step, const std::vector<double>& numbers) {
   double largest = 0;
   for (std::size_t i = 0; i < positions.size(); ++i)
@@ -88,7 +88,7 @@ Line fit_line(const std::vector<Vector>& positions, const Frame& shape, bool res
   line.step = plus({0, 0, 0}, whole, 1 / last);
   std::vector<double> numbers(positions.size());
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<double>(i);
-  // Positions are rounded in the header: a hundredth of a step is no uneven distance.
+  // Tolerates a hundredth of a step, because headers have rounded positions.
   const double tolerance = 0.01 * dot(line.step, normal);
   if (largest_error(positions, line.step, numbers) <= tolerance) return line;
 

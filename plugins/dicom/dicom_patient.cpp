@@ -13,7 +13,7 @@
 namespace isoextract_dicom {
 namespace {
 
-// Lower-case letters of all scripts, whatever the locale of the process; of ASCII only if the system lacks C.UTF-8.
+// Converts letters of all scripts, whatever the locale of the process; only ASCII letters if the system lacks C.UTF-8.
 char32_t to_lower(char32_t c) {
   static const locale_t locale = newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
   if (locale != nullptr) return static_cast<char32_t>(towlower_l(static_cast<std::wint_t>(c), locale));
@@ -58,8 +58,8 @@ bool is_word_of(const std::u32string& text, const std::u32string& word) {
   return false;
 }
 
-// Elements of group 0010: the patient's name, other names, name at birth, and the mother's; the patient's identity, and
-// others.
+// Elements of group 0010. Names: the patient's, other names, birth name, the mother's birth name. Identities: the
+// patient's ID, other IDs.
 constexpr std::array<std::uint16_t, 4> kNames{0x0010, 0x1001, 0x1005, 0x1060};
 constexpr std::array<std::uint16_t, 2> kIdentities{0x0020, 0x1000};
 
@@ -70,8 +70,8 @@ Patient::Patient(const gdcm::DataSet& data, const std::string& character_set) {
     add_words(text_of(from, gdcm::Tag(0x0010, element), character_set), separators, words);
   };
   for (const std::uint16_t element : kNames) add(data, element, U"^ =,\\-'.", names_);
-  // Newer files have a sequence of other identities.
   for (const std::uint16_t element : kIdentities) add(data, element, U"\\", identities_);
+  // Newer files have a sequence of other patient IDs.
   const Items others(data, gdcm::Tag(0x0010, 0x1002));
   for (std::size_t i = 0; i < others.size(); ++i) add(others[i], 0x0020, U"\\", identities_);
   std::erase_if(names_, [](const auto& word) { return word.size() < 2; });

@@ -1,4 +1,4 @@
-// Decodes pixels. Uncompressed ones are read here; GDCM decodes the others, a frame at a time.
+// Decodes pixels frame by frame: reads uncompressed frames itself, and has GDCM decode compressed ones.
 #include <algorithm>
 #include <bit>
 #include <filesystem>
@@ -23,7 +23,7 @@ std::uint64_t native_bytes(const Pixels& pixels, std::uint64_t frames) {
   return (pixels.samples() * frames * pixels.bits_allocated + 7) / 8;
 }
 
-// A piece of an encapsulated file.
+// A fragment (item) of encapsulated pixel data.
 struct Piece {
   std::uint64_t offset = 0;
   std::uint32_t bytes = 0;
@@ -81,7 +81,7 @@ class PieceTable {
     } else if (count == pixels.frames) {
       for (std::size_t i = 0; i <= count; ++i) first_.push_back(i);
     } else if (count > pixels.frames && offsets.bytes == 4 * std::uint64_t{pixels.frames}) {
-      // The table counts from the first item after itself.
+      // The table's offsets count from the first item after the table.
       const std::uint64_t base = offsets.offset + offsets.bytes + 8;
       for (std::uint32_t i = 0; i < pixels.frames; ++i) {
         const std::uint64_t at = base + word_at(stream, offsets.offset + 4 * std::uint64_t{i});
@@ -102,7 +102,8 @@ class PieceTable {
   std::vector<std::size_t> first_;
 };
 
-// Throws unless a compressed frame has the size and type of the header. GDCM trusts one of the two.
+// Throws unless a compressed frame has the width, height and bytes per pixel of the DICOM header. GDCM trusts one of
+// the two without a comparison.
 template <class Codec>
 void check_codestream(const Pixels& pixels, const std::string& codestream) {
   Codec codec;
@@ -126,7 +127,7 @@ void check_codestream(const Pixels& pixels, const std::string& codestream) {
   }
 }
 
-// Keeps the stored bits of each sample. `shift`: unused bits below them.
+// Keeps the stored bits of each sample. `shift`: the number of unused bits below the stored ones.
 template <class T>
 void keep_stored_bits(T* values, std::size_t count, std::uint32_t stored, std::uint32_t shift, bool is_signed) {
   using Bits = std::make_unsigned_t<T>;

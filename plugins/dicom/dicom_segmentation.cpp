@@ -114,7 +114,7 @@ void SegmentationGrids::place_frames() {
 
 namespace {
 
-// A mask in bits, and the 64-pixel words between its first and last pixel.
+// A mask with one bit per pixel. All set pixels are in words[first, end).
 struct Mask {
   std::vector<std::uint64_t> words;
   std::size_t first = 0, end = 0;
@@ -142,7 +142,7 @@ double threshold_of(const Object& object) {
 
 }  // namespace
 
-// Distributes the segments to layers without overlaps, each to the first where it fits.
+// Distributes the segments to layers, each to the first layer whose segments it does not overlap.
 std::vector<std::vector<std::uint32_t>> SegmentationGrids::layers(const isoextract_plugin_host& host) const {
   const std::size_t count = object_->segments.size();
   std::vector<std::uint32_t> all(count);

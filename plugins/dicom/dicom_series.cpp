@@ -13,13 +13,13 @@ namespace {
 
 using Slices = std::vector<Slice>;
 
-// What a key is called, and whether its values make several volumes of one grid.
+// Name of a key in reports, and what its values split a series into.
 struct KeyWords {
   Key key;
   const char* name;
   bool makes_volumes;
-  bool makes_grids;   // of slices whose positions differ from part to part
-  double to_seconds;  // 0: no time
+  bool makes_grids;   // if parts with different key values have different slice positions
+  double to_seconds;  // factor; 0: the key is no time
 };
 constexpr std::array<KeyWords, 9> kKeys{{
     {Key::image_type, "image type", false, true, 0},
@@ -84,7 +84,7 @@ struct Part {
   std::vector<std::size_t> positions;
 };
 
-// Splits slices by a key, in the order of its values.
+// Splits slices by a key; sorts the parts by the key's value.
 std::vector<Part> split_by(const Slices& slices, const std::vector<std::size_t>& positions, Key key) {
   const auto before = [&](const std::string& a, const std::string& b) {
     const double x = number_of(a);
@@ -140,7 +140,7 @@ class Splitter {
     split_by_order(slices, positions, suffix);
   }
 
-  // Slices without positions.
+  // Adds slices that have no positions, or a problem, in the order of their instance numbers.
   void add_unplaced(Slices slices) {
     std::ranges::stable_sort(
         slices, {}, [](const Slice& slice) { return std::pair(slice.object->instance_number, slice.frame.index); });
@@ -170,7 +170,7 @@ class Splitter {
     add(std::move(volumes), suffix, note, std::move(times), {});
   }
 
-  // Splits slices that share positions, and differ in nothing else, into volumes by their order.
+  // Splits slices that share positions, and that no key separates, into volumes by their order.
   void split_by_order(const Slices& slices, const std::vector<std::size_t>& positions, const std::string& suffix) {
     std::vector<Slices> volumes;
     std::vector<std::size_t> counts(positions.back() + 1);
@@ -293,7 +293,7 @@ class Splitter {
   std::vector<Series>& series_;
 };
 
-// What slices of one grid have in common, besides their shape.
+// Returns text that is equal for all slices of one grid; their geometry is compared separately.
 std::string group_key(const Object& object, const Frame& frame) {
   const Pixels& p = object.pixels;
   std::string key = object.series_uid + '|' + object.frame_of_reference + '|' + frame.stack + '|' + p.photometric +

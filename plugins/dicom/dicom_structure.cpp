@@ -22,11 +22,11 @@ constexpr std::uint32_t kUndefined = 0xFFFFFFFFU;
 constexpr std::uint32_t kItem = 0xFFFEE000U, kItemEnd = 0xFFFEE00DU, kSequenceEnd = 0xFFFEE0DDU;
 constexpr std::string_view kExplicit = "1.2.840.10008.1.2.1", kDeflated = "1.2.840.10008.1.2.1.99";
 
-// PS3.5, 7.1.2: those with a length of 4 bytes, and the others.
+// Value representations (VR) with a length field of 4 bytes, and of 2 bytes (PS3.5, 7.1.2).
 constexpr std::string_view kLongKinds = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
 constexpr std::string_view kShortKinds = "AE AS AT CS DA DS DT FL FD IS LO LT PN SH SL SS ST TM UI UL US";
 
-// The bytes of a file, read in windows, or of a deflated one in memory.
+// The bytes of a file, read in windows; of a deflated file, the inflated bytes in memory.
 class Source {
  public:
   explicit Source(const std::string& path) : stream_(path, std::ios::binary), size_(std::filesystem::file_size(path)) {
@@ -35,7 +35,7 @@ class Source {
   explicit Source(const std::string* memory) : memory_(memory), size_(memory->size()) {}
 
   [[nodiscard]] std::uint64_t size() const { return size_; }
-  // Returns `count` bytes, at most a window; the caller has checked that they are there.
+  // Returns `count` bytes. The caller has checked that the file has them.
   std::string_view at(std::uint64_t offset, std::size_t count) {
     if (memory_ != nullptr) return std::string_view(*memory_).substr(offset, count);
     if (offset < start_ || offset + count > start_ + window_.size()) {
@@ -60,9 +60,9 @@ class Source {
 
 struct Element {
   std::uint32_t tag = 0;
-  std::string kind;  // its VR; empty if there is none
+  std::string kind;  // VR; empty if implicit
   std::uint32_t length = 0;
-  std::uint64_t value = 0;  // its offset
+  std::uint64_t value = 0;  // offset of the value, in bytes
 };
 
 class Walker {
@@ -70,7 +70,7 @@ class Walker {
   Walker(Source& source, bool is_explicit, bool big_endian)
       : source_(source), explicit_(is_explicit), big_(big_endian) {}
 
-  // Reads the header of an element below `end`, and checks that its value is below, too.
+  // Reads the header of an element, and checks that the header and the value end at or before `end`.
   Element element(std::uint64_t at, std::uint64_t end) {
     Element found;
     need(at, 8, end);
@@ -104,7 +104,7 @@ class Walker {
 
   // Returns the end of an element's value, after checking the items of a sequence.
   std::uint64_t skip(const Element& element, std::uint64_t end, int depth) {
-    // GDCM guesses what these mean, and then reads other attributes at wrong places.
+    // GDCM misreads such elements, and then reads later attributes at wrong offsets.
     const bool is_delimiter = element.tag >> 16U == 0xFFFEU;
     const bool is_long_number = element.tag >> 16U == 9U && element.kind == "UL" && element.length == 6;
     if (is_delimiter || is_long_number)
@@ -116,13 +116,13 @@ class Walker {
     if (element.length == kUndefined && !element.kind.empty() && element.kind != "SQ" && element.kind != "UN")
       throw ReadError("expected an attribute of known length at byte " + std::to_string(element.value) +
                       ", found none: the header is damaged");
-    // Sequences of an unknown type have no types (PS3.5, 6.2.2).
+    // A sequence with VR UN has items with implicit VRs (PS3.5, 6.2.2).
     Walker items(source_, explicit_ && element.kind != "UN", big_);
     return items.skip_items(element.value, element.length == kUndefined ? end : element.value + element.length,
                             element.length == kUndefined, depth + 1);
   }
 
-  // Checks items from `at` up to the delimiter of their sequence, or to `end`; returns where they end.
+  // Checks items from `at` up to the sequence's delimiter or to `end`. Returns the offset after the sequence.
   std::uint64_t skip_items(std::uint64_t at, std::uint64_t end, bool has_delimiter, int depth) {
     if (depth > kDeepest)
       throw ReadError("expected at most " + std::to_string(kDeepest) + " nested sequences, found more");
@@ -174,7 +174,7 @@ std::string text_at(Source& source, const Element& element) {
   return text;
 }
 
-// Reads the attributes of group 2; returns their end.
+// Reads the attributes of group 2. Returns the offset after the group.
 std::uint64_t read_meta(Source& source, std::uint64_t at, Structure& structure) {
   Walker walker(source, true, false);
   while (at < source.size()) {
@@ -262,7 +262,7 @@ Structure check_structure(const std::string& path, const isoextract_plugin_host&
   structure.big_endian = structure.transfer_syntax == "1.2.840.10008.1.2.2";
   structure.is_explicit = structure.transfer_syntax != "1.2.840.10008.1.2";
   if (structure.transfer_syntax.empty()) {
-    // An old file without a header: its first attribute has a known type, or none.
+    // An old file without group 2: two capital letters after the first tag mean explicit VRs.
     if (source->size() < 8)
       throw ReadError("expected a DICOM file, found " + std::to_string(source->size()) + " bytes");
     const std::string_view kind = source->at(4, 2);

@@ -29,7 +29,7 @@ void check_problem(const Series& series) {
   if (!series.problem.empty()) throw ReadError(series.problem);
 }
 
-// The slices of one series, decoded one at a time into samples of the grid's type.
+// Decodes the slices of one series, one at a time, into samples of the grid's type.
 class SliceReader {
  public:
   SliceReader(const Series& series, const std::vector<Slice>& slices) : series_(series), slices_(slices) {}
@@ -79,7 +79,7 @@ class SliceReader {
   std::vector<double> doubles_;
 };
 
-// Interpolates between slices. Keeps the last two.
+// Interpolates linearly between slices. Keeps the last two decoded slices.
 template <class T>
 void read_between(SliceReader& reader, const Series& series, const isoextract_volume_selection& selection,
                   const isoextract_plugin_host& host, ReadFacts& facts) {
@@ -180,7 +180,7 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
       const auto object = read_object(request.path, host);
       if (object == nullptr) throw ReadError("expected a DICOM object with pixels, found no pixels");
       objects.push_back(object);
-      // The slices of its series are beside it; an object of several frames is a volume by itself.
+      // A slice needs the other files of its series; an object of several frames is a volume by itself.
       if (object->pixels.frames > 1 || object->segmentation != Segmentation::none || object->series_uid.empty())
         return objects;
       series = object->series_uid;
@@ -234,7 +234,7 @@ class DicomFile final : public isoextract_plugin::VolumeFile {
 
   std::vector<Series> series_;
   std::vector<std::unique_ptr<SegmentationGrids>> segmentations_;
-  std::vector<std::pair<std::size_t, std::size_t>> segmentation_grids_;  // the grids after those of the series
+  std::vector<std::pair<std::size_t, std::size_t>> segmentation_grids_;  // (segmentation, grid), after the series
 };
 
 std::unique_ptr<isoextract_plugin::VolumeFile> open_dicom(const Request& request, const isoextract_plugin_host& host) {
@@ -247,7 +247,7 @@ bool probe_dicom(const unsigned char* start, std::size_t bytes, const std::strin
   return bytes >= 8 && (start[0] == 2 || start[0] == 8) && start[1] == 0 && start[3] == 0;
 }
 
-// GDCM's own messages would name attributes and their values, the patient's among them.
+// GDCM's own messages would print attribute values, including the patient's data.
 void silence_gdcm() {
   gdcm::Trace::WarningOff();
   gdcm::Trace::ErrorOff();

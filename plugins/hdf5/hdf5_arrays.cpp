@@ -1,4 +1,4 @@
-// Datasets of any HDF5 file, with the attributes that some programs place them by.
+// Datasets of any HDF5 file. Some programs write attributes that place them.
 #include <algorithm>
 #include <set>
 #include <sstream>
@@ -46,15 +46,15 @@ Letters letters_of_labels(const std::vector<std::string>& labels) {
   return letters;
 }
 
-// Four axes may be [t, z, y, x] or [z, y, x, c]; a volume of at most four columns would be of little use.
+// Guesses axes from a shape. Four axes are [z, y, x, c] if the last has at most 4 samples, else [t, z, y, x].
 Letters guess_letters(const std::vector<hsize_t>& shape) {
   if (shape.size() == 3) return "zyx";
   if (shape.size() == 4) return shape.back() <= 4 ? "zyxc" : "tzyx";
   return shape.back() <= 16 ? "tzyxc" : "";
 }
 
-// Sets source.axis and so on, and the grid's sizes. Grid axes are the spatial dimensions, the last first. Returns the
-// world axis of each.
+// Sets the source's dimensions and the grid's sizes. Grid axis 0 is the last spatial dimension. Returns the world axis
+// of each grid axis.
 std::array<std::size_t, 3> assign_dimensions(const Letters& letters, const std::vector<hsize_t>& shape, Grid& grid,
                                              Source& source) {
   std::array<std::size_t, 3> world{};
@@ -76,7 +76,7 @@ std::array<std::size_t, 3> assign_dimensions(const Letters& letters, const std::
   return world;
 }
 
-// Three numbers of an attribute, in the order of the grid's axes; the file has them in that of the dataset's.
+// Returns three numbers of an attribute in the order of the grid's axes: the reverse of the order in the file.
 std::optional<std::array<double, 3>> three_numbers(hid_t dataset, const char* name) {
   const auto found = attribute_numbers(dataset, name);
   if (found.size() != 3) return std::nullopt;
@@ -89,7 +89,7 @@ void place(hid_t dataset, const std::array<std::size_t, 3>& world, Grid& grid, S
     const char* origin;
     const char* unit;
   };
-  // Of the HDF5 plug-in of Fiji and of ilastik; of CREMI; of no program in particular.
+  // Conventions of ilastik and Fiji's HDF5 plug-in, of CREMI, and of various programs.
   constexpr std::array<Convention, 3> kConventions{
       Convention{"element_size_um", nullptr, "um"}, {"resolution", "offset", ""}, {"spacing", "origin", ""}};
   std::array<double, 3> spacing{1, 1, 1};
@@ -133,7 +133,7 @@ class Lister {
   void visit_group(const std::string& path, int depth) {
     isoextract_plugin::check_cancelled(host_);
     const Handle group(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), "HDF5 cannot open its group " + path);
-    // Datasets come before inner groups, so that one with several names is listed by its shortest.
+    // Lists datasets before inner groups: a dataset that both have is listed by its name in the outer group.
     std::vector<std::string> inner_groups;
     for (const std::string& name : names_in(group)) {
       H5O_info_t info{};

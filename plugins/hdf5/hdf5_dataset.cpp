@@ -7,7 +7,7 @@
 namespace isoextract_hdf5 {
 namespace {
 
-// IEEE half floats, whose bits the host reads itself.
+// Returns whether a type is IEEE half float, whose bits the host converts itself.
 bool is_half(hid_t type) {
   std::size_t sign = 0;
   std::size_t exponent = 0;
@@ -211,7 +211,7 @@ class BoxReader {
   Slab slab_;
 };
 
-// Lengths of vectors, one component after another.
+// Computes the lengths of vectors; reads one component at a time.
 template <class T>
 void read_lengths(BoxReader& reader, std::uint64_t z, std::uint64_t layers, const Grid& grid, std::uint64_t samples,
                   const isoextract_plugin_host& host, T* to) {

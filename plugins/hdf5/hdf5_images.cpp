@@ -30,7 +30,7 @@ void take_numbers(const std::vector<double>& found, std::array<double, N>& to) {
   if (found.size() == N) std::ranges::copy(found, to.begin());
 }
 
-// Fails unless the dataset's last dimensions are z, y, x, and perhaps components.
+// Returns false unless the dimensions are time (if has_time), z, y, x, and perhaps components.
 bool assign_image(Grid& grid, Source& source, bool has_time) {
   const std::size_t first = has_time ? 1 : 0;
   const std::size_t rank = source.shape.size();
@@ -138,7 +138,7 @@ std::optional<Contents> list_itk(hid_t file) {
   ImageFrame frame;
   take_numbers(dataset_numbers(file, base + "Spacing"), frame.spacing);
   take_numbers(dataset_numbers(file, base + "Origin"), frame.origin);
-  // Its rows are the directions of the axes.
+  // Row a of Directions is the direction of grid axis a.
   const auto directions = dataset_numbers(file, base + "Directions");
   for (std::size_t i = 0; directions.size() == 9 && i < 9; ++i) frame.axes[3 * (i % 3) + i / 3] = directions[i];
   frame.place({}, grid);

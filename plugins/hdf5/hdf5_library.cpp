@@ -34,13 +34,13 @@ std::optional<Handle> find_attribute(hid_t object, const char* name) {
   return Handle(H5Aopen(object, name, H5P_DEFAULT), std::string("HDF5 cannot open its attribute ") + name);
 }
 
-// The library overruns its buffers with damaged types that are larger.
+// Rejects larger number types, which only damaged files have: the library overruns its buffers with them.
 bool is_number(hid_t type) {
   const H5T_class_t kind = H5Tget_class(type);
   return (kind == H5T_INTEGER && H5Tget_size(type) <= 8) || (kind == H5T_FLOAT && H5Tget_size(type) <= 16);
 }
 
-// Number of items if there are few; else 0.
+// Returns the number of items; 0 if there are more than kMostItems.
 std::size_t count_items(hid_t space) {
   const hssize_t count = H5Sget_simple_extent_npoints(space);
   return count > 0 && count <= kMostItems ? static_cast<std::size_t>(count) : 0;
@@ -57,7 +57,7 @@ void check(herr_t status, const std::string& what) {
 }
 
 H5O_type_t object_type(hid_t file, const std::string& path) {
-  // Every group on the way must be there, or the library fails.
+  // Checks each group of the path first: the library fails if one is missing.
   for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
     if (path != "/" && H5Lexists(file, path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return H5O_TYPE_UNKNOWN;
     if (end == std::string::npos) break;

@@ -47,7 +47,7 @@ std::uint64_t count_numbered(hid_t file, const std::string& prefix) {
   return count;
 }
 
-// "2010-01-31 23:59:59.500" in seconds since 1970, in whatever time zone; nullopt if it is none.
+// Converts "2010-01-31 23:59:59.500" to seconds since 1970, without a time zone; nullopt for other text.
 std::optional<double> seconds_of(const std::string& text) {
   int year = 0;
   int month = 0;
@@ -58,7 +58,7 @@ std::optional<double> seconds_of(const std::string& text) {
   if (std::sscanf(text.c_str(), "%d-%d-%d %d:%d:%lf", &year, &month, &day, &hour, &minute, &second) != 6)
     return std::nullopt;
   if (year < 1 || year > 9999 || month < 1 || month > 12 || day < 1 || day > 31) return std::nullopt;
-  // Days of the Gregorian calendar; the year begins in March (Howard Hinnant, chrono-Compatible Low-Level Date
+  // Days of the Gregorian calendar, with years from March on (Howard Hinnant, chrono-Compatible Low-Level Date
   // Algorithms, 2013).
   const int y = month <= 2 ? year - 1 : year;
   const int era = y / 400;
@@ -106,7 +106,7 @@ bool describe_volumes(hid_t file, Grid& grid, Source& source) {
   return true;
 }
 
-// The text of the first element with this tag, without nested ones of the same name; "" if there is none.
+// Returns the text of the first element with this tag; "" if there is none. Expects no nested element of this tag.
 std::string xml_element(const std::string& text, const std::string& tag) {
   const std::size_t open = text.find("<" + tag + ">");
   const std::size_t close = open == std::string::npos ? open : text.find("</" + tag + ">", open);
@@ -138,7 +138,7 @@ std::optional<VoxelSize> find_voxel_size(const std::string& xml, unsigned setup)
 
 std::string xml_path(const std::string& path) { return std::filesystem::path(path).replace_extension(".xml").string(); }
 
-// Returns the text of a file; "" if there is none, or one too long for a description.
+// Returns the text of a file; "" if it cannot be read or has more than 16 MiB.
 std::string read_text(const std::string& path) {
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 24;
   std::error_code error;
@@ -230,7 +230,7 @@ std::optional<Contents> list_bigdataviewer(hid_t file, const Request& request) {
       const double size = voxel ? voxel->size[axis] : 1;
       const double factor = factors[3 * request.level + axis];
       grid.index_to_world[4 * axis + axis] = size * factor;
-      grid.index_to_world[4 * axis + 3] = size * (factor - 1) / 2;  // voxels of a level cover whole ones of level 0
+      grid.index_to_world[4 * axis + 3] = size * (factor - 1) / 2;  // a voxel of a level covers whole voxels of level 0
       grid.has_placement = grid.has_placement || factor != 1;
     }
     source.note = voxel ? "the reader takes the spacing from the XML file, and ignores the registrations in it"

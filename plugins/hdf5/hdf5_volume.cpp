@@ -1,4 +1,4 @@
-// HDF5 files through the HDF5 library: layouts that are known, or all datasets.
+// HDF5 files through the HDF5 library: known layouts, else all datasets.
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
@@ -8,13 +8,13 @@
 namespace isoextract_hdf5 {
 namespace {
 
-// The library need not have been built for several threads.
+// Serializes all calls, because the library may have been built without thread safety.
 std::recursive_mutex& library_mutex() {
   static std::recursive_mutex mutex;
   return mutex;
 }
 
-// Errors become messages of this plug-in, and filters in folders are not loaded: they would be foreign code.
+// Stops the library from printing errors, which this plug-in reports, and from loading filters, which are foreign code.
 void prepare_library() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   H5PLset_loading_state(0);

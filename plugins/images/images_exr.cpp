@@ -16,8 +16,8 @@
 namespace isoextract_plugin {
 namespace {
 
-constexpr std::uint64_t kBlockBytes = 1 << 22;  // of a block of rows
-// The most that a file can hold per byte: ZIP makes 1032 bytes of one; a flat tile of B44 or DWA may be smaller still.
+constexpr std::uint64_t kBlockBytes = 1 << 22;  // target size of a block of rows
+// Bound of decoded bytes per file byte: ZIP reaches 1032; a tile of one value in B44 or DWA reaches more.
 constexpr std::uint64_t kMostRatio = 40'000;
 
 // OpenEXR's texts name the file, which the host does, too.
@@ -61,7 +61,7 @@ struct Source {
   bool is_gray = false;  // G and B repeat R
 };
 
-// Reads rows of a channel, from the part's row `first` (from 0), at full width, to `to`.
+// Reads `count` rows of a channel at full width into `to`. `first`: row index from 0 at the top of the data window.
 void read_rows(const Imf::Header& header, Imf::InputPart& part, const std::string& channel, Imf::PixelType type,
                std::uint64_t first, std::uint64_t count, void* to) {
   const Imath::Box2i& window = header.dataWindow();
@@ -80,9 +80,9 @@ std::uint64_t height_of(const Imath::Box2i& box) {
   return static_cast<std::uint64_t>(std::int64_t{box.max.y} - box.min.y + 1);
 }
 
-// Rows of one channel at full width, block by block.
+// Returns how many rows of one channel are read at a time. `size`: bytes of a sample.
 std::uint64_t rows_per_block(const Imf::Header& header, std::uint64_t size) {
-  // Whole tiles and chunks, of at most 256 rows, are decoded once.
+  // A multiple of 256 rows: chunks and most tiles have at most 256, so that each is decoded once.
   return std::clamp<std::uint64_t>(kBlockBytes / (width_of(header.dataWindow()) * size) / 256 * 256, 256,
                                    std::max<std::uint64_t>(256, height_of(header.dataWindow())));
 }

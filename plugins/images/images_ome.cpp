@@ -12,7 +12,7 @@
 namespace isoextract_plugin {
 namespace {
 
-// A start tag, without its prefix.
+// A start tag, without its namespace prefix.
 struct Element {
   std::string name;
   std::map<std::string, std::string> attributes;
@@ -52,7 +52,7 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-// Reads the attributes of a tag from `at` to its end.
+// Returns the attributes of a tag. `tag`: its text after the name.
 std::map<std::string, std::string> attributes_of(std::string_view tag) {
   std::map<std::string, std::string> attributes;
   constexpr std::string_view kSpace = " \t\r\n";
@@ -144,7 +144,7 @@ class ImageBuilder {
     series_.time_unit = pixels.text("TimeIncrementUnit").empty() ? "s" : pixels.text("TimeIncrementUnit");
   }
 
-  // Call when the channels are known, before the first plane: samples of RGB pixels count as channels.
+  // Call when the channels are known, before the first plane. SizeC counts each sample of an RGB pixel as a channel.
   void start_planes(std::uint64_t samples, std::size_t pages) {
     if (!series_.pages.empty()) return;
     if (samples > 1 && series_.sizes[1] % samples == 0) series_.sizes[1] /= samples;
@@ -155,7 +155,7 @@ class ImageBuilder {
     series_.pages.assign(planes, kNone);
   }
 
-  // Sets `count` planes from the given one on, in the dimension order, to pages from `page` on.
+  // Assigns the pages from `page` on to `count` planes from (Z, C, T) = `first` on, in dimension order.
   void set_planes(const std::array<std::uint64_t, 3>& first, std::uint64_t page, std::uint64_t count,
                   std::size_t pages) {
     const std::uint64_t start = linear_of(first);
@@ -167,7 +167,7 @@ class ImageBuilder {
     }
   }
 
-  // Returns the series; planes that no element names are in order.
+  // Returns the series. Without any assigned page, page i is plane i; throws if only some planes have pages.
   Series finish(std::size_t pages) {
     start_planes(1, pages);
     if (std::ranges::all_of(series_.pages, [](std::size_t page) { return page == kNone; })) {
@@ -183,7 +183,7 @@ class ImageBuilder {
  private:
   static constexpr auto kNone = static_cast<std::size_t>(-1);
 
-  // Z, C and T as 0, 1 and 2, from the fastest.
+  // Returns the axes Z, C and T as 0, 1 and 2, the fastest first.
   [[nodiscard]] std::array<std::size_t, 3> axes() const {
     std::array<std::size_t, 3> axes{0, 1, 2};
     for (std::size_t i = 0; i < 3; ++i) axes[i] = std::string_view("ZCT").find(order_[2 + i]) % 3;
@@ -218,7 +218,7 @@ std::optional<Layout> ome_layout(const std::string& text, const std::vector<Page
   std::optional<ImageBuilder> builder;
   std::string image_name;
   std::uint64_t samples = 1;
-  std::set<std::string> files;  // that planes are in, if the text says so
+  std::set<std::string> files;  // names of the files with planes, from UUID elements
   const auto finish = [&] {
     if (!builder) return;
     builder->start_planes(samples, pages.size());

@@ -137,7 +137,7 @@ class PngFile final : public VolumeFile {
     return grid.dims[0] * grid.components * sample_size(grid.sample_type);
   }
 
-  // The samples are indices of the palette, which recommends their colors.
+  // Adds the palette's colors as label colors: the samples are palette indices.
   void add_palette(Png& self, Grid& grid) {
     png_colorp colors = nullptr;
     int count = 0;

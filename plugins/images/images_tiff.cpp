@@ -21,15 +21,15 @@ int keep_error(TIFF* /*tiff*/, void* problem, const char* /*module*/, const char
   return 1;
 }
 
-// Keeps the warning of a tag whose value lies beyond the end of the file: it is missing afterwards. Drops others, such
-// as those of unknown tags.
+// Keeps the warning of a tag whose value lies beyond the end of the file: libtiff then leaves the tag out. Ignores
+// other warnings, for example of unknown tags.
 int judge_warning(TIFF* tiff, void* lost, const char* module, const char* format, va_list values) {
   return std::string_view(format).find("IO error") == std::string_view::npos
              ? 1
              : keep_error(tiff, lost, module, format, values);
 }
 
-// The most bytes that a compression can make of one.
+// Returns a bound of the decoded bytes per stored byte.
 std::uint64_t ratio_of(std::uint16_t compression) {
   switch (compression) {
     case COMPRESSION_NONE: return 1;
@@ -41,7 +41,7 @@ std::uint64_t ratio_of(std::uint16_t compression) {
   }
 }
 
-// The file is at the page.
+// Describes the page at which libtiff is positioned.
 Page page_of(const Tiff& tiff) {
   TIFF* const file = tiff.get();
   Page page;
@@ -219,7 +219,7 @@ Tiff::Tiff(const std::string& path) : size_(file_size_of(path)) {
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_error, problem_.get());
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), judge_warning, lost_.get());
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), static_cast<tmsize_t>(size_ + kLibraryMemory));
-  // D: arrays of strips are read when they are needed; m: a file that shrinks must not end the process.
+  // D: reads strip tables on demand. m: no memory mapping, because a mapped file that shrinks would end the process.
   tiff_.reset(TIFFOpenExt(path.c_str(), "rDm", options.get()));
   if (!tiff_) fail("not a TIFF file");
 }

@@ -16,7 +16,7 @@ constexpr std::uint32_t kModelTransformation = 34264;
 constexpr std::uint32_t kGeoKeys = 34735;
 constexpr std::uint32_t kGdalNoData = 42113;
 
-// Values of a tag that libtiff knows only from the file: a count and an array of the file's type.
+// Values of a tag that libtiff has no definition of: a count and an array of the file's type.
 struct TagValues {
   std::uint64_t count = 0;
   const void* data = nullptr;
@@ -55,7 +55,7 @@ std::optional<int> geo_key(const Tiff& tiff, int wanted) {
   return std::nullopt;
 }
 
-// Returns the transform from pixels to the map, if the file states one; x and y of a pixel's upper left corner.
+// Returns GeoTIFF's transform from raster to map coordinates, if the file states one.
 std::optional<std::array<double, 12>> map_transform(const Tiff& tiff) {
   const auto matrix = doubles_of(tiff, kModelTransformation);
   if (matrix.size() >= 16 && are_finite(matrix)) {
@@ -73,7 +73,7 @@ std::optional<std::array<double, 12>> map_transform(const Tiff& tiff) {
                                 0,        0, z, tie[5] - tie[2] * z};
 }
 
-// Places a series by GeoTIFF's tags: rows go south, so that y falls.
+// Places a series by GeoTIFF's tags. Rows usually go south, so that y decreases with the row.
 void place_on_map(const Tiff& tiff, Series& series, Layout& layout) {
   auto map = map_transform(tiff);
   if (!map) return;
@@ -130,7 +130,7 @@ std::uint64_t count_in(const Entries& entries, const std::string& name) {
   return static_cast<std::uint64_t>(value);
 }
 
-// The size of a pixel along x or y from its resolution in pixels per unit; 0: none.
+// Returns the size of a pixel along x or y from the tag's resolution in pixels per unit; 0 if there is none.
 double pixel_size(const Tiff& tiff, std::uint32_t tag) {
   float resolution = 0;
   if (TIFFGetField(tiff.get(), tag, &resolution) == 0 || !(resolution > 0) || !std::isfinite(resolution)) return 0;

@@ -1,4 +1,4 @@
-// Samples of a page: strips or tiles that the box touches, one after another.
+// Reads samples of a page: decodes the strips or tiles that the box touches, one after another.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,7 +23,7 @@ struct Target {
   const PageBox& box;
   const PageShape& shape;
   void* to;
-  std::uint64_t components;  // beside each other in `to`
+  std::uint64_t components;  // interleaved in `to`
 };
 
 // Reads sample i of a row with fewer than 16 bits each; the first sample has the highest bits of a byte.
@@ -103,7 +103,7 @@ void copy_loaded(const Block& block, const Target& target, std::uint64_t first, 
   const auto copy = [&]<class T>(T) {
     copy_pixels<T>(block, target, first, count, at, [&](const unsigned char* row, std::uint64_t i) {
       const Stored value = load(row, i);
-      // GDAL writes the value of float samples with fewer digits than a double has.
+      // GDAL writes the no-data value of float samples with fewer digits than a double has.
       const bool is_missing = static_cast<double>(value) == no_data ||
                               (std::is_same_v<Stored, float> && value == static_cast<Stored>(no_data));
       return is_missing ? std::numeric_limits<T>::quiet_NaN() : static_cast<T>(value);
@@ -116,7 +116,7 @@ void copy_loaded(const Block& block, const Target& target, std::uint64_t first, 
   }
 }
 
-// Copies a block's samples; `plane` is the component of a block of one sample per pixel in a page of several.
+// Copies a block's samples. `plane`: the block's component, if the page stores each component in its own blocks.
 void copy_block(const Block& block, const Target& target, std::optional<std::uint64_t> plane) {
   const std::optional<std::uint64_t>& wanted = target.box.component;
   const std::uint64_t first = plane || !wanted ? 0 : *wanted;
@@ -163,7 +163,7 @@ class Buffer {
   std::vector<unsigned char> bytes_;
 };
 
-// Decodes a strip or tile; one that the file leaves out is all 0.
+// Decodes a strip or tile; fills with 0 if the file leaves it out.
 void decode(const Tiff& tiff, std::uint32_t number, bool is_tile, unsigned char* to, std::uint64_t bytes) {
   int failed = 0;
   const std::uint64_t offset = TIFFGetStrileOffsetWithErr(tiff.get(), number, &failed);
@@ -228,7 +228,7 @@ void read_strips(const Tiff& tiff, const Target& target, std::uint64_t samples, 
   }
 }
 
-// Reads the rows of a plane without a page of its own.
+// Reads the rows of an uncompressed plane at `offset`, which has no page (directory) of its own.
 void read_plane(const Tiff& tiff, std::uint64_t offset, const Target& target, Buffer& buffer) {
   const PageShape& shape = target.shape;
   const std::uint64_t pixel = std::uint64_t{shape.samples} * shape.bits / 8;

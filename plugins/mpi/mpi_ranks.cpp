@@ -1,5 +1,5 @@
-// Connects ranks by MPI (ranks_plugin.h). All communication is nonblocking, and a thread that waits sleeps between its
-// looks: MPI's own waiting functions would keep a processor busy.
+// Connects ranks by MPI (ranks_plugin.h). Communication is nonblocking, and a waiting thread sleeps between polls:
+// MPI's own waiting functions would keep a processor busy.
 #include <ranks_plugin.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ class Link {
   }
 
   void join(isoextract_rank& own) {
-    // Open MPI's components are libraries of their own, which look for its symbols among the global ones.
+    // Open MPI loads its components as libraries, which look up Open MPI's symbols in the global scope.
     Dl_info library{};
     if (::dladdr(reinterpret_cast<void*>(&MPI_Init_thread), &library) != 0) {
       ::dlopen(library.dli_fname, RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD);
@@ -156,7 +156,7 @@ class Link {
   std::vector<std::byte> received_;
 };
 
-// Runs a step, and keeps the text of its exception. Returns whether there was none.
+// Runs a step. Returns false on an exception, and keeps its text.
 template <class Step>
 bool attempt(const Step& step) {
   try {

@@ -52,7 +52,7 @@ Role role_by_name(const std::string& name) {
   return Role::unknown;
 }
 
-// The variable with the dimension's name, in the group or one around it.
+// Finds the one-dimensional variable with the dimension's name, in the group or a parent group.
 std::optional<std::array<int, 2>> find_coordinates(int group, const std::string& name, int dimension) {
   for (;;) {
     int id = 0;
@@ -198,7 +198,7 @@ Resampling even_out(const Axis& axis, std::uint64_t most_samples) {
     const double position = i + 1 == count ? range : static_cast<double>(i) * result.step;
     while (below + 2 < at.size() && std::abs(at[below + 1] - at.front()) <= std::abs(position)) ++below;
     const double weight = (position - (at[below] - at.front())) / (at[below + 1] - at[below]);
-    // Samples that coincide with old ones keep their values, beside missing ones, too.
+    // A new sample at the position of an old one keeps its value, even if the old one's neighbor is missing (NaN).
     constexpr double kRounding = 1e-9;
     result.lower[i] = below;
     result.weight[i] = weight < kRounding ? 0 : weight > 1 - kRounding ? 1 : weight;

@@ -46,10 +46,10 @@ class HeaderReader {
     in_.seekg(static_cast<std::streamoff>(at_));
   }
   void skip_name() { skip_array(1); }
-  // Skips a count and that many items with their padding.
+  // Skips a count, that many items of `item` bytes, and the padding to 4 bytes.
   void skip_array(std::uint64_t item) { skip(padded(items(item) * item)); }
 
-  // Returns a count of items that each need at least so many bytes of the file.
+  // Reads a count of items. Fails if the rest of the file has fewer than `least_bytes` for each.
   std::uint64_t items(std::uint64_t least_bytes) {
     const std::uint64_t found = count();
     if (found > (size_ - at_) / least_bytes)
@@ -57,7 +57,7 @@ class HeaderReader {
              std::to_string(size_));
     return found;
   }
-  // Returns the number of items of a list; 0 where it is absent.
+  // Returns the number of items of a list; 0 if the list is absent.
   std::uint64_t list(std::uint32_t expected_tag) {
     const std::uint64_t found = tag();
     const std::uint64_t length = items(4);

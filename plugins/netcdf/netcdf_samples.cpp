@@ -8,7 +8,7 @@ namespace {
 
 using isoextract_plugin::check_cancelled;
 
-// The part of the file's samples that a selection needs, along the grid's axes.
+// The box of file samples that a selection needs, along the grid's axes.
 struct SourceBox {
   std::array<std::uint64_t, 3> first{};
   std::array<std::uint64_t, 3> count{};
@@ -36,7 +36,7 @@ int get(const Variable& variable, const std::size_t* start, const std::size_t* c
   return nc_get_vara(variable.group, variable.id, start, count, to);  // bytes, as they are
 }
 
-// Chunks of compressed files; a whole number of their layers is read at a time.
+// Chunks of a netCDF-4 variable. Reads cover whole chunk layers, so that each chunk is decoded once.
 struct Chunks {
   std::vector<std::size_t> size;  // empty if samples are contiguous
   std::uint64_t bytes = 0;
@@ -115,7 +115,7 @@ void mark_missing(const Variable& variable, T* samples, std::uint64_t count) {
   }
 }
 
-// Resamples one axis of samples in memory, x fastest. `first` is the box's along that axis.
+// Resamples one axis of samples in memory, x fastest. `first`: file index of the first sample along that axis.
 template <class T>
 std::vector<T> resample(const std::vector<T>& from, std::array<std::uint64_t, 3>& dims, std::size_t axis,
                         std::uint64_t first, const Resampling& resampling, const isoextract_volume_selection& selection,

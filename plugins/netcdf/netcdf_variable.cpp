@@ -8,7 +8,7 @@
 namespace isoextract_netcdf {
 namespace {
 
-// A resampled axis may make the grid this large, whatever its file's samples: 512 MiB of 32-bit floats.
+// A resampled axis may grow by kMostGrowth, and always up to this many samples in the grid: 512 MiB of 32-bit floats.
 constexpr std::uint64_t kResampledSamples = std::uint64_t{1} << 27;
 constexpr std::uint64_t kMostGrowth = 4;
 
@@ -30,7 +30,7 @@ const char* type_name(nc_type type) {
   }
 }
 
-// The value that the library gives samples that were never written, if that cannot be taken for one that was.
+// Returns the library's value of unwritten samples; nothing for bytes and text, where it may be a written value.
 std::optional<double> default_fill(nc_type type) {
   switch (type) {
     case NC_SHORT: return NC_FILL_SHORT;
@@ -60,7 +60,7 @@ MissingValues missing_values(const Variable& variable, double slope, double inte
     }
     return found;
   };
-  // CF 1.8, 2.5.1: limits of floating type for samples of integer type are those of the unpacked values.
+  // CF 1.8, 2.5.1: limits of floating type for samples of integer type apply to the unpacked values.
   const auto limit = [&](const char* name, std::size_t index) -> std::optional<double> {
     auto found = numbers(name);
     if (found.size() <= index) return std::nullopt;
@@ -104,8 +104,8 @@ std::int32_t sample_type(const Variable& variable, bool needs_floats) {
   }
 }
 
-// Returns which dimensions are x, y and z, the last first. Of more than three, time is none of them; those with a role
-// precede those without, and later ones earlier ones.
+// Returns the dimensions of the grid axes x, y and z, the last dimension first. Of more than three, prefers dimensions
+// with a spatial role, then unknown ones, then time; among equals the last.
 std::array<std::size_t, 3> choose_dimensions(const std::vector<Axis>& dimensions) {
   std::vector<std::size_t> order(dimensions.size());
   std::iota(order.rbegin(), order.rend(), std::size_t{0});
@@ -152,7 +152,7 @@ std::string distances_text(const Axis& axis) {
   return number_text(least) + " to " + number_text(greatest) + (axis.unit.empty() ? "" : " " + axis.unit);
 }
 
-// Sets dimensions, placement and the note of both; resamples uneven axes if asked to.
+// Sets the grid's dimensions and placement, and the note about them; resamples uneven axes if `resamples`.
 void place(Variable& variable, Grid& grid, bool resamples) {
   std::array<std::uint64_t, 3> dims{};
   for (std::size_t axis = 0; axis < 3; ++axis) dims[axis] = variable.axes[axis].length;

@@ -11,7 +11,7 @@ namespace {
 
 using namespace isoextract_netcdf;  // NOLINT(google-build-using-namespace): all of this file is of it
 
-// The library is not safe for several threads.
+// Serializes all calls, because the library is not thread-safe.
 std::recursive_mutex& library_mutex() {
   static std::recursive_mutex mutex;
   return mutex;
@@ -48,7 +48,7 @@ class OpenFile {
   int id_ = 0;
 };
 
-// Variables that describe the cells of others are no grids.
+// Returns the names of variables that hold the cell bounds of other variables; the list leaves them out.
 std::set<std::string> bounds_variables(int group, int count) {
   std::set<std::string> names;
   for (int id = 0; id < count; ++id) {
@@ -116,7 +116,7 @@ std::unique_ptr<isoextract_plugin::VolumeFile> open_file(const isoextract_plugin
   std::ifstream(request.path, std::ios::binary).read(start.data(), start.size());
   if (is_classic(start.data(), start.size())) check_classic_header(request.path);
   const std::scoped_lock lock(library_mutex());
-  // HDF5, on which netCDF-4 is built, loads no filters from folders: they would be foreign code.
+  // Stops HDF5, on which netCDF-4 is built, from loading filters from folders: they would be foreign code.
   ::setenv("HDF5_PLUGIN_PRELOAD", "::", 1);
   return std::make_unique<NetcdfFile>(request, host);
 }
@@ -125,7 +125,7 @@ bool probe_file(const unsigned char* start, std::size_t bytes, const std::string
   std::array<char, 8> text{};
   std::copy_n(start, std::min(bytes, text.size()), text.data());
   if (is_classic(text.data(), bytes)) return true;
-  // netCDF-4 files are HDF5 files; only their name tells.
+  // netCDF-4 files are HDF5 files; only the file name distinguishes them.
   const bool is_hdf5 = bytes >= 8 && std::equal(text.begin(), text.end(), "\x89HDF\r\n\x1a\n");
   return is_hdf5 && (path.ends_with(".nc") || path.ends_with(".nc4") || path.ends_with(".cdf"));
 }

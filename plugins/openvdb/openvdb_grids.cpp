@@ -29,7 +29,7 @@
 namespace {
 
 using namespace isoextract_openvdb;  // NOLINT(google-build-using-namespace): all of this file is of it
-// Grids that go out.
+// Output grids.
 
 void give(const FloatGrid& grid, std::int32_t kind, Reserved& memory, isoextract_grid_output* output) {
   auto store = std::make_unique<SparseStore>();
@@ -112,7 +112,7 @@ class TableMemory {
   std::uint64_t entries_ = 0;
 };
 
-// Leaves of a grid to be made, each counted once.
+// Counts the leaves that a grid will have, each once, up to kMost.
 class LeafCount {
  public:
   explicit LeafCount(const isoextract_plugin_host& host) : memory_(host) {}
@@ -158,7 +158,7 @@ std::uint64_t max_touched_leaves(const Particles& particles, const isoextract_sp
   return touched.count();
 }
 
-// Each thread has its own grid; they overlap where their particles do.
+// The factor 2: each thread builds its own grid, and these grids overlap where their particles do.
 std::uint64_t max_grid_bytes(const Particles& particles, const isoextract_sphere_job& job,
                              const isoextract_plugin_host& host) {
   return 2 * max_touched_leaves(particles, job, host) * kLeafBytes;
@@ -258,7 +258,7 @@ int filter(const isoextract_filter_job* job, const isoextract_plugin_host* host,
       throw PluginError("expected a level set that is positive far outside, found " +
                         std::to_string(grid->background()));
     }
-    // Two buffers besides the grid's own, and new leaves of the moving band.
+    // Two buffers besides the grid's own, and new leaves where the band moves.
     for_work.take(3 * grid->memUsage());
     openvdb::tools::LevelSetFilter<FloatGrid> work(*grid, &interrupter);
     const auto width = static_cast<int>(std::clamp<std::uint32_t>(job->width, 1, 64));
@@ -285,7 +285,7 @@ struct RebuildAxes {
   double voxel = 0;      // edge of an output voxel
   openvdb::Vec3d shift;  // local position of output sample (0, 0, 0)
 
-  // Return the index in the other grid, with a fraction.
+  // Convert an index of one grid to a fractional index of the other.
   [[nodiscard]] openvdb::Vec3d output_index(const openvdb::Coord& input) const {
     return (edges * (input - start).asVec3d() - shift) / voxel;
   }
@@ -348,14 +348,15 @@ void reserve_rebuild(const FloatGrid& grid, const RebuildAxes& axes, double half
     if (box != last) touched.add(box);
     last = box;
   }
-  // The mesh's signs and indices of points; distances and nearest polygons, of each thread and of all.
+  // Two trees for the mesh (signs, point indices); four for the band (distances and nearest polygons, per thread and
+  // merged).
   memory.take(at_surface * kBytesPerVoxel + 2 * grid.constTree().leafCount() * kLeafBytes +
               4 * touched.count() * kLeafBytes);
 }
 
-// Gives the voxels near the surface the linear interpolant of the input, so that both have the same surface. OpenVDB's
-// mesh has its vertices inside the convex parts, which shrinks them. Keeps the distances where the input has its
-// background, or where its values are no distances.
+// Sets the voxels near the surface to the trilinear interpolant of the input, so that both grids have one surface.
+// OpenVDB's mesh has its vertices inside convex regions, which shrinks them. Keeps the rebuilt distances where the
+// input has its background, or where its values are no distances.
 void keep_surface(const FloatGrid& input, const RebuildAxes& axes, FloatGrid& rebuilt) {
   using openvdb::tools::BoxSampler;
   const float input_band = 0.999F * input.background();

@@ -75,7 +75,7 @@ void check_bytes(const points::AttributeArray& array, const std::string& name) {
   }
 }
 
-// Returns the file iterator's name of the wanted set of points, or of the only one.
+// Returns the unique name, as file.beginName() lists it, of the wanted point grid, or of the only one.
 std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
   std::vector<std::string> sets;
   std::string all;

@@ -73,7 +73,7 @@ struct SampleOf<openvdb::math::Vec3<Number>> {
   using type = Number;
 };
 
-// Converts a value of a grid to a sample. Sets `rounded` if that is inexact.
+// Converts a value of a grid to a sample. Sets `rounded` if an int64 is beyond 2^53.
 template <class T>
 struct Conversion {
   Part part = Part::all;
@@ -116,7 +116,7 @@ struct Listed {
   std::vector<isoextract_volume_grid> grids;
 };
 
-// Returns 0 if the transform is not a frustum.
+// Returns the shortest edge of the voxel at a frustum's center; 0 if the transform is not a frustum.
 double frustum_spacing(const openvdb::math::Transform& transform) {
   const auto map = transform.constMap<openvdb::math::NonlinearFrustumMap>();
   if (map == nullptr) return 0;
@@ -274,8 +274,8 @@ class Resampling {
     });
   }
 
-  // Returns the bounds of a box's image, in leaves. A frustum maps straight edges to straight edges, so corners
-  // suffice.
+  // Returns the bounds of a box, widened by a voxel, in leaves of the target. A frustum maps straight edges to straight
+  // edges, so corners suffice.
   [[nodiscard]] openvdb::BBoxd image_of(const openvdb::CoordBBox& box) const {
     openvdb::BBoxd image;
     for (int corner = 0; corner < 8; ++corner) {

@@ -56,7 +56,7 @@ Lines find_lines(const std::vector<TracePlace>& places, std::int32_t TracePlace:
   return lines;
 }
 
-// The least squares fit of coordinates to (y, z, 1), relative to the center of the lattice.
+// Least squares fit of a coordinate to (u, v, 1): grid indices y and z relative to the center of the lattice.
 class PlaneFit {
  public:
   PlaneFit(double center_u, double center_v, double offset) : u0_(center_u), v0_(center_v), offset_(offset) {}
@@ -72,8 +72,8 @@ class PlaneFit {
     }
   }
 
-  // Returns the factors of u and v, and the constant. Traces lie on at least two lines of each direction, but may still
-  // lie on one diagonal: then there is no fit.
+  // Sets the factors of u and v, and the constant. Returns false if there is no fit: traces lie on at least two lines
+  // of each direction, but may still lie on one diagonal.
   [[nodiscard]] bool solve(std::array<double, 3>& factors) const {
     auto m = normal_;
     auto r = right_;
@@ -117,7 +117,7 @@ double grid_z(const Survey& survey, const TracePlace& place) {
   return static_cast<double>((number - survey.slow.first) / survey.slow.step);
 }
 
-// World x is the inline number and y the crossline number.
+// Takes the inline number as world x, and the crossline number as y.
 void place_by_lines(Survey& survey) {
   const std::size_t fast_row = survey.inlines_are_slow ? 3 : 0;
   const std::size_t slow_row = 3 - fast_row;
@@ -211,7 +211,7 @@ Survey read_survey(const SegyFile& file, const isoextract_plugin_host& host) {
   const std::vector<TracePlace> places = read_places(file, host, survey);
   const Lines inlines = find_lines(places, &TracePlace::inline_number, "inlines (bytes 189-192)");
   const Lines crosslines = find_lines(places, &TracePlace::crossline, "crosslines (bytes 193-196)");
-  // Traces that follow one another differ in the number that varies faster.
+  // Consecutive traces differ in the number (inline or crossline) that varies faster.
   std::uint64_t inline_changes = 0;
   std::uint64_t crossline_changes = 0;
   for (std::size_t i = 1; i < places.size(); ++i) {
@@ -222,7 +222,7 @@ Survey read_survey(const SegyFile& file, const isoextract_plugin_host& host) {
   survey.fast = survey.inlines_are_slow ? crosslines : inlines;
   survey.slow = survey.inlines_are_slow ? inlines : crosslines;
 
-  // A survey of any outline fills a tenth of its bounding box; wrong numbers do not.
+  // A survey of any outline fills at least a tenth of its bounding box; wrong line numbers do not.
   const double cells = static_cast<double>(inlines.count) * static_cast<double>(crosslines.count);
   if (cells > 10 * static_cast<double>(places.size()) + 1000) {
     throw ReadError("expected traces on a lattice of inlines and crosslines, found " + std::to_string(places.size()) +

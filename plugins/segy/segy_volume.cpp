@@ -1,5 +1,5 @@
 // SEG-Y files of stacked traces as a box of samples, through segyio. Samples along a trace are x, the fastest axis, as
-// in the file; so each trace is read into its place at once.
+// in the file, so that each trace is read directly into the box.
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -60,7 +60,7 @@ SegyFile::SegyFile(const std::string& path) : file_(segy_open(path.c_str(), "rb"
   try {
     std::array<char, SEGY_BINARY_HEADER_SIZE> header{};
     check(segy_binheader(file_, header.data()), "segyio cannot read its binary header");
-    // Byte order: the code of the format is below 256.
+    // The format code is below 256 in the right byte order only.
     format_ =
         static_cast<unsigned char>(header[kFormatField]) << 8 | static_cast<unsigned char>(header[kFormatField + 1]);
     if (format_ > 255) {
@@ -85,7 +85,7 @@ SegyFile::SegyFile(const std::string& path) : file_(segy_open(path.c_str(), "rb"
     check(segy_traces(file_, &traces_, first_trace_, trace_bytes_),
           "expected traces of " + std::to_string(samples_) + " samples");
     if (traces_ < 1) throw ReadError("expected traces, found none");
-    // segyio's own guess weighs both headers; 0 where neither states an interval.
+    // segyio takes the interval from the binary and the trace header; it is 0 if neither states one.
     float interval = 0;
     if (segy_sample_interval(file_, 0, &interval) == SEGY_OK && interval > 0) interval_us_ = interval;
     revision_ = read_field(header.data(), SEGY_BIN_SEGY_REVISION);
@@ -182,7 +182,7 @@ class SegyVolume final : public isoextract_plugin::VolumeFile {
   void read_box(const isoextract_volume_selection& selection, const isoextract_plugin_host& host) {
     T* to = static_cast<T*>(selection.box);
     const std::uint64_t count = selection.count[0];
-    // A trace as it is stored, where its numbers become floats: up to 4 bytes a sample.
+    // The stored samples of one trace, if they become floats: up to 4 bytes each.
     std::vector<std::int32_t> stored;
     HostMemory memory(host);
     const bool converts =

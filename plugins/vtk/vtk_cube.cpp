@@ -36,7 +36,7 @@ class TextWords {
     }
   }
 
-  // Whether the file ends with the last word.
+  // Returns whether the file ends directly after the last word.
   [[nodiscard]] bool ended_in_word() const { return at_ == part_.size() && offset_ >= file_.size(); }
   // Returns the file offset of the text after the last word.
   [[nodiscard]] std::uint64_t offset() const { return offset_ - (part_.size() - at_); }
@@ -153,7 +153,7 @@ class Cube final : public VolumeFile {
   }
 
  private:
-  // After the atoms: how many orbitals, and their numbers.
+  // Reads the number of orbitals and the orbitals' own numbers, which follow the atoms.
   void read_orbitals(Grid& grid) {
     TextWords words(file_, values_at_);
     const auto count = parse_integer(words.next());

@@ -1,6 +1,6 @@
 // Digital elevation models of the USGS (.dem): one layer of heights. Format: U.S. Geological Survey, Standards for
-// Digital Elevation Models, Part 2: Specifications, 1998. Records have fixed columns. VTK's reader (9.1) crashes on
-// files without all optional fields, so that profiles are read here.
+// Digital Elevation Models, Part 2: Specifications, 1998. Records have fixed columns. VTK's reader (9.1) crashes if an
+// optional field is missing, so this file reads the profiles itself.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -77,7 +77,7 @@ class Dem final : public VolumeFile {
     std::vector<float> heights;  // NaN where there are none
   };
 
-  // Returns the number in columns of a record.
+  // Returns the number in `width` columns of a record, from `column` (from 0) on.
   static double number(const std::string& record, std::size_t column, std::size_t width, const char* what, double least,
                        double most) {
     const std::vector<std::string> words = words_of(std::string_view(record).substr(column, width));

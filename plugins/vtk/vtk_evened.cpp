@@ -140,7 +140,7 @@ class EvenedGrid final : public VolumeFile {
     return of_cells ? centers_of(points) : points;
   }
 
-  // The finest even lattice of at most 4 times the samples: the steps grow until that holds.
+  // Returns axes with the smallest uneven distance as step, enlarged until the lattice has at most 4 times the samples.
   [[nodiscard]] std::array<EvenAxis, 3> axes_of(bool of_cells) const {
     std::array<std::vector<double>, 3> uneven;
     std::array<bool, 3> even{};

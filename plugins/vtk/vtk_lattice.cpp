@@ -79,7 +79,8 @@ void Lattice::set_grids(const LatticeFrame& frame, std::vector<ArrayFacts> array
 
 namespace {
 
-// Fails if the boxes together lack samples of the selection. Compares the cells between all boundaries of boxes.
+// Fails if the boxes together lack samples of the selection. Cuts the selection at all box boundaries, and checks the
+// first sample of each block.
 void check_covered(const std::vector<StoredBox>& boxes, const isoextract_volume_selection& selection) {
   std::array<std::vector<std::uint64_t>, 3> cuts;
   for (std::size_t axis = 0; axis < 3; ++axis) {

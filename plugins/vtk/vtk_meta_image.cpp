@@ -1,5 +1,5 @@
 // MetaImage (.mha, .mhd), the format of ITK, with samples in the same file, in another, or in one file for each slice.
-// Its header is read here, because VTK's reader ignores TransformMatrix.
+// This file reads the header itself, because VTK's reader ignores TransformMatrix.
 // Format: https://itk.org/Wiki/MetaIO/Documentation; index axis i points along row i of TransformMatrix, as in ITK's
 // itkMetaImageIO.cxx.
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string trimmed(std::string_view text) {
 struct ReadHeader {
   Header values;
   std::vector<std::string> names;  // of the data files, from the lines after ElementDataFile = LIST
-  std::uint64_t bytes = 0;         // up to the samples of a file with ElementDataFile = LOCAL
+  std::uint64_t bytes = 0;         // of the header, which samples follow if ElementDataFile = LOCAL
 };
 
 ReadHeader read_header(const InputFile& file) {
@@ -56,7 +56,7 @@ ReadHeader read_header(const InputFile& file) {
   return header;
 }
 
-// The value of the first of these keys that the header has; "" if it has none.
+// Returns the value of the first of `keys` that the header has; "" if it has none.
 std::string value_of(const Header& header, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) {
     if (const auto found = header.find(key); found != header.end()) return found->second;
@@ -104,7 +104,7 @@ StoredType type_of(std::string name) {
   return found->second;
 }
 
-// Reads a zlib or gzip stream at uncompressed offsets. Starts again if an offset is before the last one.
+// Reads a zlib or gzip stream at uncompressed byte offsets. Restarts the stream if an offset is before its position.
 class InflatedFile {
  public:
   InflatedFile(const InputFile& file, std::uint64_t offset) : file_(file), start_(offset) { restart(); }
@@ -157,7 +157,7 @@ class InflatedFile {
   const InputFile& file_;
   std::uint64_t start_ = 0;
   std::uint64_t at_ = 0;        // the next compressed byte
-  std::uint64_t position_ = 0;  // of the next sample's byte
+  std::uint64_t position_ = 0;  // uncompressed offset of the next byte
   std::string input_;
   z_stream stream_{};
 };
@@ -187,7 +187,7 @@ class MetaImage final : public VolumeFile {
     const std::uint64_t slice = grid.dims[0] * grid.dims[1] * grid.components;  // numbers
     const std::uint64_t bytes = type_.bytes();
     ReadFacts facts;
-    // The slices of all volumes follow each other; each file has as many.
+    // The slices of all volumes follow each other; all files have the same number of slices.
     const std::uint64_t slices = grid.dims[2] * grid.volumes;
     const std::uint64_t slices_per_file = slices / data_.size();
     std::unique_ptr<InputFile> file;
@@ -274,7 +274,7 @@ class MetaImage final : public VolumeFile {
     }
     grid.length_unit = value_of(values, {"DistanceUnits"});
     if (grid.length_unit == "?") grid.length_unit.clear();
-    // ITK writes both keys, and its space is DICOM's.
+    // ITK writes both keys, and uses DICOM's space (left, posterior, superior).
     if (!matrix.empty() && values.contains("AnatomicalOrientation")) {
       grid.world_space = "left-posterior-superior";
       if (grid.length_unit.empty()) grid.length_unit = "mm";

@@ -1,6 +1,6 @@
 // MRC2014 and CCP4 maps (.mrc, .map, .ccp4). A. Cheng et al.: MRC2014: Extensions to the MRC format header for electron
 // cryo-microscopy and tomography. J. Struct. Biol. 192, 2015. VTK's reader ignores axis order, cell angles and origin.
-// Samples keep the order of the file (columns, rows, sections); the placement has the axes.
+// Samples keep the order of the file (columns, rows, sections); the placement maps them to x, y and z.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -12,7 +12,7 @@ namespace isoextract_vtk {
 namespace {
 
 constexpr std::uint64_t kHeaderBytes = 1024;
-// Numbers of 32-bit words.
+// Indices of 32-bit words in the header.
 constexpr std::size_t kSize = 0, kMode = 3, kStart = 4, kSampling = 7, kCell = 10, kAngles = 13, kAxes = 16,
                       kSpaceGroup = 22, kExtended = 23, kImodStamp = 38, kImodFlags = 39, kOrigin = 49, kMap = 52;
 constexpr std::int32_t kImod = 1146047817;
@@ -41,7 +41,7 @@ class Words {
   bool swap_ = false;
 };
 
-// Columns: the cell's axes in angstrom. a is along x, b in the plane of x and y.
+// Returns the cell's axes a, b and c in angstrom. a is along x, b in the plane of x and y.
 std::array<std::array<double, 3>, 3> cell_axes(const std::array<double, 3>& length, std::array<double, 3> angle) {
   std::array<double, 3> cosine{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -76,7 +76,7 @@ class Map final : public VolumeFile {
         throw ReadError("expected positive numbers of columns, rows and sections, found " + std::to_string(size));
       grid.dims[axis] = static_cast<std::uint64_t>(size);
     }
-    // A stack of volumes: each has as many sections as the sampling states.
+    // A stack of volumes: each volume has MZ sections, the sampling along z.
     const std::int32_t sections = words.integer(kSampling + 2);
     if (words.integer(kSpaceGroup) >= 401 && sections > 0 && grid.dims[2] % static_cast<std::uint64_t>(sections) == 0) {
       grid.volumes = grid.dims[2] / static_cast<std::uint64_t>(sections);
@@ -111,7 +111,7 @@ class Map final : public VolumeFile {
   void set_type(const Words& words, Grid& grid) {
     switch (const std::int32_t mode = words.integer(kMode)) {
       case 0:
-        // IMOD's files say whether bytes are signed; otherwise MRC2014 has signed ones.
+        // IMOD's files state whether bytes are signed; MRC2014 defines them as signed.
         if (words.integer(kImodStamp) == kImod && (words.integer(kImodFlags) & 1) == 0) {
           type_ = {ISOEXTRACT_U8};
           grid.type_name = "uint8";

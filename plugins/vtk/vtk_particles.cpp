@@ -115,7 +115,7 @@ vtkIdType other_cells(vtkPointSet* points) {
 // An open file and its description.
 struct Opened {
   vtkSmartPointer<vtkPointSet> points;
-  std::vector<std::string> names;  // names of the quantities and their types
+  std::vector<std::string> names;  // of the quantities and of their types
   std::vector<isoextract_particle_quantity> quantities;
 };
 

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The leaves of any output. Those of finer AMR levels come first, because an earlier leaf counts where they overlap.
+// Adds the leaves of any output. Leaves of finer AMR levels come first: an earlier leaf has precedence in an overlap.
 void add_leaves(vtkDataObject* output, DataSets& data) {
   const auto add = [&](vtkDataObject* object) {
     auto* leaf = vtkDataSet::SafeDownCast(object);
@@ -116,7 +116,7 @@ void read_legacy(const std::string& path, DataSets& data) {
   add_leaves(output, data);
 }
 
-// The files that parallel and multi-block files name, for reports.
+// Collects the files that parallel and multi-block files name, for reports.
 void collect_sources(const std::string& path, vtkXMLDataElement* element, std::vector<std::string>& files) {
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* child = element->GetNestedElement(i);
@@ -135,7 +135,7 @@ void read_xml(const std::string& path, DataSets& data) {
     type = document.type();
     collect_sources(path, document.root(), data.files);
   }
-  for (const std::string& file : data.files) InputFile{file};  // VTK leaves out missing ones
+  for (const std::string& file : data.files) InputFile{file};  // fails if missing; VTK would skip the file
   if (type == "RectilinearGrid") {
     read_all<vtkXMLRectilinearGridReader>(path, "VTK rectilinear grid", data);
   } else if (type == "PRectilinearGrid") {

@@ -1,5 +1,5 @@
-// Cells of any kind, resampled onto a box of samples: each cell fills the samples inside of it, by its own
-// interpolation. That needs no search for cells, and its time grows with cells plus samples.
+// Resamples cells of any kind onto a box of samples: each cell interpolates the samples inside of it. This needs no
+// search for cells, and takes time proportional to cells plus samples.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace isoextract_vtk {
 namespace {
 
-// VTK trusts the point numbers of cells.
+// Checks the cells' point numbers and offsets, which VTK trusts.
 void check_cells(vtkUnstructuredGrid* cells) {
   vtkCellArray* array = cells->GetCells();
   if (array == nullptr || array->GetNumberOfCells() == 0) return;
@@ -108,7 +108,7 @@ class Resampled final : public VolumeFile {
   }
 
  private:
-  // The box of all cells with a volume, and their number.
+  // Measures the bounds of all cells with a volume, and counts these cells.
   void measure(std::array<double, 6>& bounds, const isoextract_plugin_host& host) {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     bounds = {kFar, -kFar, kFar, -kFar, kFar, -kFar};
@@ -145,7 +145,7 @@ class Resampled final : public VolumeFile {
     if (others > 0) add_note(note, "the reader leaves out " + std::to_string(others) + " cells without a volume");
   }
 
-  // Values of the leaf's points.
+  // Returns values at the leaf's points; averages a cell array over the 3D cells of each point.
   std::vector<double> point_values(vtkDataSet* leaf, const ArrayFacts& facts, vtkDataArray* array,
                                    HostMemory& memory) const {
     const auto components = static_cast<std::size_t>(array->GetNumberOfComponents());
@@ -234,7 +234,7 @@ class Resampled final : public VolumeFile {
     return grid.index_to_world[4 * axis + 3] + grid.index_to_world[4 * axis + axis] * static_cast<double>(index);
   }
 
-  // The samples of the selection in a cell's box. Returns false if there are none.
+  // Sets the range of the selection's samples in a cell's box. Returns false if it has none.
   static bool samples_in(const Grid& grid, const isoextract_volume_selection& selection,
                          const std::array<double, 6>& box, Dims& first, Dims& end, double& diagonal) {
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -112,7 +112,7 @@ void fill_from_stored(const Grid& grid, const StoredBox& stored, const ReadNumbe
         (shared.first[0] - selection.first[0]);
     return static_cast<char*>(selection.box) + sample * to_bytes;
   };
-  // Numbers from which stored row (y, z) begins.
+  // Returns the index of the first number of stored row (y, z).
   const auto row_at = [&](std::uint64_t y, std::uint64_t z) {
     return ((z - stored.first[2]) * stored.dims[1] + (y - stored.first[1])) * stored.dims[0] * grid.components;
   };
@@ -185,7 +185,7 @@ std::optional<double> parse_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0;
   auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (status == std::errc::result_out_of_range) {  // an exponent such as E-400 is 0
+  if (status == std::errc::result_out_of_range) {  // a number with an exponent such as E-400 is 0
     const std::size_t exponent = word.find_first_of("eE");
     if (exponent == std::string_view::npos || exponent + 1 >= word.size() || word[exponent + 1] != '-') {
       return std::nullopt;

@@ -1,4 +1,4 @@
-// Time steps in files of their own: ParaView's .pvd and .series (JSON). Steps may have different boxes and formats.
+// Time steps in separate files: ParaView's .pvd and .series (JSON). Steps may have different boxes and formats.
 #include <algorithm>
 #include <fstream>
 #include <map>

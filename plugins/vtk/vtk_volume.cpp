@@ -1,4 +1,4 @@
-// The plug-in `vtk` for volumes: finds the format of an input and opens it with its reader.
+// The plug-in `vtk` for volumes: finds the format of an input, and opens the input with that format's reader.
 #include "vtk_volume.hpp"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ Open xml_reader(const std::string& type) {
   return std::ranges::find(others, type) == others.end() ? nullptr : open_data_set;
 }
 
-// "# vtk DataFile Version", a title, ASCII or BINARY, DATASET TYPE
+// Lines of a legacy file: "# vtk DataFile Version", a title, ASCII or BINARY, DATASET TYPE.
 bool is_legacy_grid(std::string_view start) {
   return start.starts_with("# vtk DataFile") &&
          std::ranges::any_of(std::array<std::string_view, 4>{"STRUCTURED_POINTS", "STRUCTURED_GRID", "RECTILINEAR_GRID",

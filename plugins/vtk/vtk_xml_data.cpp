@@ -118,7 +118,7 @@ const std::array<unsigned char, 256>& base64_values() {
 
 }  // namespace
 
-// Reads bytes [first, first + bytes) of a run of bytes that begins at `at`: as they are, or as base64.
+// Reads the decoded bytes [first, first + bytes) of the raw or base64 data that begin at file offset `at`.
 void XmlDocument::read_decoded(std::uint64_t at, bool base64, std::uint64_t first, std::uint64_t bytes,
                                char* to) const {
   if (!base64) {
@@ -283,7 +283,7 @@ void XmlDocument::parse_text(std::uint64_t at, StoredType type, const isoextract
       const auto integer = parse_integer(word);
       const auto number = integer ? std::optional<double>(static_cast<double>(*integer)) : parse_number(word);
       if (!number) throw ReadError("expected numbers, found '" + word.substr(0, 40) + "'");
-      // 64-bit integers: to_native() converts bits.
+      // Keeps the bits of 64-bit integers; to_native() converts them to doubles.
       if (type.wide != StoredType::Wide::none) {
         if (!integer) throw ReadError("expected integers, found '" + word.substr(0, 40) + "'");
         append(*integer);

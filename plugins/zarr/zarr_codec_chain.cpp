@@ -51,7 +51,8 @@ void add_codec(const std::string& name, const Json& settings, Pipeline& pipeline
   pipeline.codecs.push_back(codec);
 }
 
-// numcodecs' delta keeps the type if it has no other one; then integers wrap around, and so do their sums.
+// numcodecs' delta keeps the type unless astype differs. Without a change, integer differences and their sums wrap
+// around, which makes decoding exact.
 void check_delta(const Json& settings, const DataType& type) {
   const bool is_integer = type.kind == DataType::Kind::signed_integer || type.kind == DataType::Kind::unsigned_integer;
   const Json& stored = member(settings, "astype");
@@ -80,7 +81,7 @@ std::vector<std::size_t> order_of(const Json& order, std::size_t axes) {
   return result;
 }
 
-// Returns the order of two transpose codecs, the second after the first.
+// Returns the order that two transpose codecs have together; `second` applies to the result of `first`.
 std::vector<std::size_t> composed(const std::vector<std::size_t>& first, std::vector<std::size_t> second) {
   if (first.empty()) return second;
   if (second.empty()) return first;
@@ -118,7 +119,7 @@ void check_inner_chunks(const ArrayMetadata& array) {
   }
 }
 
-// A null `sharding` stands for a place where there must be none.
+// `sharding`: receives the settings of sharding_indexed; null if the list must not have that codec.
 Pipeline pipeline_of(const Json& codecs, const DataType& type, std::size_t axes, std::optional<Sharding>* sharding) {
   if (!codecs.is_array()) throw ReadError("expected a list of codecs");
   Pipeline pipeline;

@@ -23,8 +23,8 @@ void swap_bytes(std::span<std::byte> bytes, std::uint64_t number) {
   }
 }
 
-// numcodecs' shuffle: the first bytes of all elements, then their second bytes, and so on; a rest that is no whole
-// element follows as it is.
+// Inverts numcodecs' shuffle, which stores the first bytes of all elements, then the second bytes, and so on; bytes
+// after the last whole element are stored unchanged.
 void unshuffle(std::span<const std::byte> from, std::span<std::byte> to, std::uint64_t element) {
   const std::size_t count = from.size() / element;
   for (std::size_t part = 0; part < element; ++part) {

@@ -25,7 +25,7 @@ constexpr std::size_t kLz4Header = 4;  // numcodecs writes the decompressed size
   throw ReadError(fmt::format("expected {} decompressed bytes of {}, found damaged ones", expected, codec));
 }
 
-// Returns how much of `left` one call takes, whose sizes have 32 bits.
+// Returns how many of `left` bytes to pass in one call of a library with 32-bit sizes.
 unsigned step_of(std::size_t left) { return static_cast<unsigned>(std::min<std::size_t>(left, 1U << 30)); }
 
 // A gzip file may have several members.
@@ -36,7 +36,7 @@ void inflate_all(std::span<const std::byte> from, std::span<std::byte> to) {
   const std::unique_ptr<z_stream, int (*)(z_stream*)> guard(&stream, ::inflateEnd);
   std::size_t read = 0;
   std::size_t written = 0;
-  std::byte beyond{};  // where a byte too many goes
+  std::byte beyond{};  // receives a byte that does not fit into `to`
   while (true) {
     const bool is_full = written == to.size();
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(from.data() + read));
@@ -128,7 +128,7 @@ void check_plausible(Codec::Kind kind, std::span<const std::byte> from, std::uin
       if (size == ZSTD_CONTENTSIZE_ERROR) damaged("zstd", bytes);
       // Several frames may follow one another.
       if (size != ZSTD_CONTENTSIZE_UNKNOWN && size > bytes) wrong_size("zstd", bytes, size);
-      // The shortest block of 3 bytes and a byte to repeat stands for 128 KiB.
+      // A block of 4 bytes (header and a byte to repeat) decodes to at most 128 KiB.
       if (bytes >> 17 > from.size()) damaged("zstd", bytes);
       return;
     }

@@ -26,7 +26,8 @@ std::size_t copy_elements(const std::byte* from, std::ptrdiff_t from_step, std::
   return count;
 }
 
-// A double represents all integers up to 2^53, and larger ones with enough trailing zero bits.
+// Converts 64-bit integers to doubles; stops at the first inexact one. Doubles represent all integers up to 2^53, and
+// larger ones with enough trailing zero bits.
 template <class T>
 std::size_t widen_elements(const std::byte* from, std::ptrdiff_t from_step, std::byte* to, std::ptrdiff_t to_step,
                            std::size_t count) {
@@ -41,7 +42,7 @@ std::size_t widen_elements(const std::byte* from, std::ptrdiff_t from_step, std:
   return count;
 }
 
-// T: of the numbers of an element; Out: of the length.
+// T: type of an element's numbers; Out: type of the length.
 template <class T, class Out>
 CopyRow length_row(std::size_t numbers, double slope, double intercept) {
   return

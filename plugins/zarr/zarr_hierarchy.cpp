@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t kMostMetadata = std::uint64_t{64} << 20;
 
-// Python writes NaN and Infinity, which are not JSON, into attributes: they become null.
+// Replaces NaN and Infinity, which Python writes into attributes although JSON has no such words, by null.
 std::string without_nan(std::string_view text) {
   std::string result;
   bool is_string = false;
@@ -37,7 +37,7 @@ std::string without_nan(std::string_view text) {
   return result;
 }
 
-// Throws if the values are nested deeply: copying and printing them recurses.
+// Throws if values are nested too deeply: copying and printing JSON recurses.
 Json parse_text(std::string_view text, const std::string& key) {
   constexpr int kDeepest = 64;
   const auto check_depth = [&](int depth, Json::parse_event_t /*event*/, Json& /*value*/) {
@@ -55,7 +55,7 @@ Json parse_json(std::string_view text, const std::string& key) {
   return parsed;
 }
 
-// Splits a key into the path of its node and the rest.
+// Returns the path of the node that a metadata key belongs to.
 std::string_view parent_of(std::string_view key) {
   const std::size_t slash = key.rfind('/');
   return slash == std::string_view::npos ? std::string_view() : key.substr(0, slash);

@@ -86,7 +86,7 @@ void put_integer(Bytes& bytes, const Json& fill, const DataType& type) {
     if (!std::is_signed_v<T> || value < static_cast<std::int64_t>(std::numeric_limits<T>::min())) bad_fill(fill, type);
     return put(bytes, static_cast<T>(value));
   }
-  // 0.0 instead of 0, as some writers have it.
+  // Accepts 0.0 for 0, which some writers use.
   const double value = fill.is_number_float() ? fill.get<double>() : 0.5;
   if (value != std::trunc(value) || std::abs(value) > 0x1p53 || (value < 0 && !std::is_signed_v<T>)) {
     bad_fill(fill, type);
@@ -95,7 +95,7 @@ void put_integer(Bytes& bytes, const Json& fill, const DataType& type) {
   put(bytes, static_cast<T>(value));
 }
 
-// A number, "NaN", "Infinity", "-Infinity", or the bits of the number as "0x...".
+// Accepts a number, "NaN", "Infinity", "-Infinity", or the bits of the number as "0x...".
 void put_float(Bytes& bytes, const Json& fill, const DataType& type) {
   const std::uint64_t size = type.number();
   double value = 0;
@@ -138,7 +138,7 @@ void put_number(Bytes& bytes, const Json& fill, const DataType& type) {
   }
 }
 
-// A null fill value says nothing about missing chunks: they are 0, as zarr-python and zarrita read them.
+// Returns the bytes of the fill value. A null one leaves missing chunks undefined: 0 as in zarr-python and zarrita.
 Bytes fill_of(const Json& fill, const DataType& type) {
   if (type.kind == DataType::Kind::other) return {};
   if (fill.is_null()) return Bytes(type.size);
@@ -278,7 +278,7 @@ ArrayMetadata parse_v3_array(const Json& metadata) {
   if (array.dimension_names.empty()) {
     array.dimension_names = names_of(member(member(metadata, "attributes"), "_ARRAY_DIMENSIONS"), array.shape.size());
   }
-  // An extension that a reader must understand.
+  // A reader must reject storage transformers that it does not know.
   const Json& transformers = member(metadata, "storage_transformers");
   if (transformers.is_array() && !transformers.empty() && array.unsupported_feature.empty())
     array.unsupported_feature = "storage transformers";

@@ -47,7 +47,7 @@ std::vector<Axis> axes_of(const Json& multiscale, std::size_t count) {
   return axes;
 }
 
-// Applies a list of coordinateTransformations after those that the image has.
+// Appends a list of coordinateTransformations to the image's transformations.
 void apply_transformations(const Json& list, Image& image) {
   if (list.is_null()) return;
   if (!list.is_array()) throw ReadError("expected a list of coordinateTransformations");
@@ -103,7 +103,7 @@ std::vector<isoextract_plugin::Label> labels_of(const Json& image_label) {
   for (const Json& entry : member(image_label, "properties")) {
     const auto value = label_value(entry);
     if (!value) continue;
-    // The specification leaves the keys open.
+    // The specification does not define the key of a name.
     for (const char* key : {"name", "label", "class", "label-name"}) {
       if (const std::string name = text_of(member(entry, key)); !name.empty()) {
         label_at(*value).name = name;

@@ -1,4 +1,4 @@
-// Arrays that are no part of an OME-Zarr image: dimensions as xarray names them, and their coordinates.
+// Arrays outside of OME-Zarr images: takes axes from xarray's dimension names, and placement from coordinate arrays.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -28,7 +28,7 @@ std::vector<Axis> axes_of(const ArrayMetadata& array) {
     if (std::ranges::find(axes, kind, &Axis::kind) == axes.end()) axes[i].kind = kind;
     has_space = has_space || kind == x || kind == y || kind == z;
   }
-  // Names such as dim_0 say nothing.
+  // Ignores names such as dim_0 if none is x, y or z.
   std::vector<Axis> unnamed = axes;
   for (Axis& axis : unnamed) {
     if (!has_space) axis.name.clear();
@@ -38,7 +38,7 @@ std::vector<Axis> axes_of(const ArrayMetadata& array) {
   return axes;
 }
 
-// Returns the values of a list of numbers; nothing if there is none of this length.
+// Returns the values of a one-dimensional array; nothing if there is no array of `count` real numbers at `path`.
 std::optional<std::vector<double>> coordinates_at(Hierarchy& hierarchy, const std::string& path, std::uint64_t count) {
   const auto node = hierarchy.find(path);
   if (!node || !node->is_array || count > kMostCoordinates) return std::nullopt;
@@ -59,7 +59,7 @@ std::optional<std::vector<double>> coordinates_at(Hierarchy& hierarchy, const st
   });
 }
 
-// Float coordinates are rounded, and so are steps computed from them.
+// Tolerates rounding, because coordinates may be floats.
 bool is_even(const std::vector<double>& values, double step) {
   const double size = std::max(std::abs(values.front()), std::abs(values.back()));
   constexpr double kOfStep = 1e-3;

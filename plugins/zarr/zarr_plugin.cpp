@@ -11,7 +11,7 @@ std::unique_ptr<isoextract_plugin::VolumeFile> open_zarr(const isoextract_plugin
   isoextract_plugin::HostMemory memory(host);
   auto store = open_store(request.path, memory);
   auto file = open_hierarchy(std::move(store), request.volume, request.level, host);
-  memory.keep();  // until the list is freed, with which the store ends
+  memory.keep();  // until the host frees the list, and with it the store
   return file;
 }
 

@@ -27,7 +27,7 @@ struct ChunkRange {
   Indices first;
   Indices count;
 
-  // Throws if there are more than 2^63.
+  // Throws if there are 2^63 chunks or more.
   [[nodiscard]] std::uint64_t size() const { return product_of(count, 1); }
   [[nodiscard]] Indices at(std::uint64_t number) const {
     Indices index(first);
@@ -62,7 +62,7 @@ ChunkRange chunks_of(const Region& region, const Indices& chunk) {
   return range;
 }
 
-// The part of a region that lies in one chunk.
+// Returns the part of a region that lies in the chunk at `index`. `chunk`: size of a chunk.
 Region within_chunk(const Region& region, const Indices& chunk, const Indices& index) {
   Region part = region;
   for (std::size_t axis = 0; axis < chunk.size(); ++axis) {
@@ -78,7 +78,7 @@ struct ShardEntry {
   std::uint64_t bytes;
 };
 
-// Reads chunks into one box. Several threads call read_chunk() at once, each for another chunk.
+// Reads chunks into one box. Several threads call read_file() and decode_chunk() at once, each for another chunk.
 class BoxReader {
  public:
   BoxReader(const Store& store, const Array& array, const ArrayBox& box, const Conversion& conversion, void* to,
@@ -177,7 +177,7 @@ class BoxReader {
     ++read_;
   }
 
-  // Copies the part of a chunk's elements that a region needs.
+  // Copies those elements of a chunk that are in a region. `index`: the chunk's.
   void copy(const std::byte* elements, const std::vector<std::size_t>& order, const Region& region,
             const Indices& index) const {
     const Indices& chunk = metadata_.inner_chunk();

@@ -19,7 +19,7 @@ constexpr std::uint64_t kMostChannels = 1024;
 constexpr std::uint64_t kMostChunkFiles = 10000;
 constexpr std::array<Axis::Kind, 3> kSpace{Axis::Kind::x, Axis::Kind::y, Axis::Kind::z};
 
-// Units of length that OME-Zarr names, in picometers: so the ratios of metric ones are exact.
+// Units of length that OME-Zarr names, in picometers, which makes the ratios of metric units exact.
 constexpr std::array<std::pair<std::string_view, double>, 12> kUnits{{{"angstrom", 1e2},
                                                                       {"picometer", 1},
                                                                       {"nanometer", 1e3},
@@ -33,13 +33,13 @@ constexpr std::array<std::pair<std::string_view, double>, 12> kUnits{{{"angstrom
                                                                       {"foot", 304.8e9},
                                                                       {"yard", 914.4e9}}};
 
-// Returns 0 for another unit.
+// Returns 0 for an unknown unit.
 double picometers_of(const std::string& unit) {
   const auto* const found = std::ranges::find(kUnits, unit, [](const auto& entry) { return entry.first; });
   return found == kUnits.end() ? 0 : found->second;
 }
 
-// Where the samples of a grid are: an image and one of its channels.
+// The image and channel that hold a grid's samples.
 struct Source {
   std::size_t image = 0;
   std::uint64_t channel = 0;
@@ -74,7 +74,7 @@ std::string problem_of(const Image& image) {
   return fmt::format("the array '{}' has {}, which this reader does not support", shown(image.array.path), problem);
 }
 
-// Sets the placement; coordinates in other units than those of x are converted to that.
+// Sets the placement. Converts all axes to one unit: the first that x, y or z states.
 void place(const Image& image, Grid& grid, std::vector<std::string>& notes) {
   grid.has_placement = image.has_placement;
   std::string unit;
@@ -192,14 +192,14 @@ class ZarrFile final : public isoextract_plugin::VolumeFile {
     const std::vector<std::string> names = channels > kMostChannels ? std::vector<std::string>() : channel_names(image);
     for (std::uint64_t channel = 0; channel < std::min(channels, kMostChannels); ++channel) {
       const std::string name = names.empty() ? fmt::format("c{}", channel) : names[channel];
-      // The name of a lone channel stands for an image that has none.
+      // Uses the name of a single channel only if the image has no name.
       grid.name = channels == 1 && !image.name.empty() ? image.name : join(image.name, name);
       grids.push_back(grid);
       sources_.push_back({index, channel});
     }
   }
 
-  // The chunk files of the volume that will be read, if it is one of few.
+  // Adds the chunk files of the volume that will be read, if there are at most kMostChunkFiles.
   void add_chunk_files(std::uint64_t volume, std::vector<std::string>& notes) {
     std::set<std::string> chunk_files;  // channels may share chunks
     std::uint64_t left = kMostChunkFiles;

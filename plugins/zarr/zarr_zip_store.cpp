@@ -25,7 +25,7 @@ struct ZipEntry {
   std::string problem;  // why it cannot be read; empty if it can
 };
 
-// What the values of one ZIP file share. minizip has one position per file, so that readers take turns.
+// State that all values of one ZIP file share. minizip has one position per file, so that readers take turns.
 struct SharedZip {
   explicit SharedZip(const std::string& path) : file(path), zip(open_zip(path)) {}
 
@@ -51,7 +51,7 @@ class ZipValue final : public Value {
         ::unzOpenCurrentFile(shared_.zip.get()) != UNZ_OK) {
       fail_on(key_, "its header is damaged");
     }
-    // Whole members go through minizip, which compares their checksum.
+    // Reads whole members through minizip, which verifies checksums.
     const bool is_whole = offset == 0 && to.size() == entry_.size;
     if (entry_.is_stored && !is_whole) {
       const std::uint64_t begin = ::unzGetCurrentFileZStreamPos64(shared_.zip.get());
@@ -135,7 +135,7 @@ class ZipStore final : public Store {
       // Skips the members of this folder: '0' is the character after '/'.
       at = entries_.lower_bound(at->first.substr(0, end) + '0');
     }
-    // As of a folder, hidden ones are no part of the hierarchy; nor are names that no path can have.
+    // Leaves out hidden names, as in a folder, and empty names.
     std::erase_if(names, [](const std::string& name) { return name.empty() || name.starts_with('.'); });
     return names;
   }
@@ -167,7 +167,7 @@ class ZipStore final : public Store {
     if (status != UNZ_END_OF_LIST_OF_FILE) throw ReadError("the directory of the ZIP file is damaged");
   }
 
-  // A hierarchy that was packed as a folder is below that folder.
+  // Finds a hierarchy that was packed together with its folder.
   void find_root() {
     const auto has_metadata = [&](const std::string& prefix) {
       for (const char* name : {"zarr.json", ".zarray", ".zgroup", ".zmetadata"}) {

@@ -44,7 +44,7 @@ def main(file, picture, frames, color="0.8,0.8,0.8", view="-55,25"):
         scene.frame_set(frame)
         corners += picture_scene.corners_of(item)
     picture_scene.set_up(corners, view)
-    scene.camera.data.angle = math.radians(25)  # closer: nothing turns
+    scene.camera.data.angle = math.radians(25)  # narrower than the default, which leaves room for turning
     scene.render.resolution_x, scene.render.resolution_y = WIDTH, HEIGHT
     with tempfile.TemporaryDirectory() as folder:
         parts = []

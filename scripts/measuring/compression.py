@@ -14,7 +14,7 @@ ISO = "0.5"
 # Options of a conversion to GLB; the first is what the others are compared with.
 OURS = ((), ("--quantize",), ("--meshopt",), ("--quantize", "--meshopt"), ("--quantize", "--meshopt", "--optimize-order"),
         ("--draco",), ("--draco=16",))
-# Options of gltfpack, which reads what the first of them wrote. 16 bits as isoextract's.
+# Options of gltfpack, which reads the first file of OURS. 16 bits as in --draco=16.
 PACKED = (("-noq", "-c"), ("-vp", "16"), ("-vp", "16", "-c"), ("-vp", "16", "-cc"))
 
 

@@ -29,7 +29,7 @@ def measure(setting):
 
 
 def files(measured):
-    """What lies beside the record: its name and hash."""
+    """Names and hashes of the files beside the record."""
     return [measured["figures"]["plot"]]
 
 

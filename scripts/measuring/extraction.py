@@ -31,7 +31,7 @@ def shown(arguments):
 
 
 def versions(rows):
-    """Of the peers among rows: {"VTK": "9.1.0"}."""
+    """Versions of the peers among rows: {"VTK": "9.1.0"}."""
     words = [row["program"].rpartition(" ") for row in rows if not ours(row) and row["program"] != "memory"]
     return {name: version for name, _, version in words}
 
@@ -41,5 +41,5 @@ def ours(row):
 
 
 def ratio(row, other, key):
-    """The median, over the rounds, of one's time by the other's."""
+    """The median, over the rounds, of one row's time divided by the other's."""
     return median([a / b for a, b in zip(row[key], other[key])])

@@ -29,7 +29,7 @@ def converted(setting, path, *options):
 
 
 def all_labels_ms(report):
-    """What a conversion took to extract the surfaces of all labels: a report has the stages of each."""
+    """Milliseconds of a conversion for the surfaces of all labels: a report has the stages of each label."""
     return 1000 * sum(stage["wall_seconds"] for stage in report["stages"] if stage["stage"] in programs.EXTRACTION)
 
 
@@ -73,7 +73,7 @@ MAPS = ((64, 512, "u2"), (64, 1000, "u2"), (64, 2197, "u2"), (64, 4096, "u2"), (
 
 
 def cells(setting, rounds):
-    """What thousands of labels take, with reading and writing; and scikit-image, one label after the other."""
+    """Time and memory for thousands of labels, with reading and writing; and of scikit-image, label by label."""
     rows = []
     path = setting.folder / "cells.npy"
     for side, count, kind in MAPS[:1] if setting.quick else MAPS:

@@ -55,9 +55,9 @@ def quality(*arguments):
 
 
 def mask_of(setting, name, file, limit, *cut):
-    """Makes the mask of a scan; returns its path and what it is."""
+    """Makes the mask of a scan; returns its path and its facts."""
     field, path = setting.data / file, setting.folder / "mask.npy"
-    if field.suffix not in (".vti", ".mhd"):  # which need the program's plug-in for VTK, or VTK
+    if field.suffix not in (".vti", ".mhd"):  # mask_quality.py reads .vti and .mhd with VTK
         field = setting.folder / "field.nrrd"
         programs.run([setting.isoextract, setting.data / file, "-o", field, "-q"])
     return path, {"name": name, "file": file, "limit": limit, **quality("mask", field, limit, path, *cut)}
@@ -68,7 +68,7 @@ def milliseconds(report, clock):
 
 
 def ours(setting, path, options, rounds, mesh):
-    """Writes a mesh of the program; returns its row, still without what the mesh is like."""
+    """Writes a mesh of the program; returns its row, still without the figures of quality."""
     report = setting.folder / "report.json"
     row = {"way": f"`{' '.join(options)}`", "ms": [], "cpu_ms": []}
     for _ in range(rounds):
@@ -82,14 +82,14 @@ def ours(setting, path, options, rounds, mesh):
 
 
 def peer(path, title, way, rounds, mesh, versions):
-    """Writes a mesh of VTK; returns its row, still without what the mesh is like."""
+    """Writes a mesh of VTK; returns its row, still without the figures of quality."""
     found = json.loads(programs.run([HERE / "newer_vtk", "python", NEWER_VTK, HERE / "mask_peers.py", path, way, rounds, mesh]))
     versions["VTK"] = found["vtk"]
     return {"way": title, "ms": found["ms"], "cpu_ms": found["cpu_ms"]}
 
 
 def meshes_of(setting, path, rounds, versions):
-    """Returns the meshes of a mask and their rows, still without what the meshes are like."""
+    """Returns the meshes of a mask and their rows, still without the figures of quality."""
     meshes = [setting.folder / f"mesh_{n}.ply" for n in range(len(OURS) + len(PEERS))]
     rows = [ours(setting, path, options, rounds, mesh) for options, mesh in zip(OURS, meshes)]
     rows += [peer(path, *of_peer, rounds, mesh, versions) for of_peer, mesh in zip(PEERS, meshes[len(OURS):])]
@@ -97,7 +97,7 @@ def meshes_of(setting, path, rounds, versions):
 
 
 def judged(path, meshes, rows, radius):
-    """Returns the rows with what their meshes are like. Runs on all cores, so nothing is timed meanwhile."""
+    """Returns the rows with the quality of their meshes. Runs on all cores, so nothing is timed meanwhile."""
     with ThreadPoolExecutor(record.cores()) as pool:
         found = pool.map(lambda mesh: quality("surface", path, mesh, *radius), meshes)
         return [{**row, **of_mesh} for row, of_mesh in zip(rows, found)]
@@ -140,7 +140,7 @@ def measure(setting):
 
 
 def files(measured):
-    """Returns what lies beside the record: its name and hash."""
+    """Returns names and hashes of the files beside the record."""
     return [measured["figures"]["picture"]]
 
 

@@ -1,4 +1,4 @@
-"""Files out of the system's page cache, so that the next to read them reads the disk."""
+"""Drops files from the system's page cache, so that the next program to read them reads the disk."""
 
 import ctypes
 import mmap

@@ -1,4 +1,4 @@
-"""The pages of docs/measurements, each from one record and nothing else; and whether they are what they should be."""
+"""The pages of docs/measurements, each from one record and nothing else; and checks of them."""
 
 import hashlib
 
@@ -87,7 +87,7 @@ Each page with times says whether a time is of a first run (*cold*) or of later 
 
 
 def wanted(folder):
-    """{name of a file: its text} of all pages that the records of a folder give. ValueError where one is no good."""
+    """{file name: text} of all pages that a folder's records give, and the records. ValueError for a bad record."""
     records = {}
     for name in MEASUREMENTS:
         path = folder / f"{name}.json"
@@ -106,7 +106,7 @@ def write(folder):
 
 
 def problems(folder):
-    """What is not as the records say, a line each."""
+    """Lines about pages and files that differ from the records."""
     try:
         pages, records = wanted(folder)
     except (ValueError, KeyError) as error:

@@ -145,7 +145,7 @@ def move_back(path, shift):
 
 
 def measure_method(setting, shape, options, rounds):
-    """A row: of the surface of the particles, and of the one of the same particles shifted."""
+    """A row about the surface of the particles, and the surface of the shifted particles."""
     mesh, shifted_mesh = setting.folder / "mesh.ply", setting.folder / "shifted_mesh.ply"
     report = setting.folder / "mesh.json"
     common = ["--radius", f"{shape.radius:g}", *options, "-q"]

@@ -20,7 +20,7 @@ STRAY = 1e5  # how far the stray is along each axis, in radii
 # (splashsurf_lib/tests/integration_tests/test_full.rs) expect the mesh. All with these parameters.
 SPLASHSURF = {"octocat_32614_particles.bgeo": (140000, 180000), "bunny_frame_14_7705_particles.vtk": (60000, 80000)}
 SPLASHSURF_OPTIONS = ["--radius", "0.025", "--smoothing-length", "2", "--cell-size", "0.75", "--iso", "0.6"]
-# What its README says of a scene that is not in the shared data.
+# Figures of splashsurf's README for a scene that is not in the shared data.
 CANYON = {"particles": 13353401, "seconds": 2.93577, "triangles": 6023244, "version": "0.6.0",
           "machine": "Ryzen 9 5950X, 16 cores", "options": ["--smoothing-length", "2", "--cell-size", "1.5", "--iso", "0.6"]}
 LATTICE = "double_dam_break_frame_01_4732_particles.vtk"
@@ -35,7 +35,7 @@ def from_dented(x, y, z):
 
 
 def mesh_facts(path, known):
-    """Of a PLY file: triangles, volume and distances from the shape `known`, a radius or "dented"."""
+    """Facts of a PLY file: triangles, volume, and distances from the shape `known`, a radius or "dented"."""
     vertices, polygons = clouds.polygons_of_ply(path)
     facts = {"triangles": sum(len(polygon) - 2 for polygon in polygons), "volume": clouds.volume_of(vertices, polygons)}
     if known == "dented":
@@ -44,13 +44,13 @@ def mesh_facts(path, known):
 
 
 def apart(function, *arguments):
-    """Called in a process of its own: what is read and made there does not show in the peaks of later ones."""
+    """Calls a function in a process of its own: its memory does not show in the peaks of later processes."""
     with multiprocessing.Pool(1) as pool:
         return pool.apply(function, arguments)
 
 
 def write_cloud(kind, count, path, stray=False):
-    """A file of particles: what is known of it."""
+    """Writes a file of particles; returns its name, number of particles and radius."""
     radius, layers = getattr(clouds, kind)(count, JITTER)
     layers = list(layers)
     if stray:
@@ -141,7 +141,7 @@ def measure_vdb_tool(setting, clouds_and_widths, rounds):
 
 
 def as_ply(setting, path):
-    """A file of the shared data that the program reads; legacy VTK files, for which it needs a plug-in, become PLY."""
+    """Copies a file of the shared data; converts legacy VTK files, for which the program needs a plug-in, to PLY."""
     if path.suffix != ".vtk":
         shutil.copy(path, setting.folder / path.name)
         return path.name
@@ -173,7 +173,7 @@ def measure_dents(setting, cloud, rounds):
 
 
 def lattice_spreads(path, mesh, radius):
-    """Of the two blocks of the double dam break's first frame, which lie on either side of x = 0."""
+    """Spreads of the faces of the double dam break's two blocks, which lie on either side of x = 0."""
     points = clouds.vtk_points(path)
     vertices, _ = clouds.polygons_of_ply(mesh)
     spreads = []
@@ -198,7 +198,7 @@ def measure_lattice(setting):
 
 
 def commands_of(figures):
-    """What ran, each once, in the order of the page."""
+    """The commands that ran, each once, in the order of the page."""
     rows = [*figures["methods"], *(part[which] for part in figures["stray"] for which in ("without", "with"))]
     rows += [row for part in figures["vdb_tool"] or () for row in part["rows"]]
     if figures["splashsurf"]:
@@ -313,7 +313,7 @@ def dents_table(figures):
 
 
 def gain(figures):
-    """How many times as smooth anisotropic kernels are, and at what price, at the cell size that they have by default."""
+    """A sentence on time and roughness of anisotropic kernels, relative to `sph`, at their default cell size."""
     cells = sorted({row["cell"] for row in figures["dents"]}, key=lambda cell: abs(cell - 0.75))
     sph, anisotropic = ({row["method"]: row for row in figures["dents"] if row["cell"] == cells[0]}[method]
                         for method in ("sph", "anisotropic"))

@@ -17,7 +17,7 @@ import mesh_readers  # noqa: E402
 
 
 def run_once(command, cwd=None, watch=None):
-    """Seconds by the clock, seconds of processors, and the peak of memory in MiB; of the children that a shell waits
+    """Returns wall seconds, processor seconds, and the peak of memory in MiB; of the children that a shell waits
     for as well. `watch` is called with the process when it has begun."""
     start = time.perf_counter()
     process = subprocess.Popen([str(word) for word in command], cwd=cwd, stdin=subprocess.DEVNULL,
@@ -35,8 +35,8 @@ def run_once(command, cwd=None, watch=None):
 
 
 class Watcher:
-    """Resident memory and open files of a process, as /proc tells them now and then, from when `begun()` is true: a
-    process that still loads its libraries tells nothing of its work."""
+    """Resident memory and open files of a process, read from /proc every `seconds`. Begins when `begun()` is true: a
+    process that still loads its libraries does not work yet."""
 
     def __init__(self, seconds, begun):
         self.seconds = seconds

@@ -21,7 +21,7 @@ class Failed(Exception):
 
 @dataclasses.dataclass
 class Setting:
-    """What measurements are given."""
+    """Programs, folders and options of a measurement."""
 
     isoextract: pathlib.Path
     bench: pathlib.Path  # the build folder of preset bench
@@ -76,7 +76,7 @@ def convert(setting, *arguments, env=None):
 
 
 def extraction_ms(report):
-    """What a conversion took to extract its surface."""
+    """Milliseconds that a conversion took to extract its surface."""
     seconds = {stage["stage"]: stage["wall_seconds"] for stage in report["stages"] if stage["stage"] in EXTRACTION}
     if "emit" not in seconds:
         raise Failed(f"a report without the stage 'emit', of {[stage['stage'] for stage in report['stages']]}")

@@ -1,4 +1,4 @@
-"""What every measurement says of itself: the commit, the day, the machine, the programs, the commands.
+"""The header of every measurement: the commit, the day, the machine, the programs, the commands.
 
 A record is one JSON file of docs/measurements: this header, and under "figures" what was measured.
 """
@@ -77,7 +77,7 @@ def system():
 
 
 def gpu(isoextract):
-    """What draws: the first of the program's devices."""
+    """The device that draws: the first usable one, hardware before software."""
     try:
         devices = json.loads(text_of([isoextract, "devices", "--json"]))
     except ValueError:
@@ -109,7 +109,7 @@ def origin(isoextract):
 
 
 class Record:
-    """Begins with the clock; finish() makes the record."""
+    """Starts the clock; finish() makes the record."""
 
     def __init__(self, name, isoextract, quick):
         self.started = datetime.datetime.now(datetime.timezone.utc).replace(microsecond=0)

@@ -19,7 +19,7 @@ TRANSFER = "-1 0 0 0 0\n0 0.1 0.2 0.8 0\n0.3 0.9 0.6 0.2 0.2\n1 1 1 1 0.9\n"
 
 
 def draw(setting, arguments):
-    """The figures of one picture, or why there is none."""
+    """The figures of one picture; None if the backend is not available (exit code 3)."""
     file = setting.folder / "render.json"
     command = [setting.isoextract, "render", *arguments, "-o", setting.folder / "render.png", "--json", file, "-q"]
     try:

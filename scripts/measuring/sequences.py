@@ -83,7 +83,7 @@ def vdb_frames(setting, rounds):
 
 
 def quarters(samples):
-    """Of the first and the last quarter of the samples: median and largest of resident memory and of open files."""
+    """Median and largest of resident memory and of open files, in the first and the last quarter of the samples."""
     part = max(1, len(samples) // 4)
     found = {}
     for name, chosen in (("first", samples[:part]), ("last", samples[-part:])):
@@ -114,7 +114,7 @@ def measure(setting):
     (setting.folder / "bin").mkdir(exist_ok=True)
     (setting.folder / "bin" / "isoextract").unlink(missing_ok=True)
     (setting.folder / "bin" / "isoextract").symlink_to(setting.isoextract)
-    # What wait4 tells of a process is never below what its parent had when it began it.
+    # wait4 reports at least the memory that the parent had when it started the process.
     floor = processes.run_once(["true"])["peak"]
     figures = {"rounds": rounds, "peak_floor": floor, "demo": demo_frames(setting, rounds), "vdb": vdb_frames(setting, rounds),
                "tiny": tiny_frames(setting)}

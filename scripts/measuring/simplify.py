@@ -40,7 +40,7 @@ def inputs(setting):
 
 
 def bounded(setting, arguments):
-    """What is left at each distance; the time at BOUND."""
+    """Triangles left at each distance; time and measured distance at BOUND."""
     row = {"command": programs.shown(["isoextract", *arguments, "--simplify", BOUND, "-o", "mesh.ply"]), "ladder": []}
     for distance in LADDER:
         report = programs.convert(setting, *arguments, "--simplify", distance)

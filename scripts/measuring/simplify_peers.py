@@ -12,7 +12,7 @@ import numpy as np
 
 
 def box(side):
-    """Above 0 inside; exact, within 3 voxels of the surface."""
+    """Distances to the surface, above 0 inside; exact within 3 voxels, and clamped beyond."""
     margin = 10
     beyond = [np.abs(np.arange(side + 2 * margin + 1, dtype=np.float32) - (side / 2 + margin)) - side / 2] * 3
     z, y, x = np.meshgrid(*beyond, indexing="ij", sparse=True)

@@ -11,7 +11,7 @@ WORST = ("ulps", "voxels")
 
 
 def described(text):
-    """Of `isoextract stability --list`, for each case what is extreme and what plain float32 makes of it."""
+    """Reads `isoextract stability --list`: for each case, what is extreme and the result of plain float32."""
     found, name = {}, None
     for line in text.splitlines():
         if not line.startswith(" "):

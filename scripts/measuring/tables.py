@@ -4,7 +4,7 @@ import statistics
 
 
 def number(value, digits=3):
-    """Some digits of it, with thousands apart; a dash for nothing."""
+    """A number with `digits` significant digits and commas between thousands; a dash for None."""
     if value is None:
         return "–"
     if isinstance(value, int):

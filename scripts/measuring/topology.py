@@ -10,7 +10,7 @@ TITLE = "Which meshes have the right topology"
 def measure(setting):
     file = setting.folder / "topology.json"
     options = ["--fields", 200, "--quick"] if setting.quick else []
-    # By its first line, because Debian's VTK and scikit-image are for Debian's Python.
+    # Runs the script by its first line: Debian's Python has VTK and scikit-image.
     programs.run([record.ROOT / "scripts" / "compare_topology.py", "--isoextract", setting.isoextract, *options,
                   "--json", file])
     return record.read(file)

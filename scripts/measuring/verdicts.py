@@ -9,7 +9,7 @@ TITLE = "STL files in admesh, PrusaSlicer, MeshLab and check"
 
 def measure(setting):
     file = setting.folder / "verdicts.json"
-    # By its first line, because SciPy is that of Debian's Python.
+    # Runs the script by its first line: Debian's Python has SciPy.
     programs.run([record.ROOT / "scripts" / "compare_verdicts.py", "--isoextract", setting.isoextract, "--data", setting.data,
                   "--json", file])
     return record.read(file)

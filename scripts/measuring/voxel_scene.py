@@ -19,7 +19,7 @@ def scene():
     x, y = np.meshgrid(np.arange(side), np.arange(side), indexing="ij")
     hills = np.sin(x / 7.0) + np.cos(y / 9.0) + np.sin((x + 2 * y) / 13.0)
     heights = np.maximum(1, np.round(LAND / side**2 + 1.6 * hills)).astype(int).ravel()
-    # To the voxel: one column after the other gives or takes one.
+    # Reaches LAND exactly: one column after the other gains or loses a voxel.
     for column in np.argsort(np.sin(np.arange(side**2)), kind="stable"):
         missing = LAND - heights.sum()
         if missing != 0 and heights[column] + np.sign(missing) >= 1:
@@ -61,7 +61,7 @@ def faces(samples, iso):
             quad = np.repeat(lower[:, None, :] - np.float32(1.5), 4, axis=1)
             quad[:, [1, 2], u] += 1
             quad[:, [2, 3], v] += 1
-            # u x v is the axis, but for the middle one; a step up is where the inside begins.
+            # u x v points along the axis, but against the middle axis; a step of 1 is where the inside begins.
             corners.append(quad[:, ::-1] if (sign == 1) != (axis == 1) else quad)
     quads = np.concatenate(corners)
     first = 4 * np.arange(len(quads), dtype=np.uint32)[:, None]

@@ -18,7 +18,7 @@ def script(*arguments):
 
 
 def times(setting, rounds, *arguments):
-    """Of conversions in processes of their own."""
+    """Times and counts of conversions, each in a process of its own."""
     reports = [programs.convert(setting, *arguments, "--method", "voxels") for _ in range(rounds)]
     return {"ms": [programs.extraction_ms(report) for report in reports],
             "triangles": sum(mesh["triangles"] for mesh in reports[0]["meshes"]),

@@ -1,4 +1,4 @@
-"""What two programs must agree on about a mesh."""
+"""Facts of a mesh on which two programs must agree."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ class Mesh:
 
 @dataclass
 class Facts:
-    """Of all meshes of a file together."""
+    """Facts of all meshes of a file together."""
     vertices: int
     triangles: int
     open_edges: int     # of one triangle
@@ -23,7 +23,7 @@ class Facts:
 
 
 def merged(mesh):
-    """The mesh with one vertex a place, without triangles that then have two equal corners."""
+    """The mesh with one vertex per position, without triangles that then have two equal corners."""
     places, vertex_of = np.unique(mesh.positions + 0.0, axis=0, return_inverse=True)  # + 0.0: -0 is 0
     triangles = vertex_of.reshape(-1)[mesh.triangles]
     a, b, c = triangles.T

@@ -14,7 +14,7 @@ def corners_of(item):
 
 
 def paint(items, color):
-    """Gives the objects one material. color: "R,G,B", or "vertices" for the colors that those have."""
+    """Gives the objects one material. color: "R,G,B", or "vertices" for the objects' vertex colors."""
     material = bpy.data.materials.new("surface")
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]

@@ -7,7 +7,7 @@ import re
 
 @dataclasses.dataclass
 class Word:
-    """`pattern` is looked for without regard to case, and `allowed` around it, in `rooms` (all)."""
+    """A word to avoid: `pattern`, without regard to case, unless `allowed` covers it. `rooms`: where; empty: all."""
 
     sign: str  # in every match, in lower case: most texts are left out by it, faster
     pattern: str

@@ -158,7 +158,7 @@ class Hints:
         return "; ".join(filter(None, (self.words(arg) for arg in args if arg)))
 
     def step(self, args):
-        """As step_words() of cli/remedies.cpp."""
+        """Does as step_words() of cli/remedies.cpp."""
         remedy = args[0][0].removeprefix("Remedy::")
         setting = args[1][0].removeprefix("Setting::") if len(args) > 1 else ""
         if setting not in self.settings:

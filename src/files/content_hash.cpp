@@ -24,8 +24,8 @@ namespace {
 
 std::string text_of(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:016x}", hash.high64, hash.low64); }
 
-// Caches the states of recent files, so that a file with thousands of frames is not hashed again for the record of
-// each.
+// Caches the states of recent files, so that a file with thousands of frames is not hashed again for each frame's
+// record.
 class StateCache {
  public:
   std::optional<ContentState> find(const FileVersion& version) {

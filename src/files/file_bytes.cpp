@@ -144,7 +144,7 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
   // Rejects relative names that lead outside before the file system is accessed.
   const fs::path named = folder / data_file;
   if (fs::path(data_file).is_relative() && !is_within(folder, named.lexically_normal())) return outside();
-  // Members are links to memory, which has no path.
+  // Members of an archive are links to memory, which has no path to resolve.
   if (place && fs::exists(named.lexically_normal())) return named.lexically_normal();
   const fs::path resolved = fs::canonical(named, error);
   if (error) return fail(ErrorCode::input, fmt::format("{}, but finding it failed: {}", names, error.message()));

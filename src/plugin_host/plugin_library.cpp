@@ -217,7 +217,7 @@ tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, 
                                                         const std::string& path) {
   const auto wrong = [](std::string why) { return tl::unexpected(sandbox::Refusal{std::move(why), {}}); };
   TRY(check_address_space(path));
-  // Never closed: its results may outlive the format, and many libraries do not support being unloaded.
+  // Never closes the library: its results may outlive the PluginLibrary, and many libraries do not support unloading.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return wrong(fmt::format("fails to load: {}", ::dlerror()));
   void* function = ::dlsym(library, kind.function.c_str());

@@ -27,7 +27,7 @@ using namespace std::string_view_literals;
 
 constexpr const char* kArchivePlugin = "archive";
 
-// Judges by the content, and for zip files by the name as well.
+// Judges by the content; also by the name for zip files, and for gzip files unless `gzip` says to unpack all.
 bool is_packed(std::string_view content, const std::string& name, GzipFiles gzip) {
   const std::string lower = to_lower(name);
   const bool is_tar_name = lower.ends_with(".tgz") || lower.find(".tar.") != std::string::npos;
@@ -51,7 +51,7 @@ const PluginLibrary& archive_library() {
   return library;
 }
 
-// Returns the file's name without the ending of its compression; of standard input "stdin".
+// Returns the file's name without the extension of its compression; "stdin" for standard input.
 std::string name_of_content(const files::InputFile& file) {
   if (files::is_standard_input(file.path())) return "stdin";
   return files::name_without_packing(file.path().filename());
@@ -83,7 +83,7 @@ Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFil
   if (*total != list.grids[0].dims[0]) return invalid();
   if (*total == 0) return fail(ErrorCode::input, file.name() + ": the compressed file or archive contains no data");
   const bool as_file = members.size() == 1;
-  // The content of a compressed file has no name; a compressed tar archive has names, whatever its own is.
+  // The content of a compressed file has no name of its own; the members of an archive have names.
   if (as_file && members.front().name.empty()) members.front().name = name_of_content(file);
 
   const auto memory = TRY(context.reserve(*total, fmt::format("{}: {} unpacked bytes", file.name(), *total)));
@@ -104,7 +104,7 @@ Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, con
   const auto file = files::InputFile::open(input, context);
   if (!file) return input;
   std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), files::kStartBytes)));
-  // Not by read_at(), which counts bytes: these are no part of reading the volume.
+  // Avoids read_at(), which would count these bytes as bytes of the volume.
   const ssize_t got = ::pread(file->descriptor(), start.data(), start.size(), 0);
   if (got != static_cast<ssize_t>(start.size())) return input;
   const std::string_view content(reinterpret_cast<const char*>(start.data()), start.size());

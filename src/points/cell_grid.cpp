@@ -36,7 +36,7 @@ glm::ivec3 cell_of(const CellKey& key) {
 }
 bool same_cell(const CellKey& a, const CellKey& b) { return a.xy == b.xy && a.z_index >> 32 == b.z_index >> 32; }
 
-// In cells with more points than this, coincident points are sorted together; the header states the number.
+// Most points in a cell without sorting coincident points together; the header states the number.
 constexpr std::size_t kMaxUnsortedCell = 32;
 
 bool placed_before(const glm::dvec3& a, const glm::dvec3& b) {

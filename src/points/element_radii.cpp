@@ -83,7 +83,7 @@ const ParticleWords* find_words(const ParticleSet& particles, std::string_view n
   return found == particles.words.end() || found->too_many ? nullptr : &*found;
 }
 
-// Where the elements of particles are stated; one of `words` and `numbers` is set.
+// The words or numbers that state the elements of particles; one of `words` and `numbers` is set.
 struct ElementSource {
   const ParticleWords* words = nullptr;
   const ParticleAttribute* numbers = nullptr;

@@ -154,7 +154,7 @@ Result<field::SparseSamples> sum_kernels(const CellGrid& grid, const UsedParticl
   return fill({&grid, values, nullptr, nullptr, used.support}, first_point);
 }
 
-// Makes the samples of particles without a periodic box, and sets their place in `result`.
+// Makes the samples of particles without a periodic box, and sets their placement in `result`.
 Result<field::SparseSamples> fill_open_space(const ParticleSet& particles, const UsedParticles& used,
                                              const ParticleBounds& bounds, const FieldOptions& options,
                                              const std::function<void()>& free_positions, BrickCounts& counts,
@@ -175,7 +175,7 @@ Result<field::SparseSamples> fill_open_space(const ParticleSet& particles, const
   return sum_kernels(grid, used, options, nullptr, counts, context, particles.label);
 }
 
-// Does the same for particles in a periodic box, and sets the region.
+// Makes the samples of particles in a periodic box, and sets their placement and the region in `result`.
 Result<field::SparseSamples> fill_periodic_box(const ParticleSet& particles, const UsedParticles& used,
                                                const FieldOptions& options, BrickCounts& counts, const Context& context,
                                                ParticleField& result) {

@@ -22,7 +22,7 @@ namespace {
 // Samples beyond the region and FieldOptions::margin: those of the cells that cover it, the margin of an extraction,
 // and the narrow band of a level set.
 constexpr int kMoreSamples = 2 + kPeriodicMargin + 3;
-// Step of the samples in a periodic box, at most, in spacings: 4 cells fill an edge 4.5 spacings long.
+// Longest step of samples in a periodic box, in spacings: 4 cells divide an edge of up to 4.5 spacings.
 constexpr double kLongestStep = 1.125;
 
 // Tests positions in the coordinates in which the region is a box: the world, or fractions of a periodic box.
@@ -119,12 +119,12 @@ Result<void> set_radius(const ParticleSet& particles, const RegionTest& test, Fi
   return {};
 }
 
-// Returns how far from a sample in world units a particle can lie on which its value depends. `largest` is the radius
-// of the largest particle.
+// Returns the largest distance, in world units, between a sample and a particle that affects it. `largest` is the
+// radius of the largest particle.
 double reach_of_sample(const FieldOptions& options, const ParticleFieldStatistics& figures, double largest) {
   switch (options.method) {
     case Method::weight: return std::sqrt(3.0) * kLongestStep * figures.spacing;
-    // The kernels, and the neighbors that make their densities.
+    // Twice a support: of the kernels, and of the neighbors that determine their densities.
     case Method::sph: return 2 * figures.support * std::max(1.0, largest / figures.radius);
     case Method::anisotropic:
       return figures.spacing * anisotropic_reach(options.anisotropy, figures.support / figures.spacing);

@@ -26,7 +26,7 @@ class Evaluator {
   Evaluator(const ParticleSet& particles, const SelectionProgram& program)
       : particles_(particles), program_(program), stack_(program.depth * kBlock) {}
 
-  // Writes 1 for each particle of [first, first + chosen.size()) that fulfills the condition, else 0. At most kBlock.
+  // Writes 1 for each of the particles from `first` on that fulfills the condition, else 0; at most kBlock particles.
   void run(std::size_t first, std::span<std::uint8_t> chosen) {
     double* top = stack_.data();  // behind the last block
     for (const SelectionInstruction& instruction : program_.instructions)
@@ -105,7 +105,7 @@ class Evaluator {
       case Op::subtract: return join(top, count, [](double a, double b) { return a - b; });
       case Op::multiply: return join(top, count, [](double a, double b) { return a * b; });
       case Op::divide: return join(top, count, [](double a, double b) { return a / b; });
-      // NaN if one of both is.
+      // min and max are NaN if an operand is NaN.
       case Op::min: return join(top, count, [](double a, double b) { return a < b ? a : b <= a ? b : a + b; });
       case Op::max: return join(top, count, [](double a, double b) { return a > b ? a : b >= a ? b : a + b; });
       case Op::equal: return join(top, count, [](double a, double b) { return a == b; });

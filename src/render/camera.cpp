@@ -46,8 +46,8 @@ std::array<glm::dvec3, 8> corners_of(const field::Box& box) {
   return corners;
 }
 
-// Returns `far`, a camera of frame_box() for the box and angles, from so near that the points just fit into the
-// picture, with a margin. Returns `far` itself if the angles have a distance.
+// Moves the camera `far`, which frame_box() made for the box and angles, so near that the points just fit into the
+// picture, with a margin. Returns `far` unchanged if the angles have a distance or the box is a point.
 Camera closer(const Camera& far, const field::Box& box, ViewAngles angles, UpAxis up, const PictureSize& size,
               std::span<const glm::dvec3> points) {
   constexpr double kFilled = 0.9;
@@ -216,7 +216,7 @@ Camera frame_turn(const field::Box& box, const ViewAngles& angles, UpAxis up, co
     const double height = glm::dot(from_target, upwards);
     const double radius = glm::length(from_target - height * upwards);
     for (int turn = 0; turn < kTurns; ++turn) {
-      // From the camera's direction on, so that the distance is the same for all of them.
+      // Turns start at the camera's azimuth, so that the distance is the same for all pictures of the turntable.
       const double angle = (angles.azimuth + angles.front + 360.0 / kTurns * turn) * kDegree;
       seen.push_back(far.target + height * upwards + radius * (std::cos(angle) * front + std::sin(angle) * side));
     }

@@ -14,11 +14,11 @@
 namespace isoextract::render {
 namespace {
 
-constexpr double kNoise = 1.3;        // of the distance from the 1st percentile to the median
+constexpr double kNoise = 1.3;        // end of noise above the median, in distances from 1st percentile to median
 constexpr double kTop = 0.999;        // share of samples below the end of the range
 constexpr double kMostOfMean = 8;     // largest end of the range, in means
 constexpr double kOneBin = 0.9;       // share of samples in one bin that the histogram does not resolve
-constexpr double kManyPowers = 3;     // least ratio of mean and median then
+constexpr double kManyPowers = 3;     // least ratio of mean to median of densities over many powers of ten
 constexpr double kUnlikeSides = 0.3;  // largest difference of the tails' lengths, in lengths of both
 constexpr double kOffMiddle = 0.05;   // largest distance of the median from 0, in lengths of both tails
 constexpr double kLongTails = 4;      // least length of both tails, in distances between the quartiles
@@ -136,7 +136,7 @@ VisibleRange range_of_values(const field::ScalarField& field, const field::Field
 
 VisibleRange visible_range(const field::ScalarField& field, const field::FieldStatistics& statistics) {
   VisibleRange range = range_of_values(field, statistics);
-  // If all samples are equal, any range will do: nothing is visible.
+  // Any range will do if all samples are equal: nothing is visible.
   if (!(range.high > range.low)) range.high = range.low + std::max(std::abs(range.low), 1.0);
   return range;
 }

@@ -40,7 +40,7 @@ Result<field::ScalarField> make_field(const WaterAutomaton& automaton, const std
   return field;
 }
 
-// Returns how much of the voxel above height k a column of this height fills.
+// Returns the fraction of the voxel from height k to k + 1 that a column of this height fills.
 double filled(double height, int k) { return std::clamp(height - k, 0.0, 1.0); }
 
 Result<field::ScalarField> volume_of(const WaterAutomaton& automaton, bool of_water, int layers,

@@ -19,8 +19,8 @@ std::atomic<MappedRange*> first_range{nullptr};
 struct sigaction previous {};
 std::uintptr_t page_size = 0;
 
-// Returns the range that contains `address`. That entry cannot change meanwhile, as its memory is in use; entries that
-// change are not the one.
+// Returns the range that contains `address`. Skips entries that change meanwhile: the wanted entry cannot change, as
+// its memory is in use.
 MappedRange* find_range(std::uintptr_t address, std::uintptr_t& end) {
   for (MappedRange* range = first_range.load(std::memory_order_acquire); range != nullptr; range = range->next) {
     const std::uint64_t version = range->version.load(std::memory_order_acquire);

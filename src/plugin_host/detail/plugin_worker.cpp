@@ -209,7 +209,7 @@ struct HeardRequest {
   std::vector<const char*> files;
 };
 
-// Returns nothing if the message is not one.
+// Returns nothing if the message is no valid request.
 std::optional<HeardRequest> heard_request(MessageReader& message) {
   HeardRequest heard;
   VolumeInput& input = heard.input;

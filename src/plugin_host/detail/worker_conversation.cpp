@@ -24,7 +24,8 @@ namespace {
 constexpr const char* kSecondsVariable = "ISOEXTRACT_PLUGIN_SECONDS";
 constexpr std::uint64_t kUsualSeconds = 60;
 
-// Returns the time and memory limits of a worker. Adds the size of its files to the memory, as libraries map them.
+// Returns a worker's limits. Adds the size of its files to the memory, as libraries map them, and 1 s per MiB to the
+// time.
 Result<sandbox::Limits> limits_for(std::uint64_t file_bytes, const Context& context) {
   std::uint64_t seconds = kUsualSeconds;
   if (const char* given = std::getenv(kSecondsVariable)) {

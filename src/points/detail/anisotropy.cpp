@@ -12,7 +12,7 @@
 namespace isoextract::points {
 namespace {
 
-// Eigenvalue of (9) for constant density on all sides, and the mean of w there, in units of r.
+// Eigenvalue of (9), in units of r^2, and mean of w, both for constant density on all sides.
 constexpr double kFullVariance = 0.15;
 constexpr double kMeanWeight = 0.5;
 // Shortest half axis of a kernel, in samples.
@@ -92,7 +92,7 @@ glm::dvec3 step_to_layer(const CellGrid& grid, std::size_t spot, const glm::dvec
       total += w;
     }
   });
-  // Grows from 0 where "deep inside" ends, so that there is no step.
+  // Grows from 0 where "deep inside" ends, so that the result is continuous.
   const double share = std::min(1.0, length / deep - 1);
   return inward * (share * sum / total * kLayerDepth * support);
 }
@@ -102,7 +102,7 @@ glm::dvec3 step_to_layer(const CellGrid& grid, std::size_t spot, const glm::dvec
 double anisotropic_reach(const AnisotropyOptions& options, double support) {
   const double half_axis = std::max(options.widest * support, kMinHalfAxis);
   const double step = options.lambda * kLayerDepth * support;
-  const double neighbors = std::max(options.neighborhood, kLayerRadius) * support;  // farther than those of a density
+  const double neighbors = std::max(options.neighborhood, kLayerRadius) * support;  // exceeds that of a density
   return half_axis + step + neighbors;
 }
 

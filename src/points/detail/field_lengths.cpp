@@ -61,7 +61,7 @@ Result<void> resolve_lengths(const ParticleSet& particles, const FieldOptions& o
                 fmt::format("{}: expected a finite reach of the kernels, found {} (the particle radius is {})",
                             particles.label, figures.support, figures.radius));
   }
-  // Otherwise particles between samples would have no effect.
+  // With a larger spacing, particles between samples would have no effect.
   if (of_kernels && !(figures.support >= figures.spacing)) {
     return fail(
         ErrorCode::usage,

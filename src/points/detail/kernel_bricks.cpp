@@ -10,7 +10,7 @@ namespace {
 constexpr int kSampleCount = 512;
 // Fraction of a kernel's radius that holds four fifths of the integral of S, in a fifth of the volume.
 constexpr float kNearPart = 0.6F;
-// If the sums of that part fall below this fraction of the iso value, full sums are unlikely to be above it.
+// Fraction of the iso value: where the sums of near parts are below it, full sums are unlikely to exceed the iso value.
 constexpr double kWorthwhile = 0.75;
 
 // Returns an eighth of the median number of spots in a cell, from a sample of the cells. It only selects bricks for a

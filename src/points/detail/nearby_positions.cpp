@@ -89,7 +89,7 @@ void NearbyPositions::find(std::size_t particle, std::size_t count, std::vector<
   glm::ivec3 reach(0);
   glm::ivec3 needed(0);
   for (int k = 0; k < 3; ++k) needed[k] = periodic_[static_cast<std::size_t>(k)] ? 1 : 0;
-  // Within the distance of the farthest one, all images of the periods around it are known.
+  // Adds images in more periods until they cover the distance to the farthest of the neighbors found.
   while (needed != reach) {
     const glm::ivec3 before = reach;
     reach = needed;

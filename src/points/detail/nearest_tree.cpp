@@ -25,7 +25,7 @@ Result<NearestTree> NearestTree::make(std::span<const glm::dvec3> points, const 
                                       const std::string& label) {
   std::size_t count = 0;
   for (const glm::dvec3& p : points) count += static_cast<std::size_t>(is_finite(p));
-  // Splits until each node fits into a leaf: the levels of a complete tree.
+  // Allocates the nodes of a complete binary tree whose leaves have at most kLeaf points.
   const std::size_t nodes = 2 * std::bit_ceil(count / kLeaf + 1);
   auto memory = TRY(context.reserve(count * sizeof(std::uint32_t) + nodes * sizeof(Node),
                                     fmt::format("{}: the nearest of {} particles", label, count)));

@@ -45,7 +45,7 @@ Ellipsoid ball(double radius) {
 field::IndexBox needed_samples(const BoxSamples& box, int more) {
   field::IndexBox needed = box.region();
   for (int k = 0; k < 3; ++k) {
-    if (needed.min[k] != 0) continue;  // the region has no end along this edge
+    if (needed.min[k] != 0) continue;  // an edge without periods, along which the region is unbounded
     needed.min[k] -= kPeriodicMargin + more;
     needed.max[k] += kPeriodicMargin + more;
   }

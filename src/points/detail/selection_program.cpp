@@ -178,7 +178,7 @@ class Binder {
     number = static_cast<double>(static_cast<float>(number));
   }
 
-  // Takes even the name of an attribute or a coordinate to the right of a word as a word.
+  // Treats a name to the right of a word attribute as a word, even if an attribute or a coordinate has that name.
   void compare_words(const SelectionStep& step, const Operand& right) {
     const bool is_name = right.step->op == Op::name && !right.step->component;
     if (!is_name && right.step->op != Op::number) wants(right, "a word");

@@ -8,7 +8,7 @@ Result<SourcePoints> SourcePoints::make(const ParticleSet& particles, double sup
   points.support_ = support;
   if (!(particles.box && particles.box->is_periodic())) return points;
   points.box_ = TRY(BoxSamples::make(*particles.box, support, particles.label));
-  // Kernels reach a support far, and the neighbors that make their densities as far again.
+  // Images within 2 supports: kernels reach 1 support, and the neighbors that determine their densities 1 more.
   points.images_ = TRY(with_images(points.positions_, *points.box_, points.box_->extent_of_ball(2),
                                    Coordinates::cartesian, context, particles.label));
   points.positions_ = points.images_->positions();

@@ -22,7 +22,7 @@ struct LocalSpacing {
   bool is_centered = false;
 };
 
-// Solves m s^3 = c w_1 w_2 w_3 by bisection; `variances` are in descending order.
+// Solves m s^3 = c w_1 w_2 w_3 for s by bisection; m is `count`, and `variances` are in descending order.
 double solve_spacing(const glm::dvec3& variances, double count, bool is_whole) {
   const double width = std::sqrt(12 * variances[0]);
   double low = width / count;  // w_1 s^2 <= w_1 w_2 w_3

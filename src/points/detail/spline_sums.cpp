@@ -54,7 +54,7 @@ void balls_in_rows(const BallBatch& balls, float step, float cut, float* values)
       hn::Store(squared, d, z_squared + k);
       nearest = hn::Min(nearest, squared);
     }
-    // Of a row whose nearest sample is 1 away, no sample gets anything.
+    // Skips rows whose nearest sample is at distance 1 or more, where the kernel is 0.
     const Floats least_z_squared = hn::MinOfLanes(d, nearest);
     for (int j = 0; j < 8; ++j) y_squared[j] = (at[j] - balls.y[n]) * (at[j] - balls.y[n]);
     const Floats weight = hn::Set(d, balls.weight[n]);

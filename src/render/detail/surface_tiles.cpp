@@ -135,7 +135,7 @@ Result<void> SurfaceTiles::draw(std::size_t number, TileFragments& fragments) co
         const double at_b = opposite_b.side(direction);
         const double at_c = opposite_c.side(direction);
         if (!opposite_a.has(at_a) || !opposite_b.has(at_b) || !opposite_c.has(at_c)) continue;
-        // The sum of the corners with these weights is `volume` times the direction.
+        // The sum of the corners, weighted by at_a, at_b and at_c, is |volume| times the direction.
         const double depth = std::abs(volume) / (at_a + at_b + at_c);
         if (!(depth >= near_ && depth <= far_)) continue;
         const auto pixel = static_cast<std::uint32_t>(x - tile.min.x + Tile::kSide * (y - tile.min.y));

@@ -82,7 +82,7 @@ class Filter {
     end(with);
   }
 
-  // Refuses a call if its argument has any of `bits`; with `or_none` also if it has none of them.
+  // Refuses a call if its argument has any of `bits`; with `or_none`, instead, if it has none of them.
   void refuse_bits(long call, std::size_t argument, std::uint32_t bits, bool or_none = false) {
     rules_.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4));
     rules_.push_back(load(lower_half(argument)));
@@ -139,7 +139,7 @@ bool restrict_system_calls() {
 #endif
   filter.refuse_bits(__NR_prlimit64, 2, ~std::uint32_t{0});  // refuses new limits; the C library uses this call to read
                                                              // old ones
-  // A descriptor's owner gets SIGIO.
+  // A worker could make another process the owner of a descriptor, which then gets SIGIO.
   filter.refuse_value(__NR_fcntl, 1, F_SETOWN);
   filter.refuse_value(__NR_fcntl, 1, kSetOwnerEx);
   // abort() sends a signal to its own process.

@@ -187,7 +187,8 @@ void Fluid::find_corrections(const Buffer<glm::dvec3>& places) {
   });
 }
 
-// Moves particles that are too dense apart, equally before and after the step, so that they gain no velocity.
+// Moves particles apart where the density is too high. Moves places before and after the step equally, so that the
+// particles gain no velocity.
 void Fluid::stabilize() {
   if (!find_multipliers(places_)) return;
   find_corrections(places_);

@@ -104,7 +104,7 @@ void printed_step(const WaterPlanes& planes, double friction, double flow_div) {
       const std::ptrdiff_t right = cell + 1;
       const std::ptrdiff_t back = cell - planes.pitch;
       const std::ptrdiff_t front = cell + planes.pitch;
-      // Taken before the first flow. They are infinite in the rim, so that no level is above them.
+      // Pressures before the first flow. Those in the rim are infinite, so that no level is above them.
       const double left_pressure = terrain[left] + water[left] + energy[left];
       const double right_pressure = terrain[right] + water[right] + -energy[right];
       const double back_pressure = terrain[back] + water[back] + energy[back];
