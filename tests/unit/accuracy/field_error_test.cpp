@@ -170,17 +170,17 @@ TEST(FieldError, FindsSurfaceTouchingOneSample) {
 
 // Outside the data, the polynomial of the outermost cell crosses iso; that is no surface.
 TEST(FieldError, EndsAtDataBoundary) {
-  const mesh::Mesh near_border =
+  const mesh::Mesh near_boundary =
       test::make_mesh("t", {{0.1F, 1, 1}, {0.1F, 1.5F, 1}, {0.1F, 1, 1.5F}, {3.9F, 1, 1}}, {{0, 1, 2}});
   extract::ExtractOptions options;
   const field::ScalarField beyond = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i + 0.25; });
   const field::ScalarField before = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i - 4.25; });
   for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
-    const FieldError low = error_of(near_border, beyond, options, {interpolation});
+    const FieldError low = error_of(near_boundary, beyond, options, {interpolation});
     EXPECT_EQ(low.interior.points + low.vertices.points, 0U);
     EXPECT_EQ(low.interior.unreached, 7U);
     EXPECT_EQ(low.vertices.unreached, 4U);
-    EXPECT_EQ(error_of(near_border, before, options, {interpolation}).vertices.unreached, 4U);
+    EXPECT_EQ(error_of(near_boundary, before, options, {interpolation}).vertices.unreached, 4U);
   }
 
   // The plane x + z / 2 = 1 meets the data boundary x = 0 at z = 2. The feet of these points lie outside, so that line

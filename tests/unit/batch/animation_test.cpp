@@ -115,7 +115,7 @@ TEST_F(AnimationTest, KeepsAllFilesOrNone) {
   EXPECT_EQ(kept->at(2).outputs.size(), written.files.size());
 
   const std::string part = read_bytes(folder_ / "water.part2.glb");
-  write_bytes(folder_ / "water.part2.glb", "torn");
+  write_bytes(folder_ / "water.part2.glb", "truncated");
   EXPECT_FALSE(is_kept());
   write_bytes(folder_ / "water.part2.glb", part);
   EXPECT_TRUE(is_kept());

@@ -244,7 +244,7 @@ TEST_P(SmoothMethods, DampsWaveByItsGain) {
   EXPECT_LT(std::abs(smoothing_gain(options, 1.5)), 0.01);
 }
 
-TEST_P(SmoothMethods, KeepsOpenBorders) {
+TEST_P(SmoothMethods, KeepsVerticesOnBoundaryEdges) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   mesh::Mesh mesh = rough_surface(field, false);
   const mesh::Mesh before = copy(mesh);

@@ -298,7 +298,7 @@ TEST(OutputFile, ExplainsInvalidPaths) {
 }
 
 TEST(OutputFile, FailsWithoutPermission) {
-  constexpr uid_t kNobody = 65534;
+  constexpr uid_t kOtherUser = 65534;
   const TempFolder folder;
   fs::create_directory(folder / "closed");
   write_bytes(folder / "closed/protected.bin", "old");
@@ -309,7 +309,7 @@ TEST(OutputFile, FailsWithoutPermission) {
   fs::permissions(folder.path(), fs::perms(0755));
   const int code = in_child([&] {
     fs::permissions(folder / "closed", fs::perms(0555));
-    if (::geteuid() == 0 && ::seteuid(kNobody) != 0) return 77;
+    if (::geteuid() == 0 && ::seteuid(kOtherUser) != 0) return 77;
     const auto in_closed = OutputFile::create(folder / "closed/out.bin");
     if (in_closed || in_closed.error().code != ErrorCode::output) return 1;
     if (in_closed.error().message.find("no permission") == std::string::npos) return 2;
