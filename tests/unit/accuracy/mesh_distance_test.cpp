@@ -374,7 +374,7 @@ TEST(MeshDistance, IsIndependentOfThreads) {
   EXPECT_EQ(std::memcmp(&one, &four, sizeof one), 0);
 }
 
-TEST(MeshDistance, StopsAtEnough) {
+TEST(MeshDistance, StopsBelowSufficientDistance) {
   const mesh::Mesh a = test::sphere(40, false);
   const mesh::Mesh b = test::sphere(12, false);
   DistanceOptions options;
