@@ -14,7 +14,7 @@ using test::read_bytes;
 using test::TempFolder;
 using test::write_bytes;
 
-TEST(AnimationStarts, KeepTheDistancesOfTheTimes) {
+TEST(AnimationStarts, FollowUnevenFrameTimes) {
   using Times = std::vector<particle_io::FrameTime>;
   const auto starts = [](const std::vector<std::int64_t>& numbers, const Times& times) {
     return animation_starts(numbers, times, 10);
