@@ -249,14 +249,14 @@ void expect_same(const Labels& a, const Labels& b) {
   }
 }
 
-TEST(LabelNets, ChosenLabelsChangeNoMesh) {
+TEST(LabelNets, MakesTheSameMeshesForChosenLabels) {
   const field::ScalarField field = test::random_field<std::uint16_t>({20, 20, 20}, 7, 5);
   const Labels some = nets_of(field, net_options(), {false, {4, 2}});
   EXPECT_EQ(some.size(), 2U);
   expect_same(some, nets_of(field));
 }
 
-TEST(LabelNets, ThreadsChangeNoBytes) {
+TEST(LabelNets, IsIndependentOfThreads) {
   const field::ScalarField field = test::random_field<std::uint8_t>({150, 40, 30}, 8, 4);
   Labels first;
   for (const std::size_t threads : {1, 2, 7}) {
@@ -320,7 +320,7 @@ TEST(LabelNets, ReadsEveryIntegerType) {
   check(test::dense_field<std::uint32_t>({9, 9, 9}, label));
 }
 
-TEST(LabelNets, IsoValueMakesTwoLabels) {
+TEST(LabelNets, MakesTwoLabelsFromAnIsoValue) {
   const field::ScalarField field = ball_of_halves(12, false);
   ExtractOptions options = net_options();
   options.iso = 0.5;
@@ -391,7 +391,7 @@ std::uint64_t work_on(int blocks) {
 }
 
 // Counts instead of times: 64 times the labels, 64 times the work, whatever the size of the map.
-TEST(LabelNets, WorkGrowsWithTheLabelsAlone) {
+TEST(LabelNets, DoesWorkInProportionToLabels) {
   EXPECT_EQ(work_on(2), 8U);
   EXPECT_EQ(work_on(8), 512U);
 }
