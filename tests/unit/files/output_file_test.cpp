@@ -45,7 +45,7 @@ TEST(OutputFile, CommitsNameAndBytes) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-TEST(OutputFile, FillsRoomFromSeveralThreads) {
+TEST(OutputFile, FillsReservedBytesFromSeveralThreads) {
   const TempFolder folder;
   auto file = must_create(folder / "out.bin");
   ASSERT_TRUE(file.write("head"));
@@ -351,21 +351,21 @@ TEST_F(OutputFilePair, CommitsBoth) {
   }
 }
 
-TEST_F(OutputFilePair, RemovesANewFirstIfTheLastFails) {
+TEST_F(OutputFilePair, RemovesTheNewFirstFileIfTheLastFails) {
   const auto committed = commit_pair([this] { block_last(); });
   ASSERT_FALSE(committed);
   EXPECT_EQ(committed.error().code, ErrorCode::output);
   EXPECT_EQ(folder_.names(), Names{"a.gltf"});
 }
 
-TEST_F(OutputFilePair, RestoresAnOldFirstIfTheLastFails) {
+TEST_F(OutputFilePair, RestoresTheOldFirstFileIfTheLastFails) {
   write_bytes(first_, "old data");
   ASSERT_FALSE(commit_pair([this] { block_last(); }));
   EXPECT_EQ(read_bytes(first_), "old data");
   EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
 }
 
-TEST_F(OutputFilePair, KeepsTheLastIfTheFirstFails) {
+TEST_F(OutputFilePair, KeepsTheLastFileIfTheFirstFails) {
   write_bytes(last_, "old model");
   ASSERT_FALSE(commit_pair([this] { fs::create_directories(first_ / "in the way"); }));
   EXPECT_EQ(read_bytes(last_), "old model");
