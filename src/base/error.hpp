@@ -147,7 +147,7 @@ struct Step {
   Setting setting = Setting::none;
   std::string text;  // without a full stop and without the name of an option
 
-  // Implicit, so that a list of steps can contain a string.
+  // Converts implicitly, so that a list of steps can contain a string.
   // NOLINTBEGIN(google-explicit-constructor)
   Step(std::string words) : text(std::move(words)) {}
   Step(const char* words) : text(words) {}
@@ -161,7 +161,7 @@ struct Step {
 struct Hint {
   std::vector<Step> steps;
 
-  // Implicit, so that fail() takes a string, one step in braces, or a list of steps.
+  // Converts implicitly, so that fail() takes a string, one step in braces, or a list of steps.
   // NOLINTBEGIN(google-explicit-constructor)
   Hint() = default;
   Hint(std::initializer_list<Step> several) : steps(several) {}
@@ -177,7 +177,7 @@ struct Hint {
 struct Error {
   ErrorCode code;
   std::string message;  // names the file, the expected and the found value; no trailing full stop or newline
-  Hint hint;            // what the user can do; may be empty
+  Hint hint;            // steps that the user can take; may be empty
 };
 
 template <class T>

@@ -113,9 +113,8 @@ std::string error_plot_script(const std::vector<bench::BenchResult>& results, in
       "set format x '%g'\n"
       "set format y '10^{%T}'\n"
       "set grid xtics ytics mxtics mytics linecolor '#d8d8d8' linewidth 1, linecolor '#efefef' linewidth 0.5\n"
-      "set border 3 linecolor '#606060'\n"
-      "set tics nomirror textcolor '#303030'\n"
       "set key top right noenhanced samplen 2.5 spacing 1.2\n";
+  script += kPlotAxes;
   script += ranges(results);
   const std::vector<Line> lines = lines_of(results);
   std::vector<std::string> hues;

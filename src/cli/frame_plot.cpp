@@ -184,11 +184,10 @@ std::string frame_plot_script(std::span<const batch::FrameRow> rows, PictureForm
   const std::size_t titles = std::min(surfaces, kMostTitles) + kEnded.size();
   const double key_rows = std::ceil(static_cast<double>(titles) / static_cast<double>(kTitlesInARow));
   std::string script = plot_terminal(format) + data_blocks(rows, surfaces);
+  script += kPlotAxes;
   script += fmt::format(
       "set multiplot layout {},1 margins screen 0.12,0.98,{},{} spacing screen {}\n"
       "set grid linecolor '#d8d8d8'\n"
-      "set border 3 linecolor '#606060'\n"
-      "set tics nomirror textcolor '#303030'\n"
       "set key at screen 0.55,0.99 center top horizontal noenhanced maxcols {}\n"
       "set label 1 '' at graph 0.5,0.5 center noenhanced textcolor '#606060'\n"
       "set format x ''\n",

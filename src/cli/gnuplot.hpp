@@ -25,6 +25,11 @@ enum class PictureFormat { svg, png };
 // Returns the first line of a script: it sets format, size, font and background.
 [[nodiscard]] std::string plot_terminal(PictureFormat format);
 
+// Lines of a script: the plot has a left and a lower axis, and no tics on the other sides.
+inline constexpr std::string_view kPlotAxes = R"(set border 3 linecolor '#606060'
+set tics nomirror textcolor '#303030'
+)";
+
 // Returns the color of line n. The palette suits all kinds of color vision, and repeats after 6 colors.
 [[nodiscard]] std::string_view plot_color(std::size_t n);
 

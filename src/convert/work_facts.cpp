@@ -176,7 +176,7 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
     facts.push_back({WorkTopic::error, WorkDone::left_out, std::nullopt, std::nullopt, "the error of the mesh"});
   }
   if (options.method == extract::Method::voxels && options.voxel_faces == extract::VoxelFaces::rectangles) {
-    facts.push_back({WorkTopic::border_vertices, WorkDone::left_out, std::nullopt, std::nullopt,
+    facts.push_back({WorkTopic::junction_vertices, WorkDone::left_out, std::nullopt, std::nullopt,
                      "vertices that would split the sides of rectangles where other rectangles meet them; these sides "
                      "are boundary edges"});
   }

@@ -44,7 +44,7 @@ enum class WorkTopic {
   normals,
   normal_copies,
   error,
-  border_vertices,  // vertices where a rectangle of voxel faces meets the side of another rectangle
+  junction_vertices,  // vertices where a rectangle of voxel faces meets the side of another rectangle
   caps,
   whole_mesh,  // a mesh in memory, left out because each part of it goes to the file at once
 };
@@ -74,7 +74,7 @@ constexpr auto words_of(WorkTopic /*type*/) {
                     Word{WorkTopic::normals, "normals"},
                     Word{WorkTopic::normal_copies, "normal_copies"},
                     Word{WorkTopic::error, "error"},
-                    Word{WorkTopic::border_vertices, "border_vertices"},
+                    Word{WorkTopic::junction_vertices, "junction_vertices"},
                     Word{WorkTopic::caps, "caps"},
                     Word{WorkTopic::whole_mesh, "whole_mesh"}};
 }

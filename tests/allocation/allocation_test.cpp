@@ -115,8 +115,8 @@ class Allocation : public testing::Test {
   void expect_all_are_told(ConversionJob job) {
     job.outputs[0].path = (out_ / "out").string();
     expect_all_are_told([this, &job]() -> Result<void> {
-      Events nobody;
-      Outcome outcome = convert::run(job, context_, nobody, {.mesh_facts = true});
+      Events events;
+      Outcome outcome = convert::run(job, context_, events, {.mesh_facts = true});
       if (!outcome.done()) return tl::unexpected(std::move(*outcome.error));
       return {};
     });

@@ -63,7 +63,7 @@ class BatchTest(ProgramTest):
         run = self.run_program("in_{:03}.raw", "--dims", "6,6,6", "--iso", "50", "-o", "-", "--format", "ply")
         self.assert_fails(1, run, "not to stdout")
 
-    def test_a_bad_frame_stops_no_other_and_is_done_when_it_is_mended(self):
+    def test_a_bad_frame_stops_no_other_and_resume_converts_it_when_fixed(self):
         self.write_frames(range(1, 6))
         (self.folder / "in_003.raw").write_bytes(b"short")
         run = self.batch("-o", "out/{:03}.ply", "--table", "t.csv", code=5)
@@ -77,7 +77,7 @@ class BatchTest(ProgramTest):
         self.write_frames((3,))
         run = self.batch("-o", "out/{:03}.ply", "--resume")
         self.assertIn("1 of 5 frames done, 4 kept from an earlier run", run.err)
-        (self.folder / "out/002.ply").write_bytes(b"torn")
+        (self.folder / "out/002.ply").write_bytes(b"truncated")
         (self.folder / "out/004.ply").unlink()
         run = self.batch("-o", "out/{:03}.ply", "--resume", "--table", "t.json")
         self.assertIn("2 of 5 frames done, 3 kept", run.err)

@@ -122,11 +122,11 @@ class ClipAttributesTest(ProgramTest):
                 self.assertLessEqual(set(found["label"]), {100, 300})
                 self.assertGreater(len(set(found["wave"])), 2)
 
-    def test_repair_tells_which_attributes_are_lost(self):
+    def test_repair_counts_the_attributes_it_drops(self):
         vertices, triangles = box()
         soup = [vertices[v] for t in triangles for v in t]
         each = [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(12)]
-        told = "note[corners-joined]: b.ply: the attributes of 1 of 28 merged vertices are lost"
+        told = "note[corners-joined]: b.ply: the repair drops the attributes of 1 of 28 merged vertices"
         for last in (0, 9):
             waves = [wave(*v) for v in soup]
             waves[-1] += last

@@ -147,7 +147,7 @@ class CompressionTest(ProgramTest):
                 self.assertEqual(self.compare("h.gltf", changed(change))["b"]["triangles"], factor * triangles)
         self.assert_fails(2, self.run_program("compare", "h.gltf", changed(positions_as_indices)), "c.gltf")
 
-    def test_regions_share_their_border(self):
+    def test_regions_share_their_boundary(self):
         """Two halves of one volume, each in its own file with its own number of bits to reach: no cracks between."""
         full = json.loads(self.convert("info", "--json", GYROID).text)[0]
         self.assertTrue(full)
@@ -166,15 +166,15 @@ class CompressionTest(ProgramTest):
         noise = random.Random(7)
         rows = (bytes(1000) + noise.randbytes(500) + bytes(2500) for _ in range(24 * 24))
         (self.folder / "long.raw").write_bytes(b"".join(rows))
-        border = {}
+        shared = {}
         for half, box in {"low": "0,0,0,3999,12,23", "high": "900,12,0,1600,23,23"}.items():
             self.convert("long.raw", "--dims", "4000,24,24", "--dtype", "u8", "--iso", "127.3123", "--space", "index",
                          "--roi", box, "--quantize", "--normals", "none", "-o", f"{half}.glb")
             # Those of edges that both have; others may be rounded onto the shared edge.
-            border[half] = {(x, y, z) for x, y, z in quantized_places(self.folder / f"{half}.glb")
+            shared[half] = {(x, y, z) for x, y, z in quantized_places(self.folder / f"{half}.glb")
                             if y == 12 and (x % 1 or z % 1)}
-        self.assertGreater(len(border["low"]), 2000)
-        self.assertEqual(border["low"], border["high"])
+        self.assertGreater(len(shared["low"]), 2000)
+        self.assertEqual(shared["low"], shared["high"])
 
     def test_the_same_bytes_for_any_number_of_threads(self):
         for name, options in WAYS.items():

@@ -36,7 +36,7 @@ class GridsTest(ProgramTest):
         self.assertEqual(meshes[0].vertices, meshes[1].vertices)
         self.assertEqual(len(meshes[0].triangles), 16)
 
-    def test_damaged_and_not_supported_are_two_things(self):
+    def test_errors_tell_damaged_files_from_unsupported_ones(self):
         whole = vdb(grid("a", VOXELS), stream=True)
         (self.folder / "cut.vdb").write_bytes(whole[:-1])
         self.assert_fails(2, self.run_program("cut.vdb", "--iso", "0.5"), "the VDB file is damaged: expected")

@@ -159,7 +159,7 @@ class PlacementTest(ProgramTest):
             self.assertAlmostEqual(found[0][0], 1e7 + 0.005, delta=1e-6)
             self.assertAlmostEqual(found[1][0], 1e7 + 0.015, delta=1e-6)
 
-    def test_roi_holds_the_samples_on_its_border(self):
+    def test_roi_includes_the_samples_on_its_faces(self):
         self.write_raw("ramp.raw", (6, 6, 6), lambda x, y, z: float(x))
         ramp = ("ramp.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "2.5")
         # 0.3 / 0.1 is a little less than 3.

@@ -182,7 +182,7 @@ class PortableTest(ProgramTest):
         self.assertEqual(run.code, 0, run.err)
         self.assertEqual((root / "volumes" / "out.glb").read_bytes(), expected)
 
-    def test_a_folder_of_somebody_else_is_left_alone(self):
+    def test_packing_refuses_a_folder_it_did_not_make(self):
         (self.folder / "mine").mkdir()
         (self.folder / "mine" / "thesis.txt").write_text("all of it")
         run = Run(subprocess.run([PACK, "--program", PROGRAM, self.folder / "mine"], capture_output=True, check=False))

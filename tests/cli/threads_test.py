@@ -9,14 +9,14 @@ import unittest
 from support import PROGRAM, SPHERE, ProgramTest, Run, main
 
 # A user that has no process; root has no limit, so it becomes that one.
-NOBODY = 54321
+UNUSED_USER = 54321
 
 
 def with_no_other_thread():
     if os.geteuid() == 0:
         os.setgroups([])
-        os.setgid(NOBODY)
-        os.setuid(NOBODY)
+        os.setgid(UNUSED_USER)
+        os.setuid(UNUSED_USER)
     resource.setrlimit(resource.RLIMIT_NPROC, (1, 1))
 
 

@@ -1,8 +1,9 @@
 // node validate.mjs [--quiet] FILE_OR_FOLDER...
 //
 // Runs the Khronos glTF validator on .glb and .gltf files, or on all files of a folder. Prints one line per file, then its
-// messages:
-//   out.glb: 0 errors, 0 warnings, 0 infos, 0 hints
+// messages, for example:
+//
+//     out.glb: 0 errors, 0 warnings, 0 infos, 0 hints
 // Ends with 1 if any file has an error or a warning, with 2 if nothing could be checked. --quiet leaves out files
 // without any message. Needs: npm ci --prefix tests/gltf
 

@@ -49,7 +49,7 @@ class MeasureTest(unittest.TestCase):
             [sys.executable, ROOT / "scripts" / "measure", "list"], capture_output=True, text=True, check=True
         ).stdout.splitlines()))
 
-    def test_another_figure_in_the_json_is_found_and_pages_mend_it(self):
+    def test_another_figure_in_the_json_is_found_and_pages_fixes_it(self):
         self.change("topology.json", lambda document: document["figures"]["rows"][0]["right"].update(uniform=1))
         self.expect("topology.md")
         self.assertEqual(self.measure("pages").returncode, 0)

@@ -113,7 +113,7 @@ class RulesTest(unittest.TestCase):
         self.plant_in_room("volume_io", "file.write(1024, p);\nwrite(file, p);\nint fingerprint(int n);\nsnprintf(p, n, f);\n")
         self.assertEqual(self.findings(), [])
 
-    def test_contexts_that_nobody_passes(self):
+    def test_contexts_that_no_caller_passes(self):
         for default in ("Context()", "{}"):
             with self.subTest(default=default):
                 self.plant_in_room("volume_io", f"int x;\nvoid read(const Context& context = {default});\n")
@@ -121,7 +121,7 @@ class RulesTest(unittest.TestCase):
         self.plant_in_room("volume_io", "const Context& context = file.context();\n")
         self.assertEqual(self.findings(), [])
 
-    def test_reservations_that_nobody_holds(self):
+    def test_reservations_that_no_variable_holds(self):
         for code in ("f();\n  TRY(context_.reserve(1, what));", "f();\nif (a) TRY(set->memory().reserve(1));"):
             with self.subTest(code=code):
                 self.plant_in_room("volume_io", code)

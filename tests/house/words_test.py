@@ -160,18 +160,24 @@ class WordsTest(unittest.TestCase):
         self.expect("src/mesh/planted.cpp", [(f"{text}\n", 1, "spelling") for text in found], [f"{text}\n" for text in clean])
         self.expect("README.md", [("In colour.\n", 1, "spelling")], ["See `colour` and [this](docs/colour.md).\n"])
 
-    def test_rooms_and_ceilings(self):
+    def test_rooms_and_check(self):
         for path in ("src/mesh/a.cpp", "src/mesh/detail/b.hpp", "tests/unit/a.cpp", "README.md"):
             self.plant(path, "// A border.\n")
         for path in ("samples/a.cpp", "docs/measurements/a.md", "NOTES.md"):
             self.plant(path, "A border.\n")
         self.assertEqual({room: sum(row.values()) for room, row in words.count(self.root).items()},
                          {"src/mesh": 2, "tests": 1, "README": 1})
-        for mesh, failed, said in ((1, 1, "src/mesh has 2 findings, at most 1"), (2, 0, ""), (3, 0, "lower its ceiling of 3")):
-            with self.subTest(mesh=mesh), contextlib.redirect_stdout(io.StringIO()) as out:
-                self.assertEqual(words.check(self.root, {"src/mesh": mesh, "tests": 1, "README": 1}), failed)
-            self.assertIn(said, out.getvalue())
-            self.assertEqual(out.getvalue() == "", said == "")
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            self.assertEqual(words.check(self.root), 1)
+        lines = out.getvalue().splitlines()
+        self.assertEqual([line.split(":")[0] for line in lines],
+                         ["README.md", "src/mesh/a.cpp", "src/mesh/detail/b.hpp", "tests/unit/a.cpp", "words"])
+        self.assertIn("findings: 4;", lines[-1])
+        for path in ("src/mesh/a.cpp", "src/mesh/detail/b.hpp", "tests/unit/a.cpp", "README.md"):
+            self.plant(path, "// A boundary.\n")
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            self.assertEqual(words.check(self.root), 0)
+        self.assertEqual(out.getvalue(), "")
 
 
 if __name__ == "__main__":

@@ -76,10 +76,10 @@ namespace detail {
     for (int j = 0; j < kRandomSize; ++j) {
       for (int i = 0; i < kRandomSize; ++i) {
         const auto at_data_boundary = [](int n) { return n == 0 || n == kRandomSize - 1; };
-        const bool border = at_data_boundary(i) || at_data_boundary(j) || at_data_boundary(k);
-        double value = border ? -1 + 0.999 * unit() : 2 * unit() - 1;
+        const bool outermost = at_data_boundary(i) || at_data_boundary(j) || at_data_boundary(k);
+        double value = outermost ? -1 + 0.999 * unit() : 2 * unit() - 1;
         if (kind == RandomKind::small_integers) {
-          value = border ? -1 - static_cast<double>(engine() % 2) : static_cast<double>(engine() % 5) - 2;
+          value = outermost ? -1 - static_cast<double>(engine() % 2) : static_cast<double>(engine() % 5) - 2;
         }
         samples.push_back(static_cast<float>(value));
       }

@@ -7,8 +7,8 @@
 
 namespace isoextract::mesh_io {
 
-// Sorts the triangles for vertex reuse (T. Forsyth, Linear-Speed Vertex Cache Optimisation, 2006, as in meshoptimizer),
-// and the vertices in the order of their first use. Deterministic. Fails as Context::reserve() does.
+// Sorts the triangles for vertex reuse (the linear-speed method of T. Forsyth, 2006, as in meshoptimizer), and the
+// vertices in the order of their first use. Deterministic. Fails as Context::reserve() does.
 [[nodiscard]] Result<void> optimize_order(mesh::Mesh& mesh, const Context& context);
 
 }  // namespace isoextract::mesh_io

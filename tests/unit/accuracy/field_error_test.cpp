@@ -37,7 +37,7 @@ FieldError error_of(const mesh::Mesh& mesh, const field::ScalarField& field, con
 
 // A plane in a sheared, mirrored, anisotropic frame: a mesh moved along the plane's normal has exactly that error. Only
 // the inverse transpose gives this distance.
-TEST(FieldError, MeasuresMoveOfPlane) {
+TEST(FieldError, MeasuresDistanceOfMovedPlane) {
   const field::Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.5));
   field::ScalarField field = test::dense_field<double>({9, 8, 7}, [&](int i, int j, int k) {
@@ -169,18 +169,18 @@ TEST(FieldError, FindsSurfaceTouchingOneSample) {
 }
 
 // Outside the data, the polynomial of the outermost cell crosses iso; that is no surface.
-TEST(FieldError, EndsAtDataBoundary) {
-  const mesh::Mesh near_border =
+TEST(FieldError, FindsNoSurfaceBeyondDataBoundary) {
+  const mesh::Mesh near_boundary =
       test::make_mesh("t", {{0.1F, 1, 1}, {0.1F, 1.5F, 1}, {0.1F, 1, 1.5F}, {3.9F, 1, 1}}, {{0, 1, 2}});
   extract::ExtractOptions options;
   const field::ScalarField beyond = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i + 0.25; });
   const field::ScalarField before = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i - 4.25; });
   for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
-    const FieldError low = error_of(near_border, beyond, options, {interpolation});
+    const FieldError low = error_of(near_boundary, beyond, options, {interpolation});
     EXPECT_EQ(low.interior.points + low.vertices.points, 0U);
     EXPECT_EQ(low.interior.unreached, 7U);
     EXPECT_EQ(low.vertices.unreached, 4U);
-    EXPECT_EQ(error_of(near_border, before, options, {interpolation}).vertices.unreached, 4U);
+    EXPECT_EQ(error_of(near_boundary, before, options, {interpolation}).vertices.unreached, 4U);
   }
 
   // The plane x + z / 2 = 1 meets the data boundary x = 0 at z = 2. The feet of these points lie outside, so that line
@@ -242,7 +242,7 @@ TEST(FieldError, MeasuresFarPoints) {
 }
 
 // The voxels method puts vertices off the surface, too, at corners of voxels.
-TEST(FieldError, EndsAtOutermostSamplesForClosedMethods) {
+TEST(FieldError, SearchesUpToOutermostSamplesForClosedMethods) {
   const field::ScalarField plane = test::dense_field<float>({9, 9, 9}, [](int, int, int k) { return 4.25 - k; });
   OfField boxes = extract_at(plane, 0, extract::Method::voxels);
   const FieldError error = error_of(boxes.mesh, plane, boxes.options, {});

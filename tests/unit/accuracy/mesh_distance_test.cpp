@@ -374,7 +374,7 @@ TEST(MeshDistance, IsIndependentOfThreads) {
   EXPECT_EQ(std::memcmp(&one, &four, sizeof one), 0);
 }
 
-TEST(MeshDistance, StopsAtEnough) {
+TEST(MeshDistance, StopsBelowSufficientDistance) {
   const mesh::Mesh a = test::sphere(40, false);
   const mesh::Mesh b = test::sphere(12, false);
   DistanceOptions options;
@@ -394,7 +394,7 @@ TEST(MeshDistance, RejectsEmptyMeshes) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::input);
     EXPECT_NE(result.error().message.find("nothing, has no triangles"), std::string::npos);
-    EXPECT_TRUE(result.error().hint.empty()) << "nobody knows how it came to be";
+    EXPECT_TRUE(result.error().hint.empty()) << "the cause is unknown, so there is no hint";
   }
 }
 

@@ -42,7 +42,7 @@ SurfaceCoverage coverage_of(const mesh::Mesh& mesh, const field::ScalarField& fi
   return measure_field_error(mesh, field, options, how, Context()).value().coverage.value();
 }
 
-TEST(SurfaceCoverage, LosesNothingOfSameSurface) {
+TEST(SurfaceCoverage, FindsNothingMissingInSameSurface) {
   field::ScalarField field = three_balls();
   field.index_to_world = {glm::dmat3(2, 0, 0, 0, 0, 3, 0, -1, 0), glm::dvec3(5e4, 0, -3)};
   const SurfaceCoverage coverage = coverage_of(test::extract(field, options_of(field)).mesh, field);
@@ -126,7 +126,7 @@ TEST(SurfaceCoverage, BoundsDistanceBetweenPoints) {
   EXPECT_LT(coverage.max_at_most.voxels, 1.3);
 }
 
-TEST(SurfaceCoverage, LosesEverythingWithoutMesh) {
+TEST(SurfaceCoverage, ReportsAllComponentsMissingWithoutMesh) {
   const field::ScalarField field = three_balls();
   const SurfaceCoverage coverage = coverage_of(mesh::Mesh(), field);
   EXPECT_EQ(coverage.components, 3U);

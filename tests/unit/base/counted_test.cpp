@@ -15,7 +15,7 @@ TEST(Counted, UsesSingularForOneOnly) {
   EXPECT_EQ(counted(1.5, "voxel"), "1.5 voxels");
 }
 
-TEST(Counted, TakesIrregularPlural) {
+TEST(Counted, AcceptsIrregularPlural) {
   EXPECT_EQ(counted(1, "vertex", "vertices"), "1 vertex");
   EXPECT_EQ(counted(2, "vertex", "vertices"), "2 vertices");
 }

@@ -77,7 +77,7 @@ TEST(Parallel, ReducesLikeTbbDeterministicReduce) {
   }
 }
 
-TEST(Parallel, JoinsEarlierWithLater) {
+TEST(Parallel, JoinsResultsInOrder) {
   const auto append = [](std::vector<std::size_t> into, const std::vector<std::size_t>& more) {
     into.insert(into.end(), more.begin(), more.end());
     return into;

@@ -20,7 +20,7 @@ TEST(Ranks, GatherByRank) {
 }
 
 // Rank 2 fails before the others ask for its bytes: rank 0 gets its error, and no rank waits for another.
-TEST(Ranks, TellTheErrorOfAnother) {
+TEST(Ranks, ReportTheErrorOfAnotherRank) {
   run_ranks([](Ranks& ranks) {
     const Error error{ErrorCode::output, "no space", {{Remedy::use, Setting::parts, "so"}, "or so"}};
     if (ranks.rank() == 2) {
@@ -53,7 +53,7 @@ TEST(Ranks, LeaveWorkToRankZero) {
   });
 }
 
-TEST(PackedValues, EndWithZeros) {
+TEST(PackedValues, ReadAsZerosBeyondTheEnd) {
   const std::string bytes = Packer().put(std::uint64_t{7}).put(std::string("text")).put(1.5).take();
   Unpacker from(bytes);
   EXPECT_EQ(from.get<std::uint64_t>(), 7U);

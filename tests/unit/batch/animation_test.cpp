@@ -14,7 +14,7 @@ using test::read_bytes;
 using test::TempFolder;
 using test::write_bytes;
 
-TEST(AnimationStarts, KeepTheDistancesOfTheTimes) {
+TEST(AnimationStarts, FollowUnevenFrameTimes) {
   using Times = std::vector<particle_io::FrameTime>;
   const auto starts = [](const std::vector<std::int64_t>& numbers, const Times& times) {
     return animation_starts(numbers, times, 10);
@@ -115,7 +115,7 @@ TEST_F(AnimationTest, KeepsAllFilesOrNone) {
   EXPECT_EQ(kept->at(2).outputs.size(), written.files.size());
 
   const std::string part = read_bytes(folder_ / "water.part2.glb");
-  write_bytes(folder_ / "water.part2.glb", "torn");
+  write_bytes(folder_ / "water.part2.glb", "truncated");
   EXPECT_FALSE(is_kept());
   write_bytes(folder_ / "water.part2.glb", part);
   EXPECT_TRUE(is_kept());

@@ -44,7 +44,7 @@ std::vector<std::string> names_of(const std::vector<convert::OutputFileJob>& out
 
 using Names = std::vector<std::string>;
 
-TEST(MatchOutputName, TakesNumbersForLabels) {
+TEST(MatchOutputName, MatchesNumbersAsLabels) {
   EXPECT_EQ(match_output_name("o_5.stl", "o_{label}.stl"), "o_5.stl");
   EXPECT_EQ(match_output_name("o_-12.stl", "o_{label}.stl"), "o_-12.stl");
   EXPECT_EQ(match_output_name("o_4-7_4.stl", "o_{label}-{label}_{label}.stl"), "o_4-7_4.stl");
@@ -54,7 +54,7 @@ TEST(MatchOutputName, TakesNumbersForLabels) {
   }
 }
 
-TEST(MatchOutputName, TakesTextsForNames) {
+TEST(MatchOutputName, MatchesTextsAsNames) {
   EXPECT_EQ(match_output_name("1_left atrium.stl", "1_{name}.stl"), "1_left atrium.stl");
   EXPECT_EQ(match_output_name("1_a.stl.stl", "1_{name}.stl"), "1_a.stl.stl");
   EXPECT_EQ(match_output_name("f/1_a_b_3.stl", "f/1_{name}_{label}.stl"), "f/1_a_b_3.stl");

@@ -240,14 +240,14 @@ TEST_F(FindFrames, FindsSequenceInFolder) {
   EXPECT_EQ(found({"d"}, "1-9x8"), "9=d/f_9.vdb | gaps 1");
 }
 
-TEST_F(FindFrames, RefusesStrayWords) {
+TEST_F(FindFrames, RefusesNamesWithoutFile) {
   make({"a_1.vdb", "a_2.vdb", "IM3"});
   EXPECT_EQ(found({"a_1.vdb", "%"}), "1: %: expected a file as one of 2 inputs, found no file of this name");
   EXPECT_EQ(found({"a_1.vdb", "IM3"}), "1=a_1.vdb 2=IM3");
   EXPECT_EQ(found({"a_1.vdb", "a_3.vdb"}), "1=a_1.vdb 3=a_3.vdb");
 }
 
-TEST_F(FindFrames, LeavesSamplesToTheirHeaders) {
+TEST_F(FindFrames, SkipsSampleFilesOfListedHeaders) {
   make({"d/a_1.nhdr", "d/a_1.raw", "d/a_2.nhdr", "d/a_2.raw.gz"});
   EXPECT_EQ(found({"d"}), "1=d/a_1.nhdr 2=d/a_2.nhdr");
   EXPECT_TRUE(find({"d"})->notes.empty());

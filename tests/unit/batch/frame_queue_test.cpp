@@ -51,7 +51,7 @@ TEST(FrameQueue, WaitsForEarlierFramesInOrder) {
   EXPECT_EQ(queue.turn(2), Turn::now);
 }
 
-TEST(FrameQueue, TurnsAwayLaterFramesInOrder) {
+TEST(FrameQueue, PostponesLaterFramesInOrder) {
   FrameQueue queue(6, true);
   for (const std::size_t place : {0U, 1U, 2U, 3U}) start(queue, place);
   queue.run_again_alone(1);

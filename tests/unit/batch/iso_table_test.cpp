@@ -99,7 +99,7 @@ TEST(IsoTable, RefusesInvalidValuesWithLine) {
   EXPECT_LT(table_refusal(header + "2," + std::string(1 << 20, 'x')).size(), 130U);
 }
 
-TEST(IsoTable, TellsDecimalCommasFromSeparators) {
+TEST(IsoTable, DistinguishesDecimalCommasFromSeparators) {
   EXPECT_EQ(table_refusal("frame,iso\n1,0,15\n"), "iso.csv:2: expected 2 fields as in the header, found 3");
   EXPECT_EQ(table_refusal("frame;iso\n1;0,15\n2;0.15\n"),
             "iso.csv:3: expected an iso value with the decimal mark ',' of the rows before, found '0.15'");

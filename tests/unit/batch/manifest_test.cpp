@@ -233,7 +233,7 @@ TEST(Manifest, KeepsRecordsOfOtherBatch) {
   EXPECT_NE(must_open(folder, other, true).find(convert::hash_of(other.frames[1].job)), nullptr);
 }
 
-TEST(Manifest, BelongsToOneBatchIfOfShard) {
+TEST(Manifest, DropsShardRecordsOutsideItsBatch) {
   const TempFolder folder;
   const Shard shard{1, 2};
   BatchJob batch = three_frames(folder);

@@ -51,7 +51,7 @@ TEST(OutputTemplate, RefusesUnknownWords) {
   }
 }
 
-TEST(OutputTemplate, KnowsItsWords) {
+TEST(OutputTemplate, ReportsWhichWordsItUses) {
   const auto names = OutputTemplate::parse("{iso}{{grid}}####");
   ASSERT_TRUE(names);
   EXPECT_TRUE(names->uses(OutputWord::iso));
@@ -182,7 +182,7 @@ TEST_F(OutputNames, RefusesTwoWritersOfFile) {
             Lines{"x_y.glb: frame 1 (a.vdb, grid x/y) and frame 1 (a.vdb, grid x:y) would both write this file"});
 }
 
-TEST_F(OutputNames, CountsBinOfGltf) {
+TEST_F(OutputNames, ChecksBinFileOfGltf) {
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2})}, "m_{iso}", MeshFormat::gltf),
             Lines{"m_0.bin: two outputs of frame 1 (a.vdb) would share this file"});
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2})}, "m_{iso}.gltf", MeshFormat::gltf),
@@ -199,7 +199,7 @@ std::string output_verdict(const std::string& one, const std::string& other, con
   return checked ? "fine" : checked.error().message;
 }
 
-TEST_F(OutputNames, ComparesPlacesNotTexts) {
+TEST_F(OutputNames, ComparesFilesNotTexts) {
   fs::create_directories("real/sub");
   fs::create_directory_symlink("real", "link");
   const std::string absolute = (fs::current_path() / "m.glb").string();

@@ -39,7 +39,7 @@ TEST(Sequences, SplitsByOtherNumbers) {
   EXPECT_EQ(described({"a1.vdb", "b1.vdb", "a2.vdb", "readme"}), (Lines{"a{}.vdb: 1 2", "b1.vdb: 1", "readme: 1"}));
 }
 
-TEST(Sequences, TellsSignsFromHyphens) {
+TEST(Sequences, DistinguishesSignsFromHyphens) {
   EXPECT_EQ(described({"f.-0001.vdb", "f.0000.vdb"}), Lines{"f.{:04}.vdb: -1 0"});
   EXPECT_EQ(described({"f_-2", "f_-1"}), Lines{"f_{}: -2 -1"});
   EXPECT_EQ(described({"f-1", "f-2"}), Lines{"f-{}: 1 2"});
@@ -62,7 +62,7 @@ TEST(Sequences, ContainEveryNameOnce) {
   EXPECT_EQ(count, std::vector<int>(names.size(), 1));
 }
 
-TEST(SingleNumber, TakesLastBeforeExtension) {
+TEST(TrailingNumber, ReturnsLastNumberBeforeExtension) {
   EXPECT_EQ(trailing_number("shot_3/sim_v2_0042.vdb"), 42);
   EXPECT_EQ(trailing_number("a_1.mp4"), 1);
   EXPECT_EQ(trailing_number("sim.0042"), 42);

@@ -170,8 +170,8 @@ TEST(NotApplicable, StabilityChecksOnlyClaimedTraits) {
   EXPECT_TRUE(run_stability_case(shell, dual_method(), dual, Context()).failures.empty());
   EXPECT_FALSE(run_stability_case(shell, extract::method_info(extract::Method::mc), dual, Context()).failures.empty());
   // The other checks still apply.
-  Changed torn([](const extract::ExtractOptions&, mesh::Mesh& mesh) { mesh.triangles[0] = mesh.triangles[1]; });
-  const StabilityRow row = run_stability_case(shell, dual_method(), torn, Context());
+  Changed repeating([](const extract::ExtractOptions&, mesh::Mesh& mesh) { mesh.triangles[0] = mesh.triangles[1]; });
+  const StabilityRow row = run_stability_case(shell, dual_method(), repeating, Context());
   EXPECT_GT(row.findings.repeated, 0U);
   EXPECT_FALSE(row.failures.empty());
 }

@@ -28,7 +28,7 @@ std::vector<std::string> options_in(const std::string& text) {
   return {std::sregex_token_iterator(text.begin(), text.end(), kName), {}};
 }
 
-TEST(Remedies, HaveWordsForEverySettingAndNameOptionsOfTheProgram) {
+TEST(Remedies, NameExistingOptionsForEverySetting) {
   const std::vector<std::string> known = options_of_program();
   int setting = 1;
   for (; !hint_text(Hint(Remedy::use, Setting{setting})).empty(); ++setting) {
@@ -44,7 +44,7 @@ TEST(Remedies, HaveWordsForEverySettingAndNameOptionsOfTheProgram) {
   EXPECT_EQ(setting, static_cast<int>(Setting::devices) + 1) << "a setting has no words, or the last one is new";
 }
 
-TEST(Remedies, AreOneClauseAStep) {
+TEST(Remedies, BecomeOneClausePerStep) {
   const auto words = [](Remedy remedy, Setting setting, const char* text = "") {
     return hint_text(Hint(remedy, setting, text));
   };
@@ -78,7 +78,7 @@ TEST(Remedies, AreOneClauseAStep) {
   EXPECT_EQ(hint_text(Hint("")), "");
 }
 
-TEST(Remedies, StepsAndOptionsThatTheCommandHasNotAreLeftOut) {
+TEST(Remedies, OmitOptionsThatTheCommandLacks) {
   set_options_of_hints({"--origin", "--backend"});
   const Hint hint{{Remedy::use, Setting::empty_policy},
                   {Remedy::use, Setting::cpu_backend},

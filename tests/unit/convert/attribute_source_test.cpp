@@ -58,7 +58,7 @@ TEST(AttributeSource, TransformsVectorsFromIndexToOutputSpace) {
   }
 }
 
-TEST(AttributeSource, MovesChangePointsOnly) {
+TEST(AttributeSource, TranslatesOnlyPoints) {
   for (const AttributeKind kind : {AttributeKind::vector, AttributeKind::normal, AttributeKind::point}) {
     AttributeSource source = source_of_vectors(kind, false);
     const field::Affine moved{glm::dmat3(1), {1, 2, 3}};
@@ -70,7 +70,7 @@ TEST(AttributeSource, MovesChangePointsOnly) {
   }
 }
 
-TEST(AttributeSource, FindsKinds) {
+TEST(AttributeSource, FindsKindByNameStatementAndChoice) {
   const auto kind = [](std::string name, std::string from, std::size_t components,
                        std::optional<AttributeKind> stated = {}, std::optional<AttributeKind> chosen = {}) {
     AttributeChoice choice;

@@ -114,7 +114,7 @@ TEST(ResolveIsos, SuggestsZeroForLevelSet) {
   EXPECT_EQ(found->front().found_by, "the zero of the level set");
 }
 
-TEST(ResolveIsos, TellsGivenZeroFromDefault) {
+TEST(ResolveIsos, DistinguishesGivenZeroFromDefault) {
   field::ScalarField field = constant_field(0.3F);  // no label
   const auto given = resolve_isos(std::vector{choice("zero")}, field, false, Context());
   ASSERT_FALSE(given);
@@ -221,7 +221,7 @@ TEST_F(IsoConversionTest, ExtractsEqualValuesOnce) {
   EXPECT_TRUE(std::ranges::any_of(outcome.notes, tells));
 }
 
-TEST_F(IsoConversionTest, MeasuresNothingForNumbers) {
+TEST_F(IsoConversionTest, SkipsStatisticsForGivenNumbers) {
   const Outcome outcome = run({0, 0.5});
   ASSERT_TRUE(outcome.done());
   for (const StageReport& report : outcome.reports) EXPECT_NE(report.stage, StageName::statistics);

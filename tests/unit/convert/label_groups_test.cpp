@@ -97,7 +97,7 @@ class LabelGroups : public testing::Test {
   test::TempFolder folder_;
 };
 
-TEST_F(LabelGroups, AreAsOneByOne) {
+TEST_F(LabelGroups, WriteSameFilesAsOneByOne) {
   for (const auto& [format, name] : {std::pair(mesh_io::MeshFormat::glb, "all.glb"),
                                      {mesh_io::MeshFormat::ply, "{label}.ply"},
                                      {mesh_io::MeshFormat::stl, "{label}.stl"}}) {
@@ -108,7 +108,7 @@ TEST_F(LabelGroups, AreAsOneByOne) {
   }
 }
 
-TEST_F(LabelGroups, FailAtTheFirstLabelInOrder) {
+TEST_F(LabelGroups, StopAtTheFirstFailedLabelInOrder) {
   ConversionJob cut = job(mesh_io::MeshFormat::ply, "{label}.ply");
   cut.source.clip = {{glm::dvec3(0, 0, -1), -8}};  // removes labels from 361 on
   const Converted one_by_one = run(cut, 1);

@@ -31,7 +31,7 @@ TEST(LabelAppearance, RefusesChangedTable) {
   EXPECT_NE(changed.error().message.find("has changed"), std::string::npos);
 }
 
-TEST(LabelAppearance, TakesTheNamesOfTheFileForItsLayer) {
+TEST(LabelAppearance, UsesLabelNamesOfItsLayer) {
   field::ScalarField field;
   field.labels = {{1, "organ", glm::dvec3(1, 0, 0), 0}, {1, "tumor", std::nullopt, 1}, {2, "bone", std::nullopt, 0}};
   const auto first = LabelAppearance::open({}, field, 0, Context());

@@ -15,7 +15,7 @@ bool has(std::string_view text, std::int64_t label, std::string_view name = {}) 
   return selection && selection->contains(label, name);
 }
 
-TEST(LabelSelection, TakesNumbersRangesAndNames) {
+TEST(LabelSelection, MatchesNumbersRangesAndNames) {
   EXPECT_TRUE(has("1-40,Hippocampus*,!Skull", 1, "a"));
   EXPECT_TRUE(has("1-40,Hippocampus*,!Skull", 40));
   EXPECT_FALSE(has("1-40,Hippocampus*,!Skull", 41));
@@ -30,7 +30,7 @@ TEST(LabelSelection, TakesNumbersRangesAndNames) {
   EXPECT_TRUE(has("all,!3", std::numeric_limits<std::int64_t>::max()));
 }
 
-TEST(LabelSelection, OnlyExclusionsLeaveTheOthers) {
+TEST(LabelSelection, SelectsTheRestIfAllTermsExclude) {
   EXPECT_TRUE(has("!Skull,!3", 4, "Bone"));
   EXPECT_FALSE(has("!Skull,!3", 3, "Bone"));
   EXPECT_FALSE(has("!Skull,!3", 4, "Skull"));
@@ -50,11 +50,11 @@ TEST(LabelSelection, MatchesStarsAndQuestionMarks) {
   EXPECT_TRUE(has("3rd-Ventricle", 14, "3rd-Ventricle"));
 }
 
-TEST(LabelSelection, RefusesWhatCannotMatch) {
+TEST(LabelSelection, RefusesMalformedTerms) {
   for (const char* text : {"", "1,", ",1", "!", "1-3,!", "5-3"}) EXPECT_FALSE(LabelSelection::parse(text)) << text;
 }
 
-TEST(LabelSelection, NamesTermsWithoutALabel) {
+TEST(LabelSelection, ListsTermsWithoutALabel) {
   auto selection = LabelSelection::parse("1,Kidney*,90-99,5,Skull,!7");
   ASSERT_TRUE(selection);
   EXPECT_TRUE(selection->contains(1, {}));
@@ -65,14 +65,14 @@ TEST(LabelSelection, NamesTermsWithoutALabel) {
   EXPECT_TRUE(selection->unmatched().empty());
 }
 
-TEST(LabelSelection, KnowsOneName) {
+TEST(LabelSelection, RecognizesASingleName) {
   for (const char* text : {"Skull", "3rd-Ventricle"}) EXPECT_TRUE(LabelSelection::parse(text)->is_one_name()) << text;
   for (const char* text : {"Skull,Brain", "!Skull", "Sk*", "?kull", "1-4", "all", "5"}) {
     EXPECT_FALSE(LabelSelection::parse(text)->is_one_name()) << text;
   }
 }
 
-TEST(LabelFileNames, GivesEachLabelItsOwn) {
+TEST(LabelFileNames, GiveEachLabelItsOwnName) {
   EXPECT_FALSE(LabelFileNames("out_{piece}.stl").in_use());
   LabelFileNames names("o/{label}_{name}.stl");
   EXPECT_TRUE(names.in_use());

@@ -14,7 +14,7 @@
 namespace isoextract::convert {
 namespace {
 
-TEST(RenameOldMeshes, RenamesBodiesBehindSparedOnes) {
+TEST(RenameOldMeshes, RenamesBodiesAfterKeptOnes) {
   const test::TempFolder folder;
   const mesh::Mesh mesh = test::make_mesh("a", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   std::vector<mesh_io::WrittenFile> written;

@@ -43,7 +43,7 @@ TEST(Materials, MakeOuterSurfacesTranslucent) {
   EXPECT_EQ(opacity(1, field::FieldKind::density), 1);
 }
 
-TEST(AttributeLocation, TellsFilesFromGrids) {
+TEST(AttributeLocation, DistinguishesFilesFromGrids) {
   const auto place = [](std::string from, std::string name = "n") {
     const AttributeLocation found = attribute_location({std::move(name), std::move(from), true});
     return found.file + "|" + found.grid.value_or("-");

@@ -61,7 +61,7 @@ const std::vector<Ball> kShells{{{20.2, 20.3, 20.1}, 16},
                                 {{21.1, 19.4, 20.3}, 3},
                                 {{42.2, 42.1, 41.8}, 4}};
 
-TEST(Pieces, KeepsLargestBodiesWithTheirCavities) {
+TEST(Bodies, KeepsLargestBodiesWithTheirCavities) {
   const mesh::Mesh mesh = surface_of(nested(kShells));
   BodySelection options;
   options.largest = 1;
@@ -77,7 +77,7 @@ TEST(Pieces, KeepsLargestBodiesWithTheirCavities) {
   EXPECT_EQ(must_keep(mesh, options).facts.after.components, 4U) << "and the hollow pebble";
 }
 
-TEST(Pieces, RemovesContentsOfFilledCavities) {
+TEST(Bodies, RemovesContentsOfFilledCavities) {
   const mesh::Mesh mesh = surface_of(nested(kShells));
   BodySelection options;
   options.fill_cavities = true;
@@ -86,7 +86,7 @@ TEST(Pieces, RemovesContentsOfFilledCavities) {
   EXPECT_NEAR(mesh::measure_size(kept).volume, volume_of(16) + volume_of(4), 0.02 * volume_of(16));
 }
 
-TEST(Pieces, RemovesSmallComponentsByEachMeasure) {
+TEST(Bodies, RemovesSmallComponentsByEachMeasure) {
   const mesh::Mesh mesh = surface_of(nested(kShells));
   BodySelection options;
   options.measure = ComponentMeasure::volume;
@@ -110,7 +110,7 @@ TEST(Pieces, RemovesSmallComponentsByEachMeasure) {
   EXPECT_TRUE(kept.mesh.positions.empty());
 }
 
-TEST(Pieces, TreatsOpenComponentsAsBodiesWithoutVolume) {
+TEST(Bodies, TreatsOpenComponentsAsBodiesWithoutVolume) {
   const field::ScalarField field = nested({{{0, 24, 24}, 12}, {{4, 24, 24}, 3.2}, {{30.1, 24.2, 24.3}, 4}});
   const mesh::Mesh mesh = surface_of(field);
   BodySelection options;
@@ -130,7 +130,7 @@ TEST(Pieces, TreatsOpenComponentsAsBodiesWithoutVolume) {
 
 // Bubbles in unbounded matter: each is a body. In one case the rays of mesh/shells.hpp from one bubble pass through the
 // other.
-TEST(Pieces, TreatsCavitiesWithoutShellAsBodies) {
+TEST(Bodies, TreatsCavitiesWithoutShellAsBodies) {
   for (const glm::dvec3& other : {glm::dvec3(28.1, 28.2, 28.3), glm::dvec3(28.1, 20.9, 19.8)}) {
     const field::ScalarField field = test::dense_field<float>(glm::ivec3(40), [&](int i, int j, int k) {
       const glm::dvec3 p(i, j, k);
@@ -151,7 +151,7 @@ TEST(Pieces, TreatsCavitiesWithoutShellAsBodies) {
 }
 
 // A grain with a cavity, in a bubble. The matter around it is open at the data boundary, or unbounded.
-TEST(Pieces, AssignsCavityToInnermostGrain) {
+TEST(Bodies, AssignsCavityToInnermostGrain) {
   const field::ScalarField open =
       nested({{{0, 24, 24}, 20}, {{9.1, 24.2, 24.3}, 8}, {{9.2, 24.1, 24.4}, 6}, {{9.3, 24.4, 24.2}, 3.3}});
   const field::ScalarField without_end = test::dense_field<float>(glm::ivec3(40), [](int i, int j, int k) {
@@ -174,7 +174,7 @@ TEST(Pieces, AssignsCavityToInnermostGrain) {
 }
 
 // Many balls, some with cavities, with known nesting.
-TEST(Pieces, FindsNestingOfManyBalls) {
+TEST(Bodies, FindsNestingOfManyBalls) {
   std::mt19937 engine(5);
   std::vector<Ball> balls;
   std::size_t hollow = 0;
@@ -212,7 +212,7 @@ TEST(Pieces, FindsNestingOfManyBalls) {
   EXPECT_EQ(cavities, hollow);
 }
 
-TEST(Pieces, SplitsMeshIntoBodies) {
+TEST(Bodies, SplitsMeshIntoBodies) {
   mesh::Mesh mesh = surface_of(nested(kShells));
   mesh.name = "balls";
   mesh.origin = {10, 20, 30};
@@ -241,7 +241,7 @@ TEST(Pieces, SplitsMeshIntoBodies) {
   EXPECT_TRUE(split_into_bodies(mesh::Mesh(), 2, Context()).value().empty());
 }
 
-TEST(Pieces, IsIndependentOfThreadsAndReservesMemory) {
+TEST(Bodies, IsIndependentOfThreadsAndReservesMemory) {
   const field::ScalarField field = test::random_field<std::uint8_t>({40, 40, 40}, 3, 256);
   extract::ExtractOptions options;
   options.iso = 200;

@@ -115,7 +115,7 @@ TEST(BoundedSimplify, RemovesMostTrianglesOfSmoothSurfaces) {
   EXPECT_LT(expect_kept_promises(demo("demo:gyroid?size=32"), c), 0.7);  // its tubes are a few voxels wide
 }
 
-TEST(BoundedSimplify, KeepsOpenBordersWithinDistance) {
+TEST(BoundedSimplify, KeepsBoundaryLoopsWithinDistance) {
   Case c;
   c.cap = false;
   c.max_distance = 0.2 * 2 / 47;
@@ -382,18 +382,18 @@ TEST(EdgeCollapse, KeepsTetrahedraBetweenPatches) {
   EXPECT_EQ(collapse_edges(state, patch, {locked, wanted}, CollapseLimits(), 0).collapses.size(), 0U);
 }
 
-TEST(EdgeCollapse, KeepsLockedVerticesAndCollapsesStraightBorders) {
+TEST(EdgeCollapse, KeepsLockedVerticesAndCollapsesStraightBoundaries) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   constexpr unsigned kSide = 20;
   for (unsigned j = 0; j <= kSide; ++j) {
     for (unsigned i = 0; i <= kSide; ++i) positions.emplace_back(i, j, 0);
   }
-  std::vector<char> border(positions.size(), 0);
+  std::vector<char> on_boundary(positions.size(), 0);
   for (unsigned v = 0; v < positions.size(); ++v) {
     const unsigned i = v % (kSide + 1);
     const unsigned j = v / (kSide + 1);
-    border[v] = i == 0 || j == 0 || i == kSide || j == kSide ? 1 : 0;
+    on_boundary[v] = i == 0 || j == 0 || i == kSide || j == kSide ? 1 : 0;
   }
   for (unsigned j = 0; j < kSide; ++j) {
     for (unsigned i = 0; i < kSide; ++i) {
@@ -403,7 +403,7 @@ TEST(EdgeCollapse, KeepsLockedVerticesAndCollapsesStraightBorders) {
   }
   for (const bool locked : {true, false}) {
     const mesh::Mesh flat =
-        collapsed(positions, triangles, locked ? border : std::vector<char>(positions.size(), 0), 0.01);
+        collapsed(positions, triangles, locked ? on_boundary : std::vector<char>(positions.size(), 0), 0.01);
     const mesh::Topology topology = mesh::measure_topology(flat);
     EXPECT_LT(flat.triangles.size(), locked ? triangles.size() / 4 : 9);
     if (locked) {

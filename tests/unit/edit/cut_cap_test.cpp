@@ -167,7 +167,7 @@ TEST(CutCap, DropsOrKeepsFacesInPlane) {
   EXPECT_NEAR(volume_of(half), 6, 1e-6);
 }
 
-TEST(CutCap, RejectsCutsThatEndAtOpenBorder) {
+TEST(CutCap, RejectsCutsThatEndAtBoundaryEdges) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=30", Context()).value();
   extract::ExtractOptions options;
   options.iso = 0;

@@ -65,7 +65,7 @@ SimplifyOptions to_count(std::uint64_t triangles) {
   return options;
 }
 
-TEST(NewIntersections, NoneBySimplifying) {
+TEST(SimplifyIntersections, AddsNone) {
   const mesh::Mesh noisy = noisy_ball(40);
   ASSERT_EQ(count_pairs(noisy), 0U);
   for (const SimplifyOptions& options : {to_count(noisy.triangles.size() / 8), to_distance(0.7)}) {
@@ -77,7 +77,7 @@ TEST(NewIntersections, NoneBySimplifying) {
   }
 }
 
-TEST(NewIntersections, NoneBySimplifyingInPatchesOfThinSheets) {
+TEST(SimplifyIntersections, AddsNoneBetweenPatchesOfThinSheets) {
   // Two shells a twentieth of a voxel apart. Their patches meet in many places.
   const mesh::Mesh outer = test::sphere(40, false);
   mesh::Mesh inner = copy(outer);
@@ -96,7 +96,7 @@ TEST(NewIntersections, NoneBySimplifyingInPatchesOfThinSheets) {
   }
 }
 
-TEST(NewIntersections, PlantedPairsDoNotBecomeMore) {
+TEST(SimplifyIntersections, AddsNoneToPlantedPairs) {
   const mesh::Mesh ball = test::sphere(32, false);
   mesh::Mesh shifted = copy(ball);
   const mesh::Bounds bounds = mesh::measure_bounds(ball);
@@ -111,7 +111,7 @@ TEST(NewIntersections, PlantedPairsDoNotBecomeMore) {
   EXPECT_LE(count_pairs(done.mesh), before);
 }
 
-TEST(NewIntersections, SimplifyingDoesNotDependOnThreads) {
+TEST(SimplifyIntersections, IsIndependentOfThreads) {
   const mesh::Mesh noisy = noisy_ball(32);
   const auto simplified_by = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -123,13 +123,13 @@ TEST(NewIntersections, SimplifyingDoesNotDependOnThreads) {
   EXPECT_TRUE(std::ranges::equal(one.positions, several.positions));
 }
 
-TEST(NewIntersections, NothingIsRefusedOnACleanSurface) {
+TEST(SimplifyIntersections, RefusesNoCollapseOnCleanSurface) {
   const SimplifiedMesh done = simplified_copy(test::sphere(40, false), to_distance(0.1));
   EXPECT_EQ(done.facts.refused_collapses, 0U);
   EXPECT_EQ(done.facts.untangled_collapses, 0U);
 }
 
-TEST(NewIntersections, NoneBySmoothing) {
+TEST(SmoothIntersections, AddsNone) {
   const mesh::Mesh noisy = noisy_ball(40);
   ASSERT_EQ(count_pairs(noisy), 0U);
   for (const SmoothMethod method : {SmoothMethod::taubin, SmoothMethod::sinc, SmoothMethod::weighted}) {
@@ -194,7 +194,7 @@ void expect_same_topology(const mesh::Mesh& before, const mesh::Mesh& after) {
   EXPECT_EQ(now.components, old.components);
 }
 
-TEST(Untangle, LeavesWhatIsFarFromPairsAsItIs) {
+TEST(Untangle, ChangesNothingFarFromPairs) {
   constexpr int kTangled = 10;
   const mesh::Mesh tangled = noise_and_ball(24, kTangled);
   mesh::Mesh clean = copy(tangled);
@@ -223,7 +223,7 @@ TEST(Untangle, LeavesWhatIsFarFromPairsAsItIs) {
   EXPECT_GT(in_ball, 1000U);
 }
 
-TEST(Untangle, MovesVerticesAndSplitsEdgesWhereNoFlipHelps) {
+TEST(Untangle, MovesVerticesAndSplitsEdgesIfFlipsFail) {
   constexpr int kSize = 16;
   std::uint64_t splits = 0;
   std::uint64_t moved = 0;
@@ -276,7 +276,7 @@ TEST(Untangle, DoesNotDependOnThreads) {
   EXPECT_TRUE(std::ranges::equal(one.positions, several.positions));
 }
 
-TEST(Untangle, DistanceIsThatOfTheSurface) {
+TEST(BoundSurfaceChange, MeasuresSpikesDentsAndNewTriangles) {
   const mesh::Mesh ball = test::sphere(20, false);
   const auto old_triangles = ball.triangles.span();
   EXPECT_EQ(*bound_surface_change(ball.positions.span(), old_triangles, ball, glm::dmat3(1.0), Context()), 0);

@@ -75,14 +75,14 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> spine_of(const std::vector<glm
   return spine;
 }
 
-TEST(SheetCollapse, AStraightSpineBecomesOneEdge) {
+TEST(SheetCollapse, ReducesAStraightSpineToOneEdge) {
   const Book book(12);
   const auto left = book.collapsed(1e-4);
   EXPECT_LE(left.size(), 9U);  // of 216
   EXPECT_EQ(spine_of(left), (std::set<std::pair<std::uint32_t, std::uint32_t>>{{0, 12}}));
 }
 
-TEST(SheetCollapse, ABentSpineKeepsItsVertices) {
+TEST(SheetCollapse, KeepsVerticesOfABentSpine) {
   const Book book(12, 0.1);
   const auto spine = spine_of(book.collapsed(0.01));
   EXPECT_EQ(spine.size(), 12U);
@@ -90,7 +90,7 @@ TEST(SheetCollapse, ABentSpineKeepsItsVertices) {
 }
 
 // Whatever the distance, the spine is a path from one end to the other: no vertex of it moves into a leaf.
-TEST(SheetCollapse, ASpineStaysAPathBetweenItsEnds) {
+TEST(SheetCollapse, KeepsTheSpineAPathBetweenItsEnds) {
   for (const double distance : {0.05, 0.3, 1.0, 10.0}) {
     for (const double bend : {0.0, 0.1, 0.3}) {
       const Book book(17, bend);
@@ -105,7 +105,7 @@ TEST(SheetCollapse, ASpineStaysAPathBetweenItsEnds) {
   }
 }
 
-TEST(SheetCollapse, KeptVerticesStay) {
+TEST(SheetCollapse, KeepsVerticesMarkedAsKept) {
   const Book book(12);
   std::vector<VertexRole> roles(book.positions.size(), VertexRole::free);
   roles[5] = VertexRole::kept;
@@ -113,7 +113,7 @@ TEST(SheetCollapse, KeptVerticesStay) {
             (std::set<std::pair<std::uint32_t, std::uint32_t>>{{0, 5}, {5, 12}}));
 }
 
-TEST(SheetCollapse, ATouchingVertexStaysBetweenTheEndsOfACurve) {
+TEST(SheetCollapse, KeepsOneTouchingVertexPerCurve) {
   const Book book(12);
   std::vector<VertexRole> roles(book.positions.size(), VertexRole::free);
   for (std::uint32_t i = 1; i < 12; ++i) roles[i] = VertexRole::touching;
@@ -229,7 +229,7 @@ SimplifyFigures expect_simplified(Meshes& meshes, const SimplifyOptions& options
   return *figures;
 }
 
-TEST(LabelNet, CellsKeepTheirCommonFacesAtEveryDistance) {
+TEST(LabelNet, KeepsCommonFacesOfCellsAtEveryDistance) {
   for (const double distance : {0.05, 0.3, 1.0}) {
     Meshes meshes = meshes_of(cells({24, 20, 22}, 9, 1));
     const auto figures = expect_simplified(meshes, {.max_distance = distance, .patch_size = 8});
@@ -238,7 +238,7 @@ TEST(LabelNet, CellsKeepTheirCommonFacesAtEveryDistance) {
 }
 
 // A collapse of a curve removes a triangle of each of its sheets.
-TEST(LabelNet, ATargetCountsCommonTrianglesOnce) {
+TEST(LabelNet, CountsCommonTrianglesOnceTowardATarget) {
   Meshes meshes = meshes_of(cells({24, 20, 22}, 5, 2));
   const std::uint64_t target = common_faces_of(meshes).net / 10;
   const auto figures = expect_simplified(
@@ -248,7 +248,7 @@ TEST(LabelNet, ATargetCountsCommonTrianglesOnce) {
 }
 
 // In noise labels touch themselves and others along edges and in corners.
-TEST(LabelNet, NoiseKeepsItsTopology) {
+TEST(LabelNet, KeepsTopologyOfNoise) {
   for (const extract::Method method : {extract::Method::surface_nets, extract::Method::voxels}) {
     for (unsigned seed = 0; seed < 4; ++seed) {
       Meshes meshes = meshes_of(test::random_field<std::uint8_t>({8, 9, 7}, seed, 3), method);
@@ -257,7 +257,7 @@ TEST(LabelNet, NoiseKeepsItsTopology) {
   }
 }
 
-TEST(LabelNet, StretchedCellsKeepTheDistanceInVoxels) {
+TEST(LabelNet, KeepsTheDistanceInStretchedVoxels) {
   Meshes meshes = meshes_of(cells({16, 16, 16}, 5, 3));
   SimplifyOptions options{.max_distance = 0.2, .patch_size = 8};
   options.to_metric[2][2] = 3;
@@ -268,7 +268,7 @@ TEST(LabelNet, StretchedCellsKeepTheDistanceInVoxels) {
   EXPECT_GT(common_faces_of(meshes).common.size(), 3U);
 }
 
-TEST(LabelNet, OneMeshIsSimplifiedAsBefore) {
+TEST(LabelNet, SimplifiesOneMeshLikeSimplifyMesh) {
   Meshes meshes = meshes_of(test::dense_field<std::uint8_t>(
       {16, 16, 16}, [](int x, int y, int z) { return glm::length(glm::vec3(x, y, z) - 8.F) < 6 ? 1 : 0; }));
   ASSERT_EQ(meshes.size(), 1U);
@@ -280,7 +280,7 @@ TEST(LabelNet, OneMeshIsSimplifiedAsBefore) {
   EXPECT_EQ(test::triangle_set(meshes[0]), test::triangle_set(alone->mesh));
 }
 
-TEST(LabelNet, NoMemoryIsAnError) {
+TEST(LabelNet, FailsIfMemoryIsShort) {
   Meshes meshes = meshes_of(cells({12, 12, 12}, 4, 4));
   const auto list = pointers(meshes);
   const auto refused = LabelNet::join(list, Context(MemoryBudget(1000)));

@@ -64,16 +64,16 @@ void expect_closing(const PlanarLoops& loops, const LoopTriangles& made, const s
   for (const glm::uvec3& t : made.triangles) {
     for (int i = 0; i < 3; ++i) ++uses[{t[i], t[(i + 1) % 3]}];
   }
-  std::size_t border = 0;
+  std::size_t boundary_edges = 0;
   for (const auto& [edge, count] : uses) {
     ASSERT_EQ(count, 1) << what;
     ASSERT_NE(edge.first, edge.second) << what;
     if (uses.contains({edge.second, edge.first})) continue;
-    ++border;
+    ++boundary_edges;
     ASSERT_LT(edge.first, loops.next.size()) << what;
     ASSERT_EQ(loops.next[edge.first], edge.second) << what;
   }
-  ASSERT_EQ(border, loops.points.size()) << what;
+  ASSERT_EQ(boundary_edges, loops.points.size()) << what;
 }
 
 // Also expects the triangles to cover the region on the left of the loops once.
@@ -115,7 +115,7 @@ TEST(LoopTriangulation, FillsNestedCircles) {
 
 // The outline of random chessboard squares: many collinear points and loops that touch in points. Each touching point
 // may separate or join the squares.
-PlanarLoops borders_of_squares(std::mt19937& random, int size, double share, bool joined) {
+PlanarLoops outlines_of_squares(std::mt19937& random, int size, double share, bool joined) {
   std::vector<char> taken(static_cast<std::size_t>(size) * size);
   for (char& square : taken) square = static_cast<char>(std::bernoulli_distribution(share)(random));
   const auto is_taken = [&](int x, int y) {
@@ -124,7 +124,7 @@ PlanarLoops borders_of_squares(std::mt19937& random, int size, double share, boo
   // For each corner, each direction: east, north, west, south. The filled square is on the left.
   const int dx[] = {1, 0, -1, 0};
   const int dy[] = {0, 1, 0, -1};
-  const auto is_border = [&](int x, int y, int d) {
+  const auto is_outline = [&](int x, int y, int d) {
     const int left_x[] = {x, x - 1, x - 1, x};
     const int left_y[] = {y, y, y - 1, y - 1};
     const int right = (d + 3) % 4;
@@ -135,7 +135,7 @@ PlanarLoops borders_of_squares(std::mt19937& random, int size, double share, boo
   for (int y = 0; y <= size; ++y) {
     for (int x = 0; x <= size; ++x) {
       for (int d = 0; d < 4; ++d) {
-        if (!is_border(x, y, d) || seen[{x, y, d}]) continue;
+        if (!is_outline(x, y, d) || seen[{x, y, d}]) continue;
         std::vector<glm::dvec2> loop;
         int at_x = x, at_y = y, along = d;
         while (!seen[{at_x, at_y, along}]) {
@@ -146,7 +146,7 @@ PlanarLoops borders_of_squares(std::mt19937& random, int size, double share, boo
           // Squares that touch in a corner stay separate or are joined there.
           for (const int turn : joined ? std::array{3, 0, 1} : std::array{1, 0, 3}) {
             const int other = (along + turn) % 4;
-            if (!is_border(at_x, at_y, other)) continue;
+            if (!is_outline(at_x, at_y, other)) continue;
             along = other;
             break;
           }
@@ -164,9 +164,9 @@ TEST(LoopTriangulation, FillsTouchingSquares) {
     const int size = 2 + i % 19;
     const double share = 0.3 + 0.1 * (i % 6);
     const std::string what = "squares " + std::to_string(i);
-    const PlanarLoops apart = borders_of_squares(random, size, share, false);
+    const PlanarLoops apart = outlines_of_squares(random, size, share, false);
     expect_filling(apart, must_triangulate(apart), what, true);
-    const PlanarLoops joined = borders_of_squares(random, size, share, true);
+    const PlanarLoops joined = outlines_of_squares(random, size, share, true);
     expect_filling(joined, must_triangulate(joined), what, false);
     if (HasFatalFailure()) return;
   }
@@ -176,7 +176,7 @@ TEST(LoopTriangulation, FillsTouchingSquares) {
 TEST(LoopTriangulation, FillsLoopsWithCoincidentPoints) {
   std::mt19937 random(2);
   for (int i = 0; i < 200; ++i) {
-    const PlanarLoops plain = borders_of_squares(random, 3 + i % 11, 0.6, i % 2 == 1);
+    const PlanarLoops plain = outlines_of_squares(random, 3 + i % 11, 0.6, i % 2 == 1);
     PlanarLoops loops;
     std::vector<bool> seen(plain.points.size());
     for (std::uint32_t first = 0; first < plain.points.size(); ++first) {

@@ -30,7 +30,7 @@ Strip make_strip(std::uint32_t triangles) {
   return strip;
 }
 
-TEST(PatchTriangles, AreThoseOfAPlainLoop) {
+TEST(PatchTriangles, EqualPlainLoop) {
   for (const std::size_t triangles : {std::size_t{1}, kTriangleGrain, 3 * kTriangleGrain + 17}) {
     const Strip strip = make_strip(static_cast<std::uint32_t>(triangles));
     CollapseState state(strip.positions, strip.positions, strip.triangles);

@@ -46,14 +46,14 @@ RepairFigures expect_box(mesh::Mesh mesh, const RepairOptions& options = {}) {
   return *figures;
 }
 
-TEST(Repair, LeavesASoundMeshAsItIs) {
+TEST(Repair, KeepsASoundMeshUnchanged) {
   const RepairFigures done = expect_box(mesh_of(corners({0, 0, 0}, {1, 2, 3}), outward()));
   EXPECT_EQ(
       done.welded + done.without_area + done.duplicates + done.turned + done.holes_filled + done.components_turned, 0U);
   EXPECT_EQ(done.vertices_split + done.unused_removed, 0U);
 }
 
-TEST(Repair, CountsWeldedVerticesWhoseAttributesAreLost) {
+TEST(Repair, CountsDroppedAttributesOfWeldedVertices) {
   const std::vector<glm::vec3> box = corners({0, 0, 0}, {1, 2, 3});
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
@@ -119,7 +119,7 @@ TEST(Repair, KeepsClosedSheetsThatTouchApart) {
   EXPECT_TRUE(check::check_mesh(mesh, Context())->topology.is_closed_oriented_manifold());
 }
 
-TEST(Repair, TurnsTheMinority) {
+TEST(Repair, FlipsTheMinorityOfTriangles) {
   std::vector<glm::uvec3> triangles = outward();
   for (const std::size_t t : {1, 4, 7, 8, 9}) std::swap(triangles[t].y, triangles[t].z);
   const RepairFigures done = expect_box(mesh_of(corners({0, 0, 0}, {1, 2, 3}), triangles));

@@ -83,7 +83,7 @@ test::VoxelPattern padded(unsigned bits, bool solid_around) {
 }
 
 // All contacts of the eight voxels around a corner, alone and as the only cavities of a solid.
-TEST(SeparateTouching, AllPatternsOfEightVoxels) {
+TEST(SeparateTouching, SeparatesAllPatternsOfEightVoxels) {
   std::uint64_t touching = 0;
   for (const Way& way : ways()) {
     for (const bool solid_around : {false, true}) {
@@ -97,7 +97,7 @@ TEST(SeparateTouching, AllPatternsOfEightVoxels) {
   EXPECT_GT(touching, 1000U);
 }
 
-TEST(SeparateTouching, NoiseOfAnyDensity) {
+TEST(SeparateTouching, SeparatesNoiseOfAnyDensity) {
   for (const int percent : {10, 20, 30, 40, 50, 70, 90}) {
     const auto field = test::field_of(test::random_pattern({11, 12, 13}, static_cast<unsigned>(percent), percent));
     for (const Way& way : ways()) {
@@ -108,7 +108,7 @@ TEST(SeparateTouching, NoiseOfAnyDensity) {
 }
 
 // Each of two cubes at an edge shrinks by a wedge along it, each of two at a corner by a tip.
-TEST(SeparateTouching, MovesTowardTheOwnSide) {
+TEST(SeparateTouching, ShrinksTouchingSolidsAndCavities) {
   const auto moved_mesh = [](unsigned bits, bool solid_around) {
     mesh::Mesh mesh = test::extract(test::field_of(padded(bits, solid_around)), test::voxel_options()).mesh;
     const double before = mesh::measure_size(mesh).volume;
@@ -130,7 +130,7 @@ TEST(SeparateTouching, KeepsMeshesWithoutContacts) {
 }
 
 // Long, skewed and mirrored voxels: the sheets move as in voxel coordinates.
-TEST(SeparateTouching, StretchedVoxels) {
+TEST(SeparateTouching, SeparatesStretchedVoxels) {
   const auto field = test::field_of(test::random_pattern({9, 9, 9}, 4, 30));
   const glm::dmat3 voxel(glm::dvec3(0.2, 0, 0), glm::dvec3(0.1, -0.7, 0), glm::dvec3(0, 0.3, 5));
   for (const Way& way : ways()) {
@@ -146,7 +146,7 @@ TEST(SeparateTouching, StretchedVoxels) {
 }
 
 // The move exceeds the steps of float32 numbers at the world position; where these are too coarse, nothing moves.
-TEST(SeparateTouching, FarFromTheOrigin) {
+TEST(SeparateTouching, MovesVerticesFarFromTheOriginOnlyIfFloat32Allows) {
   for (const double away : {1e3, 8e3, 1e6}) {
     SCOPED_TRACE(away);
     mesh::Mesh mesh = test::extract(test::field_of(padded(0b00001001, false)), test::voxel_options()).mesh;
@@ -160,7 +160,7 @@ TEST(SeparateTouching, FarFromTheOrigin) {
   }
 }
 
-TEST(SeparateTouching, VerticesWithoutTrianglesMoveNothing) {
+TEST(SeparateTouching, IgnoresVerticesWithoutTriangles) {
   const mesh::Mesh box = test::extract(test::field_of(padded(0b1, false)), test::voxel_options()).mesh;
   mesh::Mesh mesh;  // first an unused vertex, at the position of the first used one
   mesh.positions = Buffer<glm::vec3>(box.positions.size() + 1);

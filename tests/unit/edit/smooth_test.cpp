@@ -105,7 +105,7 @@ TEST(WeightedSmooth, KeepsTheVolumeOfEachClosedComponent) {
 }
 
 // The means of an octahedron's vertices are its center.
-TEST(WeightedSmooth, LeavesComponentsThatItWouldCollapse) {
+TEST(WeightedSmooth, KeepsComponentsThatWouldCollapse) {
   const std::vector<glm::vec3> corners{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   const std::vector<glm::uvec3> octahedron{{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4},
                                            {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};
@@ -136,7 +136,7 @@ TEST(WeightedSmooth, KeepsCapsInTheirPlane) {
 
 // Two passes on paper: a vertex of a closed fan moves to the mean of its neighbors, and then to the mean of where they
 // moved.
-TEST(WeightedSmooth, IsTheLaplacianStepOfThePaper) {
+TEST(WeightedSmooth, MatchesTheLaplacianStepOfThePaper) {
   const std::vector<glm::vec3> corners{{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   const std::vector<glm::uvec3> octahedron{{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};
   mesh::Mesh mesh = test::make_mesh("octahedron", corners, octahedron);
@@ -149,7 +149,7 @@ TEST(WeightedSmooth, IsTheLaplacianStepOfThePaper) {
   EXPECT_EQ(mesh.position(5).z, -1);
 }
 
-TEST(WeightedSmooth, NormalsAreCloserToTheSphereThanThoseOfTheTriangles) {
+TEST(WeightedSmooth, GivesBetterNormalsThanTheTriangles) {
   mesh::Mesh mesh = rough_surface(noisy_sphere(18), false, true);
   const std::vector<float> weights(mesh.positions.size(), 0.8F);
   must_smooth(mesh, weighted(25, weights));
@@ -161,7 +161,7 @@ TEST(WeightedSmooth, NormalsAreCloserToTheSphereThanThoseOfTheTriangles) {
   for (const glm::vec3& normal : mesh.normals) EXPECT_NEAR(glm::length(normal), 1, 1e-6);
 }
 
-TEST(WeightedSmooth, DoesNotDependOnTheNumberOfThreads) {
+TEST(WeightedSmooth, IsIndependentOfThreads) {
   std::vector<mesh::Mesh> made;
   for (const std::size_t threads : {1U, 2U, 5U}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -244,7 +244,7 @@ TEST_P(SmoothMethods, DampsWaveByItsGain) {
   EXPECT_LT(std::abs(smoothing_gain(options, 1.5)), 0.01);
 }
 
-TEST_P(SmoothMethods, KeepsOpenBorders) {
+TEST_P(SmoothMethods, KeepsVerticesOnBoundaryEdges) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=32", Context()).value();
   mesh::Mesh mesh = rough_surface(field, false);
   const mesh::Mesh before = copy(mesh);

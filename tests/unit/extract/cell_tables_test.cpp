@@ -53,7 +53,7 @@ class CellTables : public testing::TestWithParam<Method> {
   using MeshEdge = std::pair<int, int>;  // two vertices, named by their cell edges
 
   // Returns the directed mesh edges without an opposite in the cell. They must lie in the faces of the cell.
-  std::set<MeshEdge> border(unsigned variant) const {
+  std::set<MeshEdge> boundary(unsigned variant) const {
     std::set<MeshEdge> edges;
     for (const CellTriangle& t : triangles(variant)) {
       for (int c = 0; c < 3; ++c) {
@@ -89,21 +89,21 @@ class CellTables : public testing::TestWithParam<Method> {
     return {moved(edge.first), moved(edge.second)};
   }
 
-  // The mesh edges of a cell in one of its faces: `border` directed, `inner` with rising ends; both seen from above.
+  // The mesh edges of a cell in one of its faces: `boundary` directed, `inner` with rising ends; both seen from above.
   struct FacePattern {
-    std::set<MeshEdge> border;
+    std::set<MeshEdge> boundary;
     std::set<MeshEdge> inner;
   };
   FacePattern face_pattern(unsigned variant, int face) const {
     FacePattern pattern;
-    const std::set<MeshEdge> open = border(variant);
+    const std::set<MeshEdge> open = boundary(variant);
     for (const CellTriangle& t : triangles(variant)) {
       for (int c = 0; c < 3; ++c) {
         const MeshEdge edge(t[c], t[(c + 1) % 3]);
         if (common_face(edge) != face) continue;
         const MeshEdge seen = face % 2 != 0 ? seen_from_above(edge, face / 2) : edge;
         if (open.contains(edge)) {
-          pattern.border.insert(seen);
+          pattern.boundary.insert(seen);
         } else {
           pattern.inner.insert(std::minmax(seen.first, seen.second));
         }
@@ -186,14 +186,14 @@ TEST_P(CellTables, TunnelsJoinTwoLoops) {
       SCOPED_TRACE(testing::Message() << "variant " << variant << " with tunnel " << tunnel);
       EXPECT_EQ(euler(tunnel), euler(variant) - 2);
       EXPECT_EQ(triangles(tunnel).size(), triangles(variant).size() + 4);
-      EXPECT_EQ(border(tunnel), border(variant));
+      EXPECT_EQ(boundary(tunnel), boundary(variant));
     }
   }
 }
 
 TEST_P(CellTables, CloseSurfaceWithinCell) {
   for_each_variant([&](unsigned, unsigned, unsigned variant) {
-    for (const MeshEdge& edge : border(variant)) EXPECT_GE(common_face(edge), 0);
+    for (const MeshEdge& edge : boundary(variant)) EXPECT_GE(common_face(edge), 0);
   });
 }
 
@@ -219,11 +219,11 @@ TEST_P(CellTables, CloseSurfaceBetweenNeighbors) {
       for (const FacePattern& low : patterns) {
         for (const FacePattern& high : above[key]) {
           std::set<MeshEdge> turned;
-          for (const MeshEdge& edge : high.border) turned.insert({edge.second, edge.first});
-          EXPECT_EQ(low.border, turned);
+          for (const MeshEdge& edge : high.boundary) turned.insert({edge.second, edge.first});
+          EXPECT_EQ(low.boundary, turned);
           for (const MeshEdge& edge : low.inner) {
             EXPECT_FALSE(high.inner.contains(edge));
-            EXPECT_FALSE(low.border.contains(edge) || turned.contains(edge));
+            EXPECT_FALSE(low.boundary.contains(edge) || turned.contains(edge));
           }
         }
       }

@@ -56,11 +56,11 @@ TEST_P(Invariants, IsOpenOnlyAtDataBoundary) {
     if (count == 2) continue;
     const glm::dvec3 a = mesh.position(edge.first);
     const glm::dvec3 b = mesh.position(edge.second);
-    bool on_border = false;
+    bool at_data_boundary = false;
     for (int axis = 0; axis < 3; ++axis) {
-      on_border |= a[axis] == b[axis] && (a[axis] == 0 || a[axis] == 29);
+      at_data_boundary |= a[axis] == b[axis] && (a[axis] == 0 || a[axis] == 29);
     }
-    EXPECT_TRUE(on_border);
+    EXPECT_TRUE(at_data_boundary);
   }
 }
 

@@ -92,7 +92,7 @@ TEST(LabelNetVolumes, KeepsVolumesOfNeighbors) {
 
 // Relaxing changes no side: in noise of any density, the components and the sides that they face stay, and each
 // triangle has a voxel of its label behind it and another one before it.
-TEST(LabelNetVolumes, RelaxingChangesNoSides) {
+TEST(LabelNetVolumes, KeepsLabelsOnTheirSidesOfTriangles) {
   const glm::ivec3 dims{17, 12, 13};
   for (const int percent : {5, 20, 35, 50, 70, 90, 97}) {
     std::mt19937 engine(static_cast<unsigned>(percent));

@@ -41,7 +41,7 @@ std::size_t triangles_alone(const Labels& meshes, const Alone& found) {
 
 // If all samples have a label, triangles in one mesh only lie in the flat data boundary.
 void expect_no_gaps(const Labels& meshes, const glm::ivec3& dims) {
-  const auto in_border = [&](const PlacedTriangle& triangle) {
+  const auto in_data_boundary = [&](const PlacedTriangle& triangle) {
     const auto lies_in = [&](auto coordinate, int count) {
       return std::ranges::all_of(triangle, [&](const test::Point& p) { return coordinate(p) == -0.5; }) ||
              std::ranges::all_of(triangle, [&](const test::Point& p) { return coordinate(p) == count - 0.5; });
@@ -50,8 +50,8 @@ void expect_no_gaps(const Labels& meshes, const glm::ivec3& dims) {
            lies_in([](const test::Point& p) { return std::get<1>(p); }, dims.y) ||
            lies_in([](const test::Point& p) { return std::get<2>(p); }, dims.z);
   };
-  const std::size_t alone =
-      triangles_alone(meshes, [&](const PlacedTriangle& triangle) { EXPECT_TRUE(in_border(triangle)) << "a gap"; });
+  const std::size_t alone = triangles_alone(
+      meshes, [&](const PlacedTriangle& triangle) { EXPECT_TRUE(in_data_boundary(triangle)) << "a gap"; });
   EXPECT_GE(alone, static_cast<std::size_t>(4 * (dims.x * dims.y + dims.y * dims.z + dims.z * dims.x)));
 }
 
@@ -249,14 +249,14 @@ void expect_same(const Labels& a, const Labels& b) {
   }
 }
 
-TEST(LabelNets, ChosenLabelsChangeNoMesh) {
+TEST(LabelNets, MakesTheSameMeshesForChosenLabels) {
   const field::ScalarField field = test::random_field<std::uint16_t>({20, 20, 20}, 7, 5);
   const Labels some = nets_of(field, net_options(), {false, {4, 2}});
   EXPECT_EQ(some.size(), 2U);
   expect_same(some, nets_of(field));
 }
 
-TEST(LabelNets, ThreadsChangeNoBytes) {
+TEST(LabelNets, IsIndependentOfThreads) {
   const field::ScalarField field = test::random_field<std::uint8_t>({150, 40, 30}, 8, 4);
   Labels first;
   for (const std::size_t threads : {1, 2, 7}) {
@@ -320,7 +320,7 @@ TEST(LabelNets, ReadsEveryIntegerType) {
   check(test::dense_field<std::uint32_t>({9, 9, 9}, label));
 }
 
-TEST(LabelNets, IsoValueMakesTwoLabels) {
+TEST(LabelNets, MakesTwoLabelsFromAnIsoValue) {
   const field::ScalarField field = ball_of_halves(12, false);
   ExtractOptions options = net_options();
   options.iso = 0.5;
@@ -344,7 +344,7 @@ TEST(LabelNets, KeepsWindingForMirrorsAndShears) {
       test::expect_sound(mesh, true);
       EXPECT_GT(mesh::measure_size(mesh).volume, 0);
     }
-    // The volumes of labels that share their borders add up.
+    // The volumes of labels that share their boundaries add up.
     double volume = 0;
     for (const auto& [label, mesh] : meshes) volume += mesh::measure_size(mesh).volume;
     EXPECT_NEAR(volume, 4.0 * 9 * 8 * 7, 0.01);
@@ -391,7 +391,7 @@ std::uint64_t work_on(int blocks) {
 }
 
 // Counts instead of times: 64 times the labels, 64 times the work, whatever the size of the map.
-TEST(LabelNets, WorkGrowsWithTheLabelsAlone) {
+TEST(LabelNets, DoesWorkInProportionToLabels) {
   EXPECT_EQ(work_on(2), 8U);
   EXPECT_EQ(work_on(8), 512U);
 }

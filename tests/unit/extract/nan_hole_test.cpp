@@ -119,7 +119,7 @@ TEST_P(NanHole, LeavesOutOnlyCellsAtNan) {
   }
 }
 
-TEST_P(NanHole, TellsBorderOfDrawnCells) {
+TEST_P(NanHole, LeavesBoundaryEdgesAroundHoleCells) {
   const field::ScalarField field = test::dense_field<double>({10, 10, 10}, [](int i, int j, int k) {
     return i == 5 && j == 5 && k == 4 ? std::numeric_limits<double>::quiet_NaN() : k;
   });
@@ -180,11 +180,12 @@ TEST_P(NanHole, CapsLeaveOutSquaresAtNan) {
     o.cap = true;
     const Extraction result = test::extract(field, o);
     test::expect_sound(result.mesh, false);
-    const int on_border = static_cast<int>(nan.x == 0) + static_cast<int>(nan.y == 0) + static_cast<int>(nan.z == 0);
+    const int boundary_faces =
+        static_cast<int>(nan.x == 0) + static_cast<int>(nan.y == 0) + static_cast<int>(nan.z == 0);
     // Four squares are left out around a sample in a face, three at a corner, none for a sample in the interior.
-    const std::uint64_t squares = on_border == 1 ? 4 : static_cast<std::uint64_t>(on_border);
+    const std::uint64_t squares = boundary_faces == 1 ? 4 : static_cast<std::uint64_t>(boundary_faces);
     EXPECT_EQ(result.mesh.triangles.size(), 2 * (6 * 8 * 8 - squares));
-    EXPECT_EQ(mesh::measure_topology(result.mesh).open_edges, on_border == 1 ? 8U : on_border == 3 ? 6U : 0U);
+    EXPECT_EQ(mesh::measure_topology(result.mesh).open_edges, boundary_faces == 1 ? 8U : boundary_faces == 3 ? 6U : 0U);
   }
 }
 

@@ -29,7 +29,7 @@ void expect_normals(const mesh::Mesh& mesh, bool wanted) {
 class Nan : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Nan, testing::ValuesIn(test::all_methods()), test::method_name);
 
-TEST_P(Nan, FailsAndTellsIndex) {
+TEST_P(Nan, FailsAndReportsIndex) {
   const ExtractOptions options = test::options_of(GetParam(), 0.5);
   for (const bool sparse : {false, true}) {
     field::ScalarField field = block_with(kNan);
@@ -53,7 +53,7 @@ TEST_P(Nan, FailsWithoutInsideSamples) {
   EXPECT_FALSE(make_cpu_extractor()->extract(block_with(kNan), options, Context()));
 }
 
-TEST_P(Nan, OutsideCutsHalfwayAndCloses) {
+TEST_P(Nan, CutsHalfwayAndClosesIfOutside) {
   ExtractOptions options = test::options_of(GetParam(), 0.5);
   options.nan = NanPolicy::outside;
   options.smooth_normals = test::traits_of(GetParam()).gradient_normals;

@@ -159,7 +159,7 @@ void for_each_point(const NetGrid& grid, const F& f) {
   }
 }
 
-TEST(NetParts, RelaxesAsPointByPoint) {
+TEST(NetParts, RelaxesLikePlainLoop) {
   for (const int blocks : {1, 4}) {
     Map map(3, blocks);
     const LabelChunks labels = map.chunks();
@@ -182,7 +182,7 @@ TEST(NetParts, RelaxesAsPointByPoint) {
   }
 }
 
-TEST(NetParts, FacesAroundAPointHaveIt) {
+TEST(NetParts, FindsFacesThatContainEachPoint) {
   Map map(4, 2);
   const LabelChunks labels = map.chunks();
   const auto grid = NetGrid::make(labels, Context(), "test");
@@ -217,7 +217,7 @@ TEST(NetParts, FacesAroundAPointHaveIt) {
 }
 
 // A shell is a component of the mesh of its label.
-TEST(NetParts, ShellsAreComponents) {
+TEST(NetParts, CountsOneShellPerComponent) {
   for (const int blocks : {1, 2, 5}) {
     Map map(5, blocks);
     const LabelChunks labels = map.chunks();

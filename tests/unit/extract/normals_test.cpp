@@ -43,7 +43,7 @@ TEST_P(SmoothNormals, AreExactForPlaneInAnyFrame) {
   }
 }
 
-TEST_P(NoNormals, WithoutOption) {
+TEST_P(NoNormals, AreMadeWithoutOption) {
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", Context()).value();
   const mesh::Mesh mesh = test::extract(field, test::options_of(GetParam(), 0)).mesh;
   EXPECT_FALSE(mesh.positions.empty());

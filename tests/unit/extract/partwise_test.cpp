@@ -150,7 +150,7 @@ TEST_P(Partwise, GivesSameMeshInOrder) {
 }
 
 // A writer can write each part once it has the next one, if it keeps far vertices.
-TEST_P(Partwise, TrianglesReferToTheirPartTheNextOneAndFarVertices) {
+TEST_P(Partwise, LimitsTrianglesToOwnAndNextPartAndFarVertices) {
   const field::ScalarField field = test::random_field<float>({20, 21, 39}, 7, 1000);
   for (const bool cap : {false, true}) {
     ExtractOptions options = test::options_of(GetParam(), 500, cap);
@@ -209,7 +209,7 @@ void expect_equal(const mesh::MeshMeasures& a, const mesh::MeshMeasures& b) {
 }
 
 // Of few samples inside, there are many components; of half of them, one reaches through all parts.
-TEST_P(Partwise, MeasuresAreThoseOfTheWholeMesh) {
+TEST_P(Partwise, MeasuresLikeTheWholeMesh) {
   const field::ScalarField field = test::random_field<float>({64, 41, 45}, 9, 1000);
   for (const bool cap : {false, true}) {
     for (const double iso : {500, 950}) {
@@ -229,7 +229,7 @@ TEST_P(Partwise, MeasuresAreThoseOfTheWholeMesh) {
   }
 }
 
-TEST_P(Partwise, TellsWhetherPositionsAreDistinct) {
+TEST_P(Partwise, ReportsWhetherPositionsAreDistinct) {
   // Many values equal the iso value, so that vertices lie next to samples.
   const field::ScalarField field = test::random_field<std::uint8_t>({30, 30, 30}, 8, 4);
   const glm::dmat3 rotation(0.8, 0.6, 0, -0.36, 0.48, 0.8, 0.48, -0.64, 0.6);
@@ -261,7 +261,7 @@ TEST_P(Partwise, MakesWholeMeshIfSinkDeclines) {
   test::expect_sound(made.mesh, false);
 }
 
-TEST_P(Partwise, OffersNoMeshThatIsEditedAsWhole) {
+TEST_P(Partwise, OffersNoPartsOfSparseKeyedOrEmptyMeshes) {
   field::ScalarField dense = test::random_field<float>({24, 24, 24}, 5, 1000);
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   Assembler sink;

@@ -47,7 +47,7 @@ TEST(Voxels, MeshesAcrossChunks) {
   }
 }
 
-TEST(Voxels, MakesOneSampleABox) {
+TEST(Voxels, MakesABoxOfOneSample) {
   const VoxelPattern pattern{{1, 1, 1}, {1}};
   const mesh::Mesh mesh = mesh_of(pattern);
   EXPECT_EQ(mesh.positions.size(), 8U);

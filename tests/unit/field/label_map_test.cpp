@@ -120,7 +120,7 @@ TEST(LabelMap, MeasuresEachLabelOfAnyIntegerAndFloatingPointType) {
   }
 }
 
-TEST(LabelMap, OneLabelWithoutBackgroundPerCell) {
+TEST(LabelMap, MeasuresCellsWithoutBackground) {
   const glm::ivec3 dims(60, 50, 40);
   const ValueAt labels = random_cells(5, 3);
   const ScalarField field = field_of<std::uint32_t>(dims, labels);
@@ -131,7 +131,7 @@ TEST(LabelMap, OneLabelWithoutBackgroundPerCell) {
   expect_counts(*map, dims, labels);
 }
 
-TEST(LabelMap, FieldsBeyondTheSampleAreMeasuredAsAWhole) {
+TEST(LabelMap, MeasuresAllSamplesOfLargeFields) {
   const glm::ivec3 dims(70, 65, 61);  // more than 2^17 samples
   const ValueAt labels = random_cells(9, 5);
   const ScalarField field = field_of<std::int16_t>(dims, labels);
@@ -144,7 +144,7 @@ TEST(LabelMap, FieldsBeyondTheSampleAreMeasuredAsAWhole) {
   EXPECT_FALSE(measure_label_map(field_of<float>(dims, broken)));
 }
 
-TEST(LabelMap, ThreadsChangeNothing) {
+TEST(LabelMap, IsIndependentOfThreads) {
   const ScalarField field = field_of<std::uint16_t>({80, 70, 60}, random_cells(6, 7));
   const auto map = measure_label_map(field);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -155,7 +155,7 @@ TEST(LabelMap, ThreadsChangeNothing) {
   EXPECT_EQ(map->equal_share, alone->equal_share);
 }
 
-TEST(LabelMap, TwoValuesAreAMaskWhateverTheyAre) {
+TEST(LabelMap, RecognizesAnyTwoValuesAsAMask) {
   for (const double inside : {1.0, 255.0}) {
     const ValueAt mask = [&](int x, int y, int z) { return in_ball(x, y, z, 12) ? inside : 0; };
     for (const ScalarField& field : {field_of<std::uint8_t>({40, 40, 40}, mask), field_of<float>({40, 40, 40}, mask)}) {
@@ -171,7 +171,7 @@ TEST(LabelMap, TwoValuesAreAMaskWhateverTheyAre) {
             LabelMapKind::binary_mask);
 }
 
-TEST(LabelMap, NoiseScansAndSmoothFieldsAreNone) {
+TEST(LabelMap, RejectsNoiseScansAndSmoothFields) {
   const glm::ivec3 dims(40, 40, 40);
   std::mt19937 random(1);
   const auto noise = [&](int values) {
@@ -195,7 +195,7 @@ TEST(LabelMap, NoiseScansAndSmoothFieldsAreNone) {
   EXPECT_FALSE(kind_of(field_of<std::uint8_t>({8, 20, 20}, [](int x, int, int) { return x; })));
 }
 
-TEST(LabelMap, TheKindOfTheFieldCounts) {
+TEST(LabelMap, RejectsScaledLevelSetSmallAndConstantFields) {
   const ValueAt mask = [](int x, int y, int z) { return in_ball(x, y, z, 12) ? 1 : 0; };
   ScalarField field = field_of<std::uint8_t>({40, 40, 40}, mask);
   field.scale = {2, 0};
@@ -211,7 +211,7 @@ TEST(LabelMap, TheKindOfTheFieldCounts) {
   EXPECT_FALSE(kind_of(field_of<Half>({16, 16, 16}, [](int x, int, int) { return x < 8 ? 0 : 2050; })));
 }
 
-TEST(LabelMap, NanSamplesAreLeftOut) {
+TEST(LabelMap, IgnoresNanSamples) {
   const ValueAt labels = [](int x, int y, int z) {
     if (z == 0) return std::numeric_limits<double>::quiet_NaN();
     return in_ball(x, y, z, 15) ? (x < 20 ? 1.0 : 2.0) : 0.0;
@@ -223,7 +223,7 @@ TEST(LabelMap, NanSamplesAreLeftOut) {
   EXPECT_EQ(map->background->voxels + map->labels[0].voxels + map->labels[1].voxels, 41U * 41 * 40);
 }
 
-TEST(LabelMap, SparseIntegersWithTiles) {
+TEST(LabelMap, MeasuresSparseIntegersWithTiles) {
   auto values = std::make_shared<std::vector<std::int32_t>>(512, 0);
   // The block from (8, 0, -8) on: label 4 where its k is at least 3, else the background.
   for (std::size_t n = 0; n < values->size(); ++n) (*values)[n] = n % 8 >= 3 ? 4 : 9;

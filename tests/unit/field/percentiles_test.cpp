@@ -58,7 +58,7 @@ TEST(Percent, RanksAreExactForDecimals) {
 }
 
 // Compares with sorted samples, for every type and for more percentiles than one pass finds.
-TEST(MeasurePercentiles, ReturnsSamplesOfTheirRank) {
+TEST(MeasurePercentiles, ReturnsSamplesByRank) {
   const std::vector<Percent> asked{percent("50"),  percent("0"),    percent("100"), percent("99.9"),
                                    percent("0.5"), percent("33.3"), percent("50"),  percent("1"),
                                    percent("2"),   percent("3"),    percent("97"),  percent("98")};

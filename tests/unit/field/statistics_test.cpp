@@ -293,7 +293,7 @@ TEST(Statistics, ThreeClassesSeparateAirSoftTissueAndBone) {
   EXPECT_NEAR(isos->bone, 400, 100);
 }
 
-TEST(Statistics, OnlyCtScansGetIsosOfSkinAndBone) {
+TEST(Statistics, SuggestsSkinAndBoneOnlyForCtScans) {
   const auto is_scan = [](const ScalarField& field) {
     return suggest_ct_isos(field, measure_statistics(field)).has_value();
   };

@@ -56,7 +56,7 @@ TEST(OutputFileChange, HashesChangedBytesWhenItCommits) {
 }
 
 // Moves forward and backward, by more and less than the moved size, and than a block.
-TEST(OutputFileChange, MovesTheEnd) {
+TEST(OutputFileChange, MovesTheLastBytes) {
   const TempFolder folder;
   for (const std::size_t size : {std::size_t{0}, std::size_t{100}, std::size_t{5} << 20}) {
     for (const std::size_t step : {0, 1, 99, 1 << 20, (2 << 20) + 3}) {

@@ -45,7 +45,7 @@ TEST(OutputFile, CommitsNameAndBytes) {
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
-TEST(OutputFile, FillsRoomFromSeveralThreads) {
+TEST(OutputFile, FillsReservedBytesFromSeveralThreads) {
   const TempFolder folder;
   auto file = must_create(folder / "out.bin");
   ASSERT_TRUE(file.write("head"));
@@ -298,7 +298,7 @@ TEST(OutputFile, ExplainsInvalidPaths) {
 }
 
 TEST(OutputFile, FailsWithoutPermission) {
-  constexpr uid_t kNobody = 65534;
+  constexpr uid_t kOtherUser = 65534;
   const TempFolder folder;
   fs::create_directory(folder / "closed");
   write_bytes(folder / "closed/protected.bin", "old");
@@ -309,7 +309,7 @@ TEST(OutputFile, FailsWithoutPermission) {
   fs::permissions(folder.path(), fs::perms(0755));
   const int code = in_child([&] {
     fs::permissions(folder / "closed", fs::perms(0555));
-    if (::geteuid() == 0 && ::seteuid(kNobody) != 0) return 77;
+    if (::geteuid() == 0 && ::seteuid(kOtherUser) != 0) return 77;
     const auto in_closed = OutputFile::create(folder / "closed/out.bin");
     if (in_closed || in_closed.error().code != ErrorCode::output) return 1;
     if (in_closed.error().message.find("no permission") == std::string::npos) return 2;
@@ -351,21 +351,21 @@ TEST_F(OutputFilePair, CommitsBoth) {
   }
 }
 
-TEST_F(OutputFilePair, RemovesANewFirstIfTheLastFails) {
+TEST_F(OutputFilePair, RemovesTheNewFirstFileIfTheLastFails) {
   const auto committed = commit_pair([this] { block_last(); });
   ASSERT_FALSE(committed);
   EXPECT_EQ(committed.error().code, ErrorCode::output);
   EXPECT_EQ(folder_.names(), Names{"a.gltf"});
 }
 
-TEST_F(OutputFilePair, RestoresAnOldFirstIfTheLastFails) {
+TEST_F(OutputFilePair, RestoresTheOldFirstFileIfTheLastFails) {
   write_bytes(first_, "old data");
   ASSERT_FALSE(commit_pair([this] { block_last(); }));
   EXPECT_EQ(read_bytes(first_), "old data");
   EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
 }
 
-TEST_F(OutputFilePair, KeepsTheLastIfTheFirstFails) {
+TEST_F(OutputFilePair, KeepsTheLastFileIfTheFirstFails) {
   write_bytes(last_, "old model");
   ASSERT_FALSE(commit_pair([this] { fs::create_directories(first_ / "in the way"); }));
   EXPECT_EQ(read_bytes(last_), "old model");

@@ -57,7 +57,7 @@ class ParkedStreamsTest : public testing::Test {
   std::string content_;
 };
 
-TEST_F(ParkedStreamsTest, GoOnFromTheNearestPlaceBefore) {
+TEST_F(ParkedStreamsTest, ResumeAtTheNearestEarlierPosition) {
   ParkedStreams streams(3);
   EXPECT_EQ(rest_from(streams, 500'000), "none");
   park(streams, 300'000, 20);

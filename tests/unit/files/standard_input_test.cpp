@@ -228,7 +228,7 @@ TEST(StandardInput, OpensAsAnInputFile) {
 }
 
 // Bytes read before the failure are gone: a second attempt must not return a shorter file.
-TEST(StandardInput, KeepsAFailure) {
+TEST(StandardInput, RepeatsTheErrorOfAFailedRead) {
   EXPECT_EQ(with_input(std::string(1000, 'x'),
                        [] {
                          if (InputFile::open("-", Context(MemoryBudget(10)))) return 1;
@@ -238,7 +238,7 @@ TEST(StandardInput, KeepsAFailure) {
             0);
 }
 
-TEST(StandardInput, RejectsDataFilesOfItsHeader) {
+TEST(StandardInput, RejectsDetachedDataFiles) {
   const auto beside = resolve_beside("-", "CMakeLists.txt");
   ASSERT_FALSE(beside);
   EXPECT_NE(beside.error().message.find("standard input"), std::string::npos);

@@ -143,7 +143,7 @@ TEST_P(Slabs, UploadsOnlyCrossedBricks) {
   }
 }
 
-TEST_P(Slabs, FailsAndTellsEnoughMemory) {
+TEST_P(Slabs, FailsAndReportsSufficientMemory) {
   const field::ScalarField field = noise({20, 20, 20});
   test::DenseSurface surface(field, half(GetParam(), false));
   EXPECT_TRUE(surface.source(4 * product(glm::ivec3(9)), 2048));

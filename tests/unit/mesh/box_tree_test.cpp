@@ -118,7 +118,7 @@ TEST(BoxTree, KeepsGroupsTogether) {
   for (std::size_t slot = 0; slot < groups.size(); ++slot) {
     leaves_of.insert({groups[tree.numbers()[slot]], tree.leaf_of(slot)});
   }
-  EXPECT_LE(leaves_of.size(), tree.leaves() + 4) << "only at the four borders has a leaf two of them";
+  EXPECT_LE(leaves_of.size(), tree.leaves() + 4) << "a leaf has two groups only where one group ends";
 }
 
 TEST(BoxTree, FindsItemsThatGrew) {

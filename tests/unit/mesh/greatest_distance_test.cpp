@@ -49,7 +49,7 @@ TEST_F(GreatestDistanceTest, IsReachedInsideTriangle) {
   EXPECT_LE(found.upper, 3 * (1 + 2e-3));
 }
 
-TEST_F(GreatestDistanceTest, AppliesShiftAndLeavesTrianglesOut) {
+TEST_F(GreatestDistanceTest, AppliesShiftAndSkipsExcludedTriangles) {
   const std::vector<glm::vec3> positions{{1, 1, 1}, {2, 1, 1}, {2, 2, 3}, {1, 1, 50}};
   const std::vector<glm::uvec3> triangles{{0, 1, 2}, {0, 1, 3}};
   const std::vector<char> second{0, 1};

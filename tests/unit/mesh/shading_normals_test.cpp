@@ -71,7 +71,7 @@ TEST(ShadingNormals, CubeFacesAreFlat) {
   }
 }
 
-TEST(ShadingNormals, PlanesAreCreasesAndOthersKeepNormals) {
+TEST(ShadingNormals, TreatPlanesAsCreasesAndKeepOtherNormals) {
   Mesh mesh = cube();
   const std::array<std::uint8_t, 12> planes{1, 1};  // the bottom, like a cap
   const auto copies = compute_shading_normals(mesh, {.planes = planes, .crease_degrees = {}}, "cube", Context());
@@ -86,7 +86,7 @@ TEST(ShadingNormals, PlanesAreCreasesAndOthersKeepNormals) {
   }
 }
 
-TEST(ShadingNormals, MeansCopyNoVertex) {
+TEST(ShadingNormals, CopyNoVertexIfForbidden) {
   Mesh mesh = cube();
   mesh.normals = {};
   const auto copies =

@@ -113,7 +113,7 @@ TEST(TriangleTreeTest, FindsNearestPointFromAnyHint) {
 }
 
 // A coarse surface above a fine one: each large triangle has many small ones below.
-TEST(BoundDistance, OtherSlotsOnlySaveWork) {
+TEST(BoundDistance, DecidesAlikeForAnySlots) {
   const Surface fine = wavy_surface(60, 1);
   const Surface coarse = wavy_surface(12, 5);
   const TriangleTree tree(fine.positions, fine.triangles);

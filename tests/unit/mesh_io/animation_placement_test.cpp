@@ -26,7 +26,7 @@ class AnimationPlacement : public testing::Test {
   mesh::Mesh small_ = make_mesh("small", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
 };
 
-TEST_F(AnimationPlacement, IsThatOfTheFirstAcceptedFrame) {
+TEST_F(AnimationPlacement, FollowsTheFirstAcceptedFrame) {
   ASSERT_FALSE(add(0, sphere(40, false), "refused")) << "it fits into 10,000 bytes";
   ASSERT_TRUE(add(1, small_, "accepted"));
   ASSERT_TRUE(add(2, small_, "accepted"));

@@ -42,7 +42,7 @@ class NumberTextFloat : public testing::Test {};
 using FloatTypes = testing::Types<float, double>;
 TYPED_TEST_SUITE(NumberTextFloat, FloatTypes);
 
-TYPED_TEST(NumberTextFloat, OfWholeNumbersAndThoseBesideThem) {
+TYPED_TEST(NumberTextFloat, WritesWholeNumbersAndTheirNeighbors) {
   constexpr TypeParam kInfinity = std::numeric_limits<TypeParam>::infinity();
   for (int whole = 0; whole < 250'000; ++whole) {
     const auto number = static_cast<TypeParam>(whole);
@@ -53,7 +53,7 @@ TYPED_TEST(NumberTextFloat, OfWholeNumbersAndThoseBesideThem) {
   }
 }
 
-TYPED_TEST(NumberTextFloat, OfAnyBits) {
+TYPED_TEST(NumberTextFloat, WritesAnyBits) {
   using Limits = std::numeric_limits<TypeParam>;
   for (const TypeParam number :
        {Limits::max(), Limits::min(), Limits::denorm_min(), Limits::infinity(), Limits::quiet_NaN(), TypeParam(-0.0),

@@ -268,7 +268,7 @@ TEST_P(Packing, KeepsSharedVerticesOfHalvesEqual) {
     triangles.emplace_back(a, a + 1, a + 3);
     triangles.emplace_back(a, a + 3, a + 2);
   }
-  std::array<std::set<std::tuple<double, double, double>>, 2> borders;
+  std::array<std::set<std::tuple<double, double, double>>, 2> common;
   for (const int half : {0, 1}) {
     const auto meshes = one(half == 0 ? test::make_mesh("low", low, triangles, {}, low_origin)
                                       : test::make_mesh("high", high, triangles, {}, high_origin));
@@ -276,11 +276,11 @@ TEST_P(Packing, KeepsSharedVerticesOfHalvesEqual) {
     const mesh::Mesh found = must_read(folder_ / kind.file());
     for (std::size_t v = 0; v < found.positions.size(); ++v) {
       const glm::dvec3 p = found.position(v);
-      if (p.x == 0) borders[static_cast<std::size_t>(half)].emplace(p.x, p.y, p.z);
+      if (p.x == 0) common[static_cast<std::size_t>(half)].emplace(p.x, p.y, p.z);
     }
   }
-  EXPECT_EQ(borders[0].size(), static_cast<std::size_t>(kSide + 1));
-  EXPECT_EQ(borders[0], borders[1]);
+  EXPECT_EQ(common[0].size(), static_cast<std::size_t>(kSide + 1));
+  EXPECT_EQ(common[0], common[1]);
 }
 
 TEST(PackingOptions, RefusesVertexOutsideOfBox) {

@@ -120,7 +120,7 @@ TEST_P(PartwiseFile, LeavesNothingIfNotFinished) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
-TEST_P(PartwiseFile, DeclinesMeshesThatNeedAllOfThem) {
+TEST_P(PartwiseFile, DeclinesMeshesThatNeedAllParts) {
   const mesh::Mesh mesh = sphere(kRings, false);
   const MeshFormat format = GetParam();
   ASSERT_EQ(begins(mesh, {.format = format}, path("out")), true);
@@ -271,7 +271,7 @@ TEST_P(OrderedFile, HasBytesAndHashOfAWholeMesh) {
   }
 }
 
-TEST_P(OrderedFile, DeclinesMeshesThatNeedAllOfThem) {
+TEST_P(OrderedFile, DeclinesMeshesThatNeedAllParts) {
   const mesh::Mesh mesh = ordered_sphere(true);
   const auto begins = [&](const MeshWriteOptions& options, const mesh::MeshShape& shape, Ranks* ranks = nullptr) {
     MeshWriter writer(folder_ / "out", options, Context());
@@ -319,7 +319,7 @@ TEST_P(OrderedFile, LeavesNoFileIfAPartFails) {
   EXPECT_TRUE(folder_.names().empty());
 }
 
-TEST(OrderedFiles, BinaryStlOfTooManyTrianglesFailsAtOnce) {
+TEST(OrderedFiles, RefuseBinaryStlOfTooManyTriangles) {
   const TempFolder folder;
   MeshWriter writer(folder / "out", {.format = MeshFormat::stl}, Context());
   const auto begun = writer.begin_parts({}, {.triangles = std::uint64_t{1} << 32U});

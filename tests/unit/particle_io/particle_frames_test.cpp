@@ -89,7 +89,7 @@ TEST(ParticleFrames, UsesTheWholeFramesOfATruncatedFile) {
   }
 }
 
-TEST(ParticleFrames, TellsHowMuchOfTheLastFrameThereIs) {
+TEST(ParticleFrames, NotesParticlesOfAnIncompleteLastFrame) {
   const auto notes_of = [](const std::string& name, const std::string& text) {
     return texts_of(must_inform({name, text}).notes);
   };
@@ -125,7 +125,7 @@ TEST(ParticleFrames, RefusesAFileWhoseOnlyFrameIsTruncated) {
   }
 }
 
-TEST(ParticleFrames, HaveStepsAndTimes) {
+TEST(ParticleFrames, ReadsStepsAndTimes) {
   for (const Trajectory& one : trajectories()) {
     SCOPED_TRACE(one.name);
     const ParticleInput input{one.name, frames_text(one, 3)};
@@ -199,7 +199,7 @@ std::string long_frame(const std::string& name, std::int64_t k, std::uint32_t& s
   return text;
 }
 
-TEST(ParticleFrames, InflateACompressedFileOnce) {
+TEST(ParticleFrames, InflatesACompressedFileOnce) {
   constexpr std::int64_t kFrames = 24;
   const TempFolder folder;
   std::uint32_t state = 1;
@@ -264,7 +264,7 @@ std::string npy_frames(std::size_t frames, std::size_t particles) {
   return data;
 }
 
-TEST(ParticleFrames, OfNumPyArrays) {
+TEST(ParticleFrames, ReadsFramesOfNumPyArrays) {
   const std::string data = npy_frames(4, 2);
   const ParticleInput input{"a.npy", npy_bytes("'<f8'", "(4, 2, 3)", data)};
   EXPECT_EQ(must_inform(input).frames, 4U);
@@ -284,7 +284,7 @@ TEST(ParticleFrames, OfNumPyArrays) {
   EXPECT_EQ(part->ranges, (std::vector<files::ByteRange>{{0, header}, {header + 2 * 48, 48}}));
 }
 
-TEST(ParticleFrames, OfNumPyArraysReadOnlyTheirBytes) {
+TEST(ParticleFrames, ReadsOnlyTheBytesOfANumPyFrame) {
   constexpr std::size_t kParticles = 100'000;
   const TempFolder folder;
   write_bytes(folder / "a.npy", npy_bytes("'<f8'", "(6, 100000, 3)", npy_frames(6, kParticles)));
@@ -295,7 +295,7 @@ TEST(ParticleFrames, OfNumPyArraysReadOnlyTheirBytes) {
   EXPECT_LT(context.counters().bytes_read, kParticles * 24 + (std::uint64_t{3} << 20));
 }
 
-TEST(ParticleFrames, OfInvalidNumPyArrays) {
+TEST(ParticleFrames, RefusesInvalidNumPyArrays) {
   const std::string data = npy_frames(4, 2);
   const auto message = [&](const std::string& shape, const std::string& bytes, bool fortran = false) {
     return particle_refusal({"a.npy", npy_bytes("'<f8'", shape, bytes, fortran)}, of_frame(0)).message;

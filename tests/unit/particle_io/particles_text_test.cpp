@@ -56,7 +56,7 @@ TEST(ParticlesCsv, ReadsUnitsAttributesAndText) {
 }
 
 // The form of Houdini's geometry spreadsheet.
-TEST(ParticlesCsv, TakesBracketedLettersForComponents) {
+TEST(ParticlesCsv, ReadsBracketedLettersAsComponents) {
   const ParticleInput input{
       "a.csv",
       "id,P[x],P[y],P[z],v[X],v[Y],v[Z],Cd[r],Cd[g],Cd[b],uv[0],uv[1],N [x] [m],N [y] [m],N [z] [m]\n"
@@ -75,7 +75,7 @@ TEST(ParticlesCsv, TakesBracketedLettersForComponents) {
 }
 
 // Headers of other exporters of Houdini's attributes.
-TEST(ParticlesCsv, TakesLettersBehindSeparatorsForComponents) {
+TEST(ParticlesCsv, ReadsLettersAfterSeparatorsAsComponents) {
   for (const std::string mark : {".", ":", "_", "-", " "}) {
     std::string header = "P?x,P?y,P?z,Cd?r,Cd?g,Cd?b,Cd?a,v?x,v?y,v?z,bar,bag,bab\n";
     for (std::size_t at = header.find('?'); at != std::string::npos; at = header.find('?')) header.replace(at, 1, mark);
@@ -89,7 +89,7 @@ TEST(ParticlesCsv, TakesLettersBehindSeparatorsForComponents) {
   expect_in(error.message, "line 2: expected a number as 'Px', found '1.000,5'");
 }
 
-TEST(ParticlesCsv, TakesBracketedUnitsForUnits) {
+TEST(ParticlesCsv, ReadsBracketedTextAsUnits) {
   const ParticleInput input{"a.csv",
                             "x [mm],y [mm],z [mm],mass [g],age [a],v[x] [m/s],v[y] [m/s],v[z] [m/s],Cd[r],Cd[g],Cd[b],"
                             "Cd[a],T [K],load[b],px,py,pz\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17\n"};

@@ -23,7 +23,7 @@ constexpr std::array kPublished{
     PublishedRadius{"Fe", 26, 2.44, 1.32}, PublishedRadius{"U", 92, 2.71, 1.96},  PublishedRadius{"Cs", 55, 3.43, 2.44},
     PublishedRadius{"Rn", 86, 2.20, 1.50}, PublishedRadius{"Lu", 71, 2.74, 1.87}};
 
-TEST(ElementRadii, AreThoseOfTheTables) {
+TEST(ElementRadii, EqualThePublishedTables) {
   for (const PublishedRadius& element : kPublished) {
     EXPECT_EQ(element_radius(ElementRadii::van_der_waals, element.symbol), element.van_der_waals) << element.symbol;
     EXPECT_EQ(element_radius(ElementRadii::covalent, element.symbol), element.covalent) << element.symbol;
@@ -42,7 +42,7 @@ TEST(ElementRadii, AreThoseOfTheTables) {
   }
 }
 
-TEST(ElementRadii, TakeTheElementFromTheNameOfAnAtom) {
+TEST(ElementRadii, FindTheElementInTheNameOfAnAtom) {
   struct Named {
     const char* name;
     const char* residue;
@@ -88,7 +88,7 @@ TEST(ElementRadii, BecomeTheAttributeOfTheParticles) {
   EXPECT_EQ(set.attributes.size(), 1U);
 }
 
-TEST(ElementRadii, TakeAtomicNumbersAndNamesOfAtoms) {
+TEST(ElementRadii, AcceptAtomicNumbersAndNamesOfAtoms) {
   ParticleSet set = particles_at({glm::dvec3(0), glm::dvec3(1)});
   set.attributes.push_back({"element", 1, Buffer<float>(2)});
   set.attributes[0].values[0] = 26;
@@ -102,7 +102,7 @@ TEST(ElementRadii, TakeAtomicNumbersAndNamesOfAtoms) {
   EXPECT_EQ(radii_in(named), (std::vector<float>{0.76F, 1.02F, 0.31F}));
 }
 
-TEST(ElementRadii, OfUnknownWordsAreAnError) {
+TEST(ElementRadii, RefuseUnknownElements) {
   ParticleSet set = with_words("element", {"O", "Xx", "MW", "H"});
   const auto refused = set_element_radii(set, ElementRadii::covalent, 1, Context());
   ASSERT_FALSE(refused);

@@ -32,7 +32,7 @@ class FieldMemory : public testing::TestWithParam<Method> {
 INSTANTIATE_TEST_SUITE_P(Methods, FieldMemory, testing::Values(Method::weight, Method::sph, Method::anisotropic),
                          [](const auto& method) { return std::string(word_of(method.param)); });
 
-TEST_P(FieldMemory, CostsLittleForAStray) {
+TEST_P(FieldMemory, CostsLittleForADistantParticle) {
   std::vector<glm::dvec3> positions = lattice_ball(kMemoryRadius, 0.6);
   const std::uint64_t without = peak_of(particles_at(positions), options_);
   positions.emplace_back(1e5 * kMemoryRadius, -1e5 * kMemoryRadius, 1e5 * kMemoryRadius);

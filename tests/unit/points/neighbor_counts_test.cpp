@@ -38,7 +38,7 @@ TEST(NeighborCounts, EqualTheSumOverAllPairs) {
   }
 }
 
-TEST(NeighborCounts, TellBulkFromDroplets) {
+TEST(NeighborCounts, DistinguishBulkFromDroplets) {
   ParticleSet set = particles_at(lattice(1, 4, [](const glm::dvec3&) { return true; }));
   const Buffer<float> counts = counts_of(set, 1, 2);
   // Of a lattice 2 apart within 4: 6 at a quarter, 12 at a half and 8 at three quarters of the squared support.

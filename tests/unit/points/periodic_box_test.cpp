@@ -56,7 +56,7 @@ std::vector<glm::dvec3> ball_in(const SimulationBox& box, const field::Affine& w
 
 class PeriodicSurface : public testing::TestWithParam<std::tuple<Method, SimulationBox>> {};
 
-TEST_P(PeriodicSurface, OfABallAcrossTheFacesIsThatOfTheBallInside) {
+TEST_P(PeriodicSurface, IsTheSameForABallAcrossFaces) {
   const auto& [method, box] = GetParam();
   const FieldOptions options = box_options(method);
   const ParticleField inside = field_of(in_box(ball_in(box, {}, glm::dvec3(0)), box), options);
@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(MethodsAndBoxes, PeriodicSurface,
                          testing::Combine(testing::Values(Method::sph, Method::anisotropic, Method::weight),
                                           testing::Values(kCube, kBrickBox, kSheared, kSlab)));
 
-TEST(PeriodicBox, OfAFilledLatticeHasNoSurface) {
+TEST(PeriodicBox, HasNoSurfaceIfALatticeFillsIt) {
   for (const Method method : {Method::sph, Method::anisotropic}) {
     for (const bool cap : {false, true}) {
       std::vector<glm::dvec3> positions;
@@ -106,7 +106,7 @@ TEST(PeriodicBox, OfAFilledLatticeHasNoSurface) {
   }
 }
 
-TEST(PeriodicBox, HasTheSameSurfaceOfUnlikeRadiiAcrossTheFaces) {
+TEST(PeriodicBox, GivesTheSameSurfaceOfUnlikeRadiiAcrossFaces) {
   for (const SimulationBox& box : {kCube, kSheared, kSlab}) {
     FieldOptions options;
     const auto ball = [&](const field::Affine& map, const glm::dvec3& steps) {
@@ -197,7 +197,7 @@ TEST(PeriodicBox, DepositsEachWeightOnce) {
   }
 }
 
-TEST(PeriodicBox, StaysTheSameWithTilesAndCountsNoImages) {
+TEST(PeriodicBox, GivesTheSameSurfaceWithTilesAndCountsNoImages) {
   const std::vector<glm::dvec3> positions = random_positions(20000, 6, 4);
   const ParticleSet set = in_box(positions, {glm::dvec3(0), glm::dmat3(6), {true, true, true}});
   FieldOptions options = box_options(Method::sph);
@@ -212,7 +212,7 @@ TEST(PeriodicBox, StaysTheSameWithTilesAndCountsNoImages) {
   EXPECT_EQ(a.triangles.size(), b.triangles.size());
 }
 
-TEST(PeriodicBox, HostileBoxesAndParticlesAreErrors) {
+TEST(PeriodicBox, RejectsExtremeBoxesParticlesAndRadii) {
   const std::vector<glm::dvec3> one{{0.1, 0.2, 0.3}};
   const auto error_of = [&](const SimulationBox& box, const std::vector<glm::dvec3>& positions, double radius) {
     FieldOptions options = box_options(Method::sph);
@@ -236,7 +236,7 @@ TEST(PeriodicBox, HostileBoxesAndParticlesAreErrors) {
   EXPECT_NE(error_of(unit, one, 1e6).find("periodic images"), std::string::npos);
 }
 
-TEST(PeriodicBox, AttributesContinueAcrossFaces) {
+TEST(PeriodicBox, ContinuesAttributesAcrossFaces) {
   for (const SimulationBox& box : {kCube, kSheared}) {
     // Two particles near opposite faces: their distance across the face is a fiftieth of the edge.
     ParticleSet set =

@@ -68,7 +68,7 @@ TEST(NearbyPositions, AreTheNearestOfAllImages) {
   }
 }
 
-TEST(NearbyPositions, OfImagesOnOppositeFacesCountOnce) {
+TEST(NearbyPositions, CountImagesOnOppositeFacesOnce) {
   // The first two are one position of the periodic lattice, apart from rounding, and so are the last two.
   const ParticleSet set =
       set_in({{-3, 1, 2}, {-1 - 1e-12, 1, 2}, {-2, 1, 2}, {-2, 4 - 1e-12, 2}}, box_of(upright(2, 3, 2.5)));
@@ -83,7 +83,7 @@ TEST(NearbyPositions, OfImagesOnOppositeFacesCountOnce) {
 double radius_of(const ParticleSet& set) { return suggest_radius(set, Context()).value_or(std::nullopt).value_or(0); }
 
 // Lattices of any size have the radius of an endless one; without the box, small ones have no particle inside.
-TEST(SuggestedRadius, OfAPeriodicLatticeDoesNotDependOnItsSize) {
+TEST(SuggestedRadius, IsIndependentOfTheSizeOfAPeriodicLattice) {
   for (const int cells : {1, 2, 3, 5, 12}) {
     std::vector<glm::dvec3> positions;
     for (int n = 0; n < cells * cells * cells; ++n) {

@@ -62,7 +62,7 @@ float value_at(const ParticleField& made, const field::SparseLookup& lookup, con
 
 class FieldOfARegion : public testing::TestWithParam<RegionCase> {};
 
-TEST_P(FieldOfARegion, IsThatOfAllParticles) {
+TEST_P(FieldOfARegion, EqualsTheFieldOfAllParticles) {
   const RegionCase& test = GetParam();
   const ParticleSet all = some_particles(test);
   ParticleSet part = copy_of(all);
@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(OfEachMethod, FieldOfARegion,
                                          RegionCase{"anisotropic_tube", Method::anisotropic, Radii::one, kTube}),
                          [](const auto& tested) { return tested.param.name; });
 
-TEST(Region, HasTheRadiusOfTheParticlesInside) {
+TEST(Region, SuggestsTheRadiusOfTheParticlesInside) {
   // Fine particles in the region, coarse ones around it, and strays.
   std::vector<glm::dvec3> positions = lattice(
       0.05, 10, [](const glm::dvec3&) { return true; }, 0.2);
@@ -150,7 +150,7 @@ TEST(Region, HasTheRadiusOfTheParticlesInside) {
   EXPECT_TRUE(made.figures.radius_suggested);
 }
 
-TEST(Region, WithoutParticlesHasTheRadiusOfAll) {
+TEST(Region, SuggestsTheRadiusOfAllParticlesIfEmpty) {
   ParticleSet set = particles_at(lattice(0.05, 6, [](const glm::dvec3&) { return true; }));
   FieldOptions options;
   const auto removed = keep_region(set, {glm::dvec3(5), glm::dvec3(6)}, options, Context());
@@ -159,7 +159,7 @@ TEST(Region, WithoutParticlesHasTheRadiusOfAll) {
   EXPECT_NEAR(options.suggested_radius.value_or(0), 0.05, 0.003);
 }
 
-TEST(Region, WithoutCommonPartWithThePeriodicBoxKeepsAll) {
+TEST(Region, KeepsAllParticlesIfOutsideThePeriodicBox) {
   ParticleSet set = particles_at(random_positions(50, 1, 3));
   set.box = kUpright;
   FieldOptions options;
@@ -168,7 +168,7 @@ TEST(Region, WithoutCommonPartWithThePeriodicBoxKeepsAll) {
   EXPECT_EQ(*keep_inside(set, {glm::dvec3(-9), glm::dvec3(9)}, Context()), 0U);
 }
 
-TEST(Region, InAPeriodicBoxHasParticlesWhoseImagesLieInside) {
+TEST(Region, KeepsParticlesWhoseImagesLieInside) {
   // The box is from -1 to 1 along x: 3.2 and -4.9 are images of -0.8 and -0.9; 0 is outside the region.
   ParticleSet set = particles_at({{-0.8, 0, 0}, {3.2, 0, 0}, {-4.9, 0.1, 0}, {0, 0, 0}, {-0.8, 2, 0}});
   set.box = kTube;

@@ -58,7 +58,7 @@ std::vector<std::uint32_t> where(const ParticleSet& set, const std::function<boo
   return indices;
 }
 
-TEST(Selection, ChoosesWhatTheConditionSays) {
+TEST(Selection, SelectsParticlesThatMeetTheCondition) {
   const ParticleSet set = sample_particles(40000);  // more than one range of the parallel loop
   const auto type = [](std::size_t i) { return i * 7 % 10; };
   const std::vector<std::pair<std::string, std::function<bool(std::size_t)>>> cases{
@@ -102,7 +102,7 @@ TEST(Selection, ChoosesWhatTheConditionSays) {
   }
 }
 
-TEST(Selection, ReadsTheAttributesThatItNeeds) {
+TEST(Selection, ListsTheAttributesThatItNeeds) {
   const auto condition = SelectionExpression::parse("x > 1 && c_s[1] > v.y && species == O && |`x`| > a");
   ASSERT_TRUE(condition);
   const std::vector<SelectionName> names = condition->names();
@@ -115,7 +115,7 @@ TEST(Selection, ReadsTheAttributesThatItNeeds) {
   for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(names[i].required, i != 3) << i;
 }
 
-TEST(Selection, PointsAtErrors) {
+TEST(Selection, MarksThePositionOfErrors) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "expected a condition such as type == 2, found the end\n    \n    ^"},
       {"type = 2", "expected '==', found '='\n    type = 2\n         ^"},
@@ -140,7 +140,7 @@ TEST(Selection, PointsAtErrors) {
   }
 }
 
-TEST(Selection, PointsAtNamesThatDoNotFitTheParticles) {
+TEST(Selection, MarksNamesThatDoNotFitTheParticles) {
   const ParticleSet set = sample_particles(3);
   const std::vector<std::pair<std::string, std::string>> cases{
       {"tyqe == 2", "test.xyz: there is no attribute 'tyqe' (did you mean 'type'?)\n    tyqe == 2\n    ^"},
@@ -291,7 +291,7 @@ TEST(Selection, SurvivesAnyText) {
   EXPECT_GT(valid, 0U);
 }
 
-TEST(Selection, TakesParticlesWithTheirAttributes) {
+TEST(Selection, CopiesAttributesOfSelectedParticles) {
   ParticleSet set = sample_particles(10);
   set.box = SimulationBox{.origin = glm::dvec3(1, 2, 3), .periodic = {true, false, true}};
   const std::vector<std::uint32_t> indices{1, 4, 9};

@@ -59,7 +59,7 @@ TEST(UnlikeRadii, MatchTheEquations) {
   EXPECT_GT(inside, 100U);
 }
 
-TEST(UnlikeRadii, OfOneSizeGiveTheBitsOfOneRadius) {
+TEST(UnlikeRadii, GiveTheSameBitsAsOneRadiusIfEqual) {
   const std::vector<glm::dvec3> positions = lattice_ball(0.025, 0.15, 0.3);
   for (const Method method : {Method::sph, Method::anisotropic, Method::weight}) {
     FieldOptions options;
@@ -76,7 +76,7 @@ TEST(UnlikeRadii, OfOneSizeGiveTheBitsOfOneRadius) {
   }
 }
 
-TEST(UnlikeRadii, OtherMethodsTakeTheMedian) {
+TEST(UnlikeRadii, GiveOtherMethodsTheMedian) {
   const std::vector<glm::dvec3> positions = random_positions(301, 0.3, 7);
   const std::vector<float> radii = random_radii(positions.size());
   std::vector<float> sorted = radii;
@@ -109,7 +109,7 @@ TwoLattices two_lattices() {
   return made;
 }
 
-TEST(UnlikeRadii, OfTwoLatticesSideBySideGiveOneInBoth) {
+TEST(UnlikeRadii, GiveValueOneInTwoAdjacentLattices) {
   const TwoLattices two = two_lattices();
   const ParticleField made = field_of(with_radii(two.positions, two.radii), {});
   std::size_t samples = 0;
@@ -146,7 +146,7 @@ TEST(UnlikeRadii, AreTheSameForAnyNumberOfThreads) {
   EXPECT_TRUE(same_samples(samples_of(field_of(with_radii(two.positions, two.radii), {})), samples_of(many)));
 }
 
-TEST(UnlikeRadii, TooSmallOnesAreLeftOut) {
+TEST(UnlikeRadii, ExcludeParticlesThatAreTooSmall) {
   const std::vector<glm::dvec3> positions{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0.5, 0, 0}, {1.5, 0, 0}};
   const ParticleField made = field_of(with_radii(positions, {0.5F, 0.6F, 0.5F, 0, 0.05F}), {});
   EXPECT_EQ(made.figures.particles, 3U);

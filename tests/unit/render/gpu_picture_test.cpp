@@ -54,7 +54,7 @@ using SampleTypes = testing::Types<std::uint8_t, std::int16_t, std::uint32_t, fi
 TYPED_TEST_SUITE(GpuPictureOfSamples, SampleTypes);
 
 // Random samples that span more than one node of bricks along one axis, and a transfer function with a step.
-TYPED_TEST(GpuPictureOfSamples, VolumesLookAsOnTheProcessorWhateverTheirPlace) {
+TYPED_TEST(GpuPictureOfSamples, MatchesCpuForAnyPlacement) {
   const auto dense = test::random_field<TypeParam>({168, 24, 16}, 5, 100);
   const auto sparse = test::sparse_copy<TypeParam>(dense, 0);
   const std::array points{ControlPoint{20, {0.1, 0.9, 0.2}, 0}, ControlPoint{55, {0.1, 0.9, 0.2}, 0.1},

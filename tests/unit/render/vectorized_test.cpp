@@ -101,7 +101,7 @@ using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int1
                              field::Half, float, double>;
 TYPED_TEST_SUITE(VectorizedSamples, Types);
 
-TYPED_TEST(VectorizedSamples, OfEveryTypeArePlainOnes) {
+TYPED_TEST(VectorizedSamples, MatchPlainSamplesOfEveryType) {
   constexpr bool kWhole = !field::is_floating_sample<TypeParam>;
   const auto stored = [](int i, int j, int k) {
     const double value = RippledBall::value(i, j, k);

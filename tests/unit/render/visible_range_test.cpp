@@ -89,7 +89,7 @@ TEST(VisibleRange, ShowsLevelSetsInwards) {
   EXPECT_GT(points.front().opacity, 0);
 }
 
-TEST(VisibleRange, TakesFieldsOfOneValue) {
+TEST(VisibleRange, AcceptsFieldsOfOneValue) {
   const VisibleRange range = range_of(field_of([](double) { return 5; }));
   EXPECT_EQ(range.low, 5);
   EXPECT_GT(range.high, range.low);

@@ -76,7 +76,7 @@ TYPED_TEST(MappedSamples, AreReadIfMisalignedOrSwapped) {
   expect_ramp<TypeParam>(swapped);
 }
 
-TEST(MappedFormats, MapOneUncompressedPiece) {
+TEST(MappedFormats, MapUncompressedSamplesInOneBlock) {
   const TempFolder folder;
   const std::string samples = ramp_bytes<float>();
   const std::string little = "encoding: raw\nendian: little\n";
@@ -97,7 +97,7 @@ TEST(MappedFormats, MapOneUncompressedPiece) {
   }
 }
 
-TEST(MappedFormats, ReadWhatNeedsConversion) {
+TEST(MappedFormats, ReadSamplesThatNeedConversion) {
   const TempFolder folder;
   const std::string samples = ramp_bytes<float>();
   const std::string little = "encoding: raw\nendian: little\n";

@@ -375,7 +375,7 @@ TEST(NrrdReaderBad, RejectsLinesTooLongForTeem) {
   expect_all_refused("v.vdb", {{"found by its content", nrrd("kinds: " + many + "\n", kSamples), "2007 bytes"}});
 }
 
-TEST(NrrdReaderBad, LeavesRoomForTeemsMessages) {
+TEST(NrrdReaderBad, ReportsInvalidFieldsOfTheGreatestLength) {
   const std::vector<std::string> fields{"",
                                         "type: ",
                                         "space: ",

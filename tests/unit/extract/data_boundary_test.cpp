@@ -14,15 +14,15 @@ namespace {
 constexpr glm::ivec3 kDims(72, 24, 16);
 const field::IndexBox kAll{glm::ivec3(0), kDims - 1};
 
-class Border : public testing::TestWithParam<Method> {
+class DataBoundary : public testing::TestWithParam<Method> {
  protected:
   [[nodiscard]] static ExtractOptions at(double iso) { return test::options_of(GetParam(), iso); }
 };
-INSTANTIATE_TEST_SUITE_P(Methods, Border, testing::ValuesIn(test::all_methods()), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Methods, DataBoundary, testing::ValuesIn(test::all_methods()), test::method_name);
 
-class BorderHoles : public Border {};
-INSTANTIATE_TEST_SUITE_P(Methods, BorderHoles, testing::ValuesIn(test::methods_without(&MethodTraits::always_closed)),
-                         test::method_name);
+class DataBoundaryHoles : public DataBoundary {};
+INSTANTIATE_TEST_SUITE_P(Methods, DataBoundaryHoles,
+                         testing::ValuesIn(test::methods_without(&MethodTraits::always_closed)), test::method_name);
 
 // Returns a field that is inside in a ball, or outside of it if `turned`.
 field::ScalarField ball(const glm::dvec3& center, double radius, bool turned) {
@@ -51,7 +51,7 @@ bool is_open_at(const mesh::Mesh& mesh, const field::IndexBox& box) {
 }
 
 // Compares the report with the open and the capped mesh. Returns whether the surface meets the boundary.
-bool expect_told(const field::ScalarField& field, ExtractOptions options, const field::IndexBox& box) {
+bool expect_reported(const field::ScalarField& field, ExtractOptions options, const field::IndexBox& box) {
   options.cap = false;
   const Extraction open = test::extract(field, options);
   EXPECT_EQ(open.stats.meets_boundary, is_open_at(open.mesh, box));
@@ -63,7 +63,7 @@ bool expect_told(const field::ScalarField& field, ExtractOptions options, const 
   return open.stats.meets_boundary;
 }
 
-TEST_P(Border, TellsSidesForBalls) {
+TEST_P(DataBoundary, ReportsContactOfBalls) {
   int met = 0;
   int missed = 0;
   for (const bool turned : {false, true}) {
@@ -74,7 +74,7 @@ TEST_P(Border, TellsSidesForBalls) {
       for (const double radius : {2.2, 5.0}) {
         SCOPED_TRACE(testing::Message() << center.x << ", " << center.y << ", " << center.z << " radius " << radius);
         const field::ScalarField field = ball(center, radius, turned);
-        (expect_told(field, at(0), kAll) ? met : missed) += 1;
+        (expect_reported(field, at(0), kAll) ? met : missed) += 1;
         // Background on the outer side of the ball surrounds the data and closes the surface; a region opens it again.
         const field::ScalarField sparse = test::sparse_copy<float>(field, turned ? 100 : -100);
         EXPECT_FALSE(test::extract(sparse, at(0)).stats.meets_boundary);
@@ -82,8 +82,8 @@ TEST_P(Border, TellsSidesForBalls) {
         ExtractOptions options = at(0);
         for (const field::IndexBox& region : {kAll, field::IndexBox{{3, 2, 1}, {69, 21, 14}}}) {
           options.region = region;
-          expect_told(field, options, region);
-          expect_told(sparse, options, region);
+          expect_reported(field, options, region);
+          expect_reported(sparse, options, region);
         }
       }
     }
@@ -96,19 +96,19 @@ TEST_P(Border, TellsSidesForBalls) {
   EXPECT_GT(missed, 5);
 }
 
-TEST_P(Border, TellsSidesForOneSample) {
+TEST_P(DataBoundary, ReportsContactOfOneSample) {
   for (const glm::ivec3 at_one :
        {glm::ivec3(0, 5, 5), glm::ivec3(71, 23, 5), glm::ivec3(70, 5, 5), glm::ivec3(5, 0, 14)}) {
     for (const double sign : {1.0, -1.0}) {
       const field::ScalarField field = test::dense_field<float>(
           kDims, [&](int i, int j, int k) { return glm::ivec3(i, j, k) == at_one ? sign : -sign; });
-      EXPECT_EQ(expect_told(field, at(0), kAll), at_one.x != 70 && !test::traits_of(GetParam()).always_closed);
+      EXPECT_EQ(expect_reported(field, at(0), kAll), at_one.x != 70 && !test::traits_of(GetParam()).always_closed);
     }
   }
 }
 
 // If every crossed cell at the boundary is left out, the surface ends at the holes and does not meet the boundary.
-TEST_P(BorderHoles, DoNotCountAsBorder) {
+TEST_P(DataBoundaryHoles, DoNotCountAsContact) {
   ExtractOptions options = at(0);
   options.nan = NanPolicy::hole;
   int met = 0;
