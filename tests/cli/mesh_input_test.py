@@ -1,5 +1,6 @@
 """A mesh file as the input of a conversion: formats, edits, placement, and the options that need a field."""
 
+import csv
 import json
 import struct
 import subprocess
@@ -368,6 +369,23 @@ class MeshInputTest(ProgramTest):
         self.convert("a.glb", "--split-components", "-o", "p_{piece}.stl")
         self.assertEqual(sum(1 for name in self.files() if name.startswith("p_")), 4)
 
+    def test_tables_have_a_row_for_each_mesh(self):
+        self.scene("a.glb")
+
+        def rows(*arguments):
+            self.convert(*arguments, "--table", "t.csv")
+            with open(self.folder / "t.csv", newline="", encoding="utf-8") as file:
+                return [tuple(row[key] for key in ("iso", "status", "triangles", "closed")) for row in csv.DictReader(file)]
+
+        self.assertEqual(rows("a.glb", "-o", "b.glb"),
+                         [("mesh 1", "done", "12", "1"), ("mesh 2", "done", "12", "1"), ("mesh 3", "done", "6", "0"), ("mesh 4", "done", "6", "0")])
+        self.assertEqual(rows("a.glb", "-o", "b.stl"), [("mesh", "done", "36", "0")])
+        # Clipping leaves chair (x < 1) and table; lamp (x > 3) is gone.
+        clipped = rows("a.glb", "-o", "c.glb", "--clip", "-1,0,0,-2", "--empty", "skip")
+        self.assertEqual([row[:3] for row in clipped],
+                         [("mesh 1", "done", "12"), ("mesh 2", "empty", "0"), ("mesh 3", "done", "6"), ("mesh 4", "done", "6")])
+        self.assertEqual(rows("a.glb", "-o", "d.stl", "--clip", "1,0,0,99", "--empty", "skip"), [("mesh", "empty", "0", "")])
+
     # Sequences
 
     def test_a_sequence(self):
@@ -380,6 +398,12 @@ class MeshInputTest(ProgramTest):
         table = json.loads((self.folder / "t.json").read_text())
         schema = json.loads((SOURCE / "docs" / "schemas" / "table.schema.json").read_text())
         jsonschema.Draft202012Validator(schema).validate(table)
+        for row, name in zip(table, names):
+            surface, = row["surfaces"]
+            mesh = read_stl(self.folder / name)
+            self.assertEqual((surface["iso"], surface["triangles"], surface["closed"], surface["output"]),
+                             ("mesh", len(mesh.triangles), True, name))
+            self.assertGreater(min(surface["area"], surface["volume"], surface["components"]), 0)
         before = {name: (self.folder / name).stat().st_mtime_ns for name in names}
         (self.folder / names[1]).unlink()
         self.convert("demo:gyroid?size=20", "--iso", "0.2", "--cap", "-o", "m_0004.ply")
