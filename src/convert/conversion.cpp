@@ -426,7 +426,7 @@ class Conversion {
   [[nodiscard]] const files::InputFileSet& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
   [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const SurfaceId> made) const {
-    return skipped_surfaces(source_.label, asked, made, lost_, labels_.has_value() || job_.source.mesh);
+    return skipped_surfaces(source_.label, asked, made, lost_);
   }
 
   void tell_skipped(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped, bool is_written,

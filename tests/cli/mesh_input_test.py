@@ -386,6 +386,17 @@ class MeshInputTest(ProgramTest):
                          [("mesh 1", "done", "12"), ("mesh 2", "empty", "0"), ("mesh 3", "done", "6"), ("mesh 4", "done", "6")])
         self.assertEqual(rows("a.glb", "-o", "d.stl", "--clip", "1,0,0,99", "--empty", "skip"), [("mesh", "empty", "0", "")])
 
+    def test_notes_about_empty_meshes_name_them(self):
+        self.scene("a.glb")
+        far = ("--clip", "1,0,0,99", "--empty", "skip")
+        for arguments, note in ((("c.glb", "--clip", "1,0,0,2", "--empty", "skip"),
+                                 "clipping removed every triangle in mesh 1, mesh 3, mesh 4; c.glb contains only the other surfaces"),
+                                (("d.glb", *far), "clipping removed every triangle in mesh 1, mesh 2, mesh 3, mesh 4; the conversion did not write d.glb"),
+                                (("d.stl", *far), "clipping removed every triangle; the conversion did not write d.stl"),
+                                (("e.glb", "--drop-components", "99", "--empty", "skip"),
+                                 "no component has the requested size in mesh 1, mesh 2, mesh 3, mesh 4; the conversion did not write e.glb")):
+            self.assertIn(f"note[no-surface]: a.glb: {note}\n", self.convert("a.glb", "-o", *arguments).err)
+
     # Sequences
 
     def test_a_sequence(self):
