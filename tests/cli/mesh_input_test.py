@@ -399,6 +399,23 @@ class MeshInputTest(ProgramTest):
 
     # Sequences
 
+    def test_meshes_beside_other_inputs(self):
+        (self.folder / "in").mkdir()
+        (self.folder / "in/b.ply").write_text(ply_text(*box((0, 0, 0), (1, 1, 1))))
+        points = ply_text(((0, 0, 0), (1, 0, 0)), ())
+        for name in ("a.ply", "c.ply"):  # before and after the mesh
+            (self.folder / "in" / name).write_text(points)
+            for more in ((), ("--radius", "1")):
+                run = self.run_program("in", "-o", "out_{stem}.ply", *more)
+                self.assert_fails(1, run, f"in/b.ply is a mesh, in/{name} is none: expected inputs of one kind", "in runs of their own")
+            (self.folder / "in" / name).unlink()
+        self.assert_fails(1, self.run_program("in/b.ply", "demo:sphere", "-o", "out_{}.ply"), "in/b.ply is a mesh, demo:sphere is none")
+        (self.folder / "in/c.ply").write_text(points)
+        self.convert("in", "-o", "out_{stem}.ply", "--empty", "skip")  # may be an empty mesh
+        self.assertIn("out_b.ply", self.files())
+        run = self.run_program("in/b.ply", "in/gone.ply", "-o", "gone_{stem}.ply")  # a missing file is of no kind
+        self.assert_fails(5, run, "in/gone.ply: cannot read the file")
+
     def test_a_sequence(self):
         for frame in (1, 2, 4):
             self.convert(f"demo:gyroid?size={10 + frame}", "--iso", "0.2", "--cap", "-o", f"m_{frame:04}.ply")
