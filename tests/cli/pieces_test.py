@@ -100,6 +100,15 @@ class PiecesTest(ProgramTest):
         self.assertEqual(triangles, [mesh["triangles"] for mesh in report["meshes"]])
         self.assertIn("iso 0 -> part_2.stl: ", run.err)
 
+    def test_too_many_pieces(self):
+        self.write_raw("spots.raw", (23, 23, 23), lambda x, y, z: x & y & z & 1, "B")
+        options = ("--dims", "23,23,23", "--dtype", "u8", "--iso", "0.5")
+        run = self.run_program("spots.raw", *options, "--split-components", "-o", "s_{piece}.ply")
+        self.assert_fails(2, run, "error: spots.raw iso 0.5: the surface has 1331 bodies", "--largest N")
+        self.convert("spots.raw", *options, "-o", "mesh.ply")
+        run = self.run_program("mesh.ply", "--split-components", "-o", "s_{piece}.ply")
+        self.assert_fails(2, run, "error: mesh.ply: the surface has 1331 bodies")
+
     def test_the_table_of_components(self):
         (mesh,) = self.balls()[1]["meshes"]
         table = mesh["component_table"]
