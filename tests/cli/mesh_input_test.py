@@ -386,6 +386,15 @@ class MeshInputTest(ProgramTest):
                          [("mesh 1", "done", "12"), ("mesh 2", "empty", "0"), ("mesh 3", "done", "6"), ("mesh 4", "done", "6")])
         self.assertEqual(rows("a.glb", "-o", "d.stl", "--clip", "1,0,0,99", "--empty", "skip"), [("mesh", "empty", "0", "")])
 
+    def test_counts_of_one_have_the_singular(self):
+        (self.folder / "t.ply").write_text(ply_text(((0, 0, 0), (1, 0, 0), (0, 1, 0)), ((0, 1, 2),)))
+        self.assertIn("t.ply -> t.glb: 1 triangle, 3 vertices, ", self.convert("t.ply", "-o", "t.glb").err)
+        self.assertIn("so the output lacks those of 1 mesh\n", self.convert("t.glb", "-o", "u.stl").err)
+        self.assertIn("1 of 1 frame done", self.convert("t.ply", "-o", "v.stl", "--table", "t.csv").err)
+        run = self.convert("t.ply", "-o", "w.stl", "--clip", "1,0,0,-9", "--smooth", "1")
+        self.assertIn("clipping cut nothing off; the mesh keeps its triangle\n", run.err)
+        self.assertIn("smoothed: 1 pass of taubin", run.err)
+
     def test_notes_about_empty_meshes_name_them(self):
         self.scene("a.glb")
         far = ("--clip", "1,0,0,99", "--empty", "skip")

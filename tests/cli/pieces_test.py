@@ -49,7 +49,7 @@ class PiecesTest(ProgramTest):
         self.assertEqual((record["before"]["components"], record["before"]["bodies"]), (4, 3))
         self.assertEqual((record["after"]["components"], record["after"]["bodies"]), (2, 1))
         self.assertEqual(record["after"]["triangles"], mesh["triangles"])
-        self.assertIn("components at iso 0: kept 1 of 3 bodies, 1 of 1 cavities, ", run.err)
+        self.assertIn("components at iso 0: kept 1 of 3 bodies, 1 of 1 cavity, ", run.err)
         self.assertEqual(self.balls("--largest", "2")[1]["meshes"][0]["components"], 3)
         self.assertEqual(self.balls("--largest", "--fill-cavities")[1]["meshes"][0]["components"], 1)
         # The number is left out before an input.
