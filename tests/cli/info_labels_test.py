@@ -143,7 +143,7 @@ class InfoLabelsTest(ProgramTest):
         for dtype in ("uint8", "int16", "uint32", "int64", "float32", "float64"):
             file, command, triangles = self.assert_labels(volume.astype(dtype), "label map")
         text = self.convert("info", *file).text
-        self.assertIn(f"label map: {count} label{'s' if count != 1 else ''}, background 0; ", text)
+        self.assertIn(f"label map: {count} labels, background 0; ", text)
         self.assertIn(f" of the first 20 of {count}; --json lists all\n", text)
         first = sorted(set(volume[volume > 0]))[:20]
         rows = [int(row) for row in re.findall(r"^ +(\d+): +\d+ +[\d.]+ +\(", text, re.M)]
