@@ -38,11 +38,12 @@ class Context {
     part.opened_->before = opened_->files ? opened_->files : opened_->before;
     return part;
   }
-  // Returns a context that shares the memory budget and the open files, with its own counters, progress and
-  // cancellation.
+  // Returns a context that shares the memory budget and the open files, with its own counters and progress. cancel() of
+  // this context cancels it, too, but not the other way round.
   [[nodiscard]] Context beside() const {
     Context other = *this;
     other.state_ = std::make_shared<State>();
+    other.state_->around = state_;
     return other;
   }
 
@@ -56,7 +57,11 @@ class Context {
   // Asks the work in this context to end soon, with ErrorCode::cancelled. Safe from any thread, but not from
   // a signal handler. The batch scheduler calls it when a run ends early.
   void cancel() const { state_->cancelled.store(true, std::memory_order_relaxed); }
-  [[nodiscard]] bool cancelled() const { return state_->cancelled.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool cancelled() const {
+    const State* state = state_.get();
+    while (state != nullptr && !state->cancelled.load(std::memory_order_relaxed)) state = state->around.get();
+    return state != nullptr;
+  }
   // Fails if cancel() was called. Long stages call this between steps.
   [[nodiscard]] Result<void> check() const {
     if (cancelled()) return fail(ErrorCode::cancelled, "cancelled");
@@ -77,6 +82,7 @@ class Context {
     Counters counters;
     Progress progress;
     std::atomic<bool> cancelled{false};
+    std::shared_ptr<const State> around;  // of the context that beside() was called on
   };
 
   struct Opened {

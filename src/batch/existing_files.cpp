@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <iterator>
 #include <span>
 #include <unordered_map>
 #include <utility>
 
+#include "base/ascii.hpp"
 #include "convert/surface_edits.hpp"
 #include "files/folder_names.hpp"
 #include "files/output_file.hpp"
@@ -24,13 +24,25 @@ bool has_label_word(const fs::path& output) {
   return std::ranges::any_of(kLabelWords, [&](std::string_view word) { return name.find(word) != std::string::npos; });
 }
 
-// Returns the length of the longest text at the start of the path that {label} or {name} can stand for; 0 if none can.
+std::size_t count_digits(std::string_view text) { return std::min(text.find_first_not_of(kDigits), text.size()); }
+
+// Returns the length of the longest text at the start of the path that {label} or {name} may stand for; 0 if none may.
 std::size_t longest_text(std::string_view path, bool is_label) {
   if (!is_label) return std::min(path.find('/'), path.size());
   const std::size_t sign = path.starts_with('-') ? 1 : 0;
-  std::size_t end = sign;
-  while (end < path.size() && std::isdigit(static_cast<unsigned char>(path[end])) != 0) ++end;
-  return end > sign ? end : 0;
+  const std::size_t end = sign + count_digits(path.substr(sign));
+  if (end == sign || !path.substr(end).starts_with('_')) return end > sign ? end : 0;
+  return end + 1 + count_digits(path.substr(end + 1));
+}
+
+// Returns whether {label} stands for the text: 5, -5, or 5_2 for the second label 5 of a map with several layers.
+bool is_label_text(std::string_view text) {
+  if (text.starts_with('-')) text.remove_prefix(1);
+  const std::size_t end = count_digits(text);
+  if (end == 0 || end == text.size()) return end > 0;
+  const std::string_view repeat = text.substr(end + 1);
+  return text[end] == '_' && !repeat.empty() && repeat.front() != '0' && repeat != "1" &&
+         count_digits(repeat) == repeat.size();
 }
 
 // Returns the texts that begin with `start`.
@@ -51,8 +63,8 @@ std::optional<std::string> match_output_name(std::string_view path, std::string_
     const bool is_label = name.starts_with(convert::kLabelPlaceholder);
     if (is_label || name.starts_with(convert::kNamePlaceholder)) {
       name.remove_prefix(is_label ? convert::kLabelPlaceholder.size() : convert::kNamePlaceholder.size());
-      const std::size_t least = is_label && path.starts_with('-') ? 2 : 1;
-      for (std::size_t length = longest_text(path, is_label); length >= least; --length) {
+      for (std::size_t length = longest_text(path, is_label); length > 0; --length) {
+        if (is_label && !is_label_text(path.substr(0, length))) continue;
         if (const auto rest = match_output_name(path.substr(length), name)) {
           return filled.append(path.substr(0, length)).append(*rest);
         }

@@ -16,7 +16,8 @@ namespace isoextract::batch {
 
 // Compares a path with the name of an output. In the name, convert::kLabelPlaceholder stands for an optional minus sign
 // and digits, kNamePlaceholder for one or more characters other than a slash, and kPiecePlaceholder for the number 1.
-// Several equal placeholders may stand for different texts.
+// For a label that occurs in several layers of a map, _2, _3 and so on may follow the digits. Several equal
+// placeholders may stand for different texts.
 //
 // Returns the name with the texts that stand for label and name in the path; kPiecePlaceholder stays. Returns nullopt
 // if the path differs.

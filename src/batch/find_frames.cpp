@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "batch/detail/decimal_names.hpp"
 #include "batch/detail/input_names.hpp"
@@ -134,14 +135,27 @@ void add_note_of_unclear(const files::FramePattern& pattern, std::span<const std
        fmt::format("{}: the digits after the point count as whole numbers: 10 follows 9", printable(pattern.text()))});
 }
 
+// Returns the hint for a pattern whose files have decimal numbers.
+std::string list_files_hint(const EntryPattern& entries) {
+  return fmt::format("list the files, without quotes: {}*{}; the run orders the files by their decimal numbers",
+                     printable(entries.folder + entries.pattern.prefix()),
+                     printable(entries.pattern.suffix() + entries.rest));
+}
+
 tl::unexpected<Error> fail_decimals(const std::string& input, const EntryPattern& entries,
                                     std::span<const std::string> names) {
   return fail(ErrorCode::usage,
               fmt::format("{}: expected whole frame numbers, found decimal numbers in the names {} and {}",
                           printable(input), printable(names.front()), printable(names.back())),
-              fmt::format("list the files, without quotes: {}*{}; the run orders the files by their decimal numbers",
-                          printable(entries.folder + entries.pattern.prefix()),
-                          printable(entries.pattern.suffix() + entries.rest)));
+              list_files_hint(entries));
+}
+
+// Of files with decimal numbers beside those that the pattern matches. `names` is not empty.
+Note note_of_decimals(const std::string& input, std::span<const std::string> names) {
+  return {NoteId::frame_order,
+          fmt::format("{}: the pattern stands for whole numbers; the run leaves out {} with {}, such as {}",
+                      printable(input), counted(names.size(), "file"),
+                      names.size() == 1 ? "a decimal number" : "decimal numbers", printable(names.front()))};
 }
 
 Result<FoundFrames> matching_files(const files::FramePattern& pattern, const std::optional<FrameRange>& range,
@@ -150,11 +164,13 @@ Result<FoundFrames> matching_files(const files::FramePattern& pattern, const std
   const files::FramePattern any_width(entries.pattern.prefix(), 0, entries.pattern.suffix());
   FoundFrames found;
   std::vector<std::string> matched;
-  std::string other_width;  // a name that matches except for the width
+  std::string other_width;            // a name that matches except for the width
+  std::vector<std::string> decimals;  // names with decimal numbers
   TRY(files::visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
     const auto number = entries.pattern.match(name);
     if (!number) {
       if (any_width.match(name) && (other_width.empty() || name < other_width)) other_width = name;
+      if (has_decimal_number(entries.pattern, name)) decimals.push_back(name);
       return;
     }
     std::error_code none;
@@ -168,11 +184,20 @@ Result<FoundFrames> matching_files(const files::FramePattern& pattern, const std
   std::ranges::sort(matched);
   if (judge_numbers(entries.pattern, matched) == FractionKind::fractions) return fail_decimals(input, entries, matched);
   add_note_of_unclear(entries.pattern, matched, found);
-  if (!found.frames.empty()) return found;
+  std::ranges::sort(decimals, files::NaturalLess());
+  if (!found.frames.empty()) {
+    if (!decimals.empty()) found.notes.push_back(note_of_decimals(input, decimals));
+    return found;
+  }
   std::string message = fmt::format("{}: no file matches this pattern", printable(input));
   if (range) message += fmt::format(" with a number in {}", text_of(range->runs(), kShownRuns));
-  return fail(ErrorCode::input, std::move(message),
-              other_width.empty() ? "" : fmt::format("{{}} matches {}", printable(other_width)));
+  if (!other_width.empty()) {
+    return fail(ErrorCode::input, std::move(message), fmt::format("{{}} matches {}", printable(other_width)));
+  }
+  if (decimals.empty()) return fail(ErrorCode::input, std::move(message));
+  message +=
+      fmt::format("; {} has a decimal number, and the pattern stands for whole numbers", printable(decimals.front()));
+  return fail(ErrorCode::input, std::move(message), list_files_hint(entries));
 }
 
 std::string note_by_position(std::size_t count) {

@@ -299,6 +299,31 @@ void add_missing_attributes(const StageReport& report, std::vector<std::string>&
   }
 }
 
+// Returns the extracted surfaces, or the meshes of a mesh file, without their figures.
+std::vector<SurfaceFigures> surfaces_of(const convert::Outcome& outcome) {
+  std::vector<SurfaceFigures> surfaces;
+  const auto add = [&](const convert::SurfaceId& id) -> SurfaceFigures& {
+    SurfaceFigures& surface = surfaces.emplace_back();
+    surface.id = id;
+    return surface;
+  };
+  for (const StageReport& report : outcome.reports) {
+    if (report.stage != StageName::extract) continue;
+    SurfaceFigures& surface = add(*report.id);
+    surface.grid = report.grid;
+    surface.asked = value_at<std::string>(report.entries.front(), {Key::asked}).value_or("");
+  }
+  const StageReport* const read = outcome.first(StageName::read_mesh);
+  if (read == nullptr || !outcome.done()) return surfaces;
+  // Meshes that were skipped as empty are not among the written ones, but they have rows.
+  const bool are_apart = std::ranges::any_of(
+      outcome.written, [](const convert::WrittenSurface& mesh) { return !mesh.id.is_only_surface(); });
+  if (!are_apart) add(convert::kWholeFile);
+  const auto parts = value_at<std::uint64_t>(read->entries.front(), {Key::parts}).value_or(0);
+  for (std::uint64_t i = 1; are_apart && i <= parts; ++i) add(convert::FileMesh{i});
+  return surfaces;
+}
+
 std::string text_at(const convert::Outcome& outcome, StageName stage, Key key) {
   const StageReport* const report = outcome.first(stage);
   return report != nullptr ? value_at<std::string>(report->entries.front(), {key}).value_or("") : "";
@@ -311,11 +336,9 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
   PartsBySurface all(outcome);
   for (const StageReport& report : outcome.reports) {
     if (report.stage == StageName::read_attributes) add_missing_attributes(report, figures.lacked_attributes);
-    if (report.stage != StageName::extract) continue;
-    SurfaceFigures& surface = figures.surfaces.emplace_back();
-    surface.id = *report.id;
-    surface.grid = report.grid;
-    surface.asked = value_at<std::string>(report.entries.front(), {Key::asked}).value_or("");
+  }
+  figures.surfaces = surfaces_of(outcome);
+  for (SurfaceFigures& surface : figures.surfaces) {
     const SurfaceParts& parts = all.of(surface);
     add_written(outcome, parts, surface);
     add_meshes(parts, surface);

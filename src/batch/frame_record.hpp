@@ -44,7 +44,7 @@ struct SurfaceFigures {
 };
 
 struct FrameFigures {
-  std::vector<SurfaceFigures> surfaces;  // the extracted surfaces, in the job's order
+  std::vector<SurfaceFigures> surfaces;  // extracted, or the meshes of a mesh file
   std::uint64_t bytes = 0;               // written in all
   double wall_seconds = 0;
   std::uint64_t memory = 0;                    // peak of the reserved memory, in bytes

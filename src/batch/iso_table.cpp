@@ -180,7 +180,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
     const auto iso = iso_of(iso_field, mark);
     if (!iso) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
+                  fmt::format("{}: expected a finite number, {}, found '{}'", place, convert::kIsoWords,
                               printable(iso_field, kShownField)),
                   iso_field.find(',') == std::string::npos
                       ? ""

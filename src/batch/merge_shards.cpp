@@ -216,6 +216,24 @@ tl::unexpected<Error> fail_missing(const fs::path& folder, const ManifestHeader&
                                  missing_text(header, found), absent_text(header)));
 }
 
+// `seen` tells which shards have a manifest; not all have one.
+tl::unexpected<Error> fail_shards(const fs::path& folder, const ManifestHeader& header, const std::vector<bool>& seen) {
+  std::vector<std::int64_t> missing;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (!seen[i]) missing.push_back(static_cast<std::int64_t>(i) + 1);
+  }
+  const bool is_one = missing.size() == 1;
+  const std::string shards = fmt::format("shard{} {} of {}", is_one ? "" : "s",
+                                         text_of(runs_of(missing), kShownFrameRuns), header.shard.count);
+  const Shard first{static_cast<int>(missing.front()), header.shard.count};
+  return bad(folder,
+             fmt::format("{} {} missing: there is no {}{}{}", shards, is_one ? "is" : "are", manifest_name(first),
+                         is_one ? "" : ", for example", absent_text(header)),
+             fmt::format("run {} with the options of the others, then merge again; or copy manifest and outputs from "
+                         "the machine that has them",
+                         shards));
+}
+
 // Checks the last run without shards (or shard 1 of 1), which needs no joining.
 Result<MergedShards> check_whole(const fs::path& folder, const JoinedManifest& joined) {
   if (!joined.is_there()) return bad(folder, "this folder has no manifest of a shard");
@@ -266,12 +284,8 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
   }
   if (found.size() < header.frames) add_joined_records(header, joined, Wanted::unchanged, found);
   if (found.size() != header.frames) {
-    const auto missing = std::ranges::find(seen, false);
-    if (missing != seen.end()) {
-      return bad(folder, fmt::format("shard {} of {} is missing{}", missing - seen.begin() + 1, seen.size(),
-                                     absent_text(header)));
-    }
-    return fail_missing(folder, header, found);
+    return std::ranges::find(seen, false) != seen.end() ? fail_shards(folder, header, seen)
+                                                        : fail_missing(folder, header, found);
   }
   MergedShards merged{{}, header.shard.count, header.frames, header.absent};
   header.shard = {};

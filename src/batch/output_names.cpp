@@ -223,6 +223,20 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
   return files;
 }
 
+// Refuses a .gltf file with the name of its data file.
+Result<void> check_data_file(const convert::OutputFileJob& output, mesh_io::MeshFormat format,
+                             files::LocationKeys& places) {
+  const std::vector<fs::path> files = convert::mesh_files(output, format);
+  if (files.size() < 2 || places.key(files[0]) != places.key(files[1])) return {};
+  const std::string_view name = mesh_io::mesh_format_info(format).name;
+  return fail(ErrorCode::usage,
+              fmt::format("{}: a {} file has its data in a {} file beside it, which would overwrite this one",
+                          printable(output.path), name, files[1].extension().string()),
+              {Remedy::change, Setting::output_name,
+               fmt::format("that ends in .{}, such as {}", name,
+                           printable(fs::path(output.path).replace_extension(name).string()))});
+}
+
 // Checks the files whose names contain {piece}.
 Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
                                mesh_io::MeshFormat format, const OtherFiles& others, files::LocationKeys& places) {
@@ -311,6 +325,7 @@ Result<void> check_outputs(std::span<const OutputSource> sources, std::span<cons
   }
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (const convert::OutputFileJob& output : outputs[i]) {
+      TRY(check_data_file(output, format, places));
       for (const fs::path& file : convert::mesh_files(output, format)) {
         TRY(uses.add_written(file, {&sources[i], nullptr}));
       }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "convert/json_values.hpp"
 
@@ -23,7 +24,8 @@ std::string match_text(const accuracy::AttributeMatch& match, bool same_vertices
                                              : fmt::format("largest difference {:.6g}, at vertex {}; mean {:.6g}",
                                                            difference.largest, difference.vertex, difference.mean);
   if (difference.not_finite > 0)
-    text += fmt::format("; {} vertices with a finite value in only one mesh", difference.not_finite);
+    text +=
+        fmt::format("; {} with a finite value in only one mesh", counted(difference.not_finite, "vertex", "vertices"));
   return text;
 }
 

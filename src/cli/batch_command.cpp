@@ -11,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/existing_files.hpp"
@@ -158,8 +159,8 @@ tl::unexpected<Error> fail_missing(std::span<const batch::FrameRun> gaps) {
 void tell_animation(const batch::AnimationJob& animation, const mesh_io::MeshWriteResult& written,
                     const Messages& messages) {
   for (const mesh_io::WrittenFile& file : written.files) {
-    messages.summary(fmt::format("{}: {} frames per second, {}", printable(file.path), animation.frames_per_second,
-                                 format_byte_size(file.bytes)));
+    messages.summary(fmt::format("{}: {} per second, {}", printable(file.path),
+                                 counted(animation.frames_per_second, "frame"), format_byte_size(file.bytes)));
   }
   for (const Note& note : written.notes) messages.note(note);
 }
@@ -253,7 +254,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   }
   if (result.error) return tl::unexpected(*result.error);
   if (failed + cancelled + not_started == 0) return missing == 0 ? Result<void>() : fail_missing(plan.gaps);
-  std::string text = fmt::format("{} of {} frames failed", failed, plan.frames.size());
+  std::string text = fmt::format("{} of {} failed", failed, counted(plan.frames.size(), "frame"));
   if (cancelled > 0) text += fmt::format(", {} cancelled", cancelled);
   if (not_started > 0) text += fmt::format(", {} not started", not_started);
   if (missing > 0) text += fmt::format("; {}", missing_text(plan.gaps));

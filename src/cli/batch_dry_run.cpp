@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/frame_range.hpp"
@@ -102,8 +103,8 @@ Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
       "frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
       plan.gaps.empty() ? "no gaps" : fmt::format("missing: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
   if (plan.batch.animation) {
-    text += fmt::format("animation: {}, {} frames per second\n", printable(plan.batch.animation->path),
-                        plan.batch.animation->frames_per_second);
+    text += fmt::format("animation: {}, {} per second\n", printable(plan.batch.animation->path),
+                        isoextract::counted(plan.batch.animation->frames_per_second, "frame"));
   }
   text += fmt::format("jobs: {} at a time\n", plan.jobs);
   text += fmt::format("manifest: {}\n",

@@ -315,7 +315,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
       TRY(wants_all_volumes(flags) ? volumes_of(flags, read, context)
                                    : batch::find_frames(flags.input.inputs, flags.batch.frames, flags.heightfield));
   TRY(take_mesh(one, found.frames.front().input, context));
-  TRY(check_mesh_frames(one, found));
+  TRY(check_mesh_frames(one, found, context));
   const std::string usual_labels = TRY(set_default_labels(one, found.frames.front().input, context));
   TRY(take_labels(one));
   if (one.labels.chosen) flags.labels.chosen = *one.labels.chosen;

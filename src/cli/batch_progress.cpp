@@ -49,7 +49,7 @@ BatchProgress::BatchProgress(ProgressStyle style, const Messages& messages, std:
   bar_.emplace(
       progress_, wanted,
       [this] {
-        return fmt::format("{}/{} frames  {}", progress_.done(), frames_,
+        return fmt::format("{}/{}  {}", progress_.done(), counted(frames_, "frame"),
                            speed_text(progress_.done(), frames_, seconds()));
       },
       true);
@@ -104,7 +104,7 @@ void BatchProgress::add_remark(std::int64_t frame, const Note& remark) {
 void BatchProgress::tell_remarks() {
   for (const auto& [remark, frames] : remarks_) {
     const std::vector<std::int64_t> numbers(frames.begin(), frames.end());
-    messages_.note({remark.id, fmt::format("{} of {} frames {}: {}", numbers.size(), frames_, remark.text,
+    messages_.note({remark.id, fmt::format("{} of {} {}: {}", numbers.size(), counted(frames_, "frame"), remark.text,
                                            batch::text_of(batch::runs_of(numbers), batch::kShownFrameRuns))});
   }
 }
@@ -148,7 +148,7 @@ void BatchProgress::end(const FrameCounts& counts, std::span<const batch::RankWo
   }
   print_repeated_reasons();
   tell_remarks();
-  std::string text = fmt::format("{} of {} frames done", counts.done, frames_);
+  std::string text = fmt::format("{} of {} done", counts.done, counted(frames_, "frame"));
   if (counts.kept > 0) text += fmt::format(", {} kept from an earlier run", counts.kept);
   if (counts.failed > 0) text += fmt::format(", {} failed", counts.failed);
   if (counts.cancelled > 0) text += fmt::format(", {} cancelled", counts.cancelled);

@@ -189,7 +189,8 @@ std::string bench_table(const bench::BenchResult& result, int repeats) {
   text += aligned_table(rows, 2);
   for (const std::string& note : result.notes) text += fmt::format("Note: {}.\n", printable(note));
   if (const std::uint64_t points = unmeasured_points(result); points > 0) {
-    text += fmt::format("Not included: up to {} points of a mesh without a surface to measure to.\n", points);
+    text +=
+        fmt::format("Not included: up to {} of a mesh without a surface to measure to.\n", counted(points, "point"));
   }
   text += "\n";
   if (std::ranges::count(result.levels, false, &bench::BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
 #include "convert/json_documents.hpp"
@@ -63,10 +64,10 @@ std::string closed_line(const MeshCheck& check) {
   const BoundaryLoop& loop = check.loops[longest_loops(check, 1).front()];
   text += fmt::format("; the longest has {} edges and length {:.6g}", loop.edges, loop.length);
   if (check.welded) {
-    text += check.welded->open_edges == 0
-                ? fmt::format("; closed after welding {} vertices at equal positions", check.repeated_vertices)
-                : fmt::format("; {} open edges after welding {} vertices at equal positions", check.welded->open_edges,
-                              check.repeated_vertices);
+    const std::string welded = counted(check.repeated_vertices, "vertex", "vertices");
+    text += check.welded->open_edges == 0 ? fmt::format("; closed after welding {} at equal positions", welded)
+                                          : fmt::format("; {} after welding {} at equal positions",
+                                                        counted(check.welded->open_edges, "open edge"), welded);
   }
   return text;
 }
@@ -76,9 +77,9 @@ std::string intersection_line(const MeshCheck& check) {
   std::string text = none_or(Requirement::no_self_intersections, check);
   if (found.pairs == 0) return text;
   if (!found.at_least) {
-    text += fmt::format(", {} triangles in total", found.triangles);
-    if (found.in_one_plane > 0) text += fmt::format("; {} pairs in one plane", found.in_one_plane);
-    if (found.neighbors > 0) text += fmt::format("; {} pairs of neighbors", found.neighbors);
+    text += fmt::format(", {} in total", counted(found.triangles, "triangle"));
+    if (found.in_one_plane > 0) text += fmt::format("; {} in one plane", counted(found.in_one_plane, "pair"));
+    if (found.neighbors > 0) text += fmt::format("; {} of neighbors", counted(found.neighbors, "pair"));
   }
   const auto& [first, second] = found.examples.front();
   return text + fmt::format("; first pair: triangles {} and {}", first, second);
@@ -151,7 +152,7 @@ void add_components(NamedLines& lines, const MeshCheck& check) {
                             word_of(component.shell)));
   }
   if (check.components.size() > rows.size()) {
-    lines.plain(fmt::format("  and {} smaller components", check.components.size() - rows.size()));
+    lines.plain(fmt::format("  and {}", counted(check.components.size() - rows.size(), "smaller component")));
   }
 }
 
@@ -168,7 +169,8 @@ void add_parts(NamedLines& lines, const CheckReport& report) {
   }
   if (shown < report.parts.size()) {
     lines.plain("");
-    lines.plain(fmt::format("and {} more meshes, listed in the JSON report", report.parts.size() - shown));
+    lines.plain(fmt::format("and {}, listed in the JSON report",
+                            counted(report.parts.size() - shown, "more mesh", "more meshes")));
   }
 }
 

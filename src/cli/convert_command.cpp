@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/machine.hpp"
 #include "base/packed_values.hpp"
 #include "base/printable.hpp"
@@ -126,12 +127,13 @@ class ConversionPrinter final : public convert::Events {
     } else if (!output.surfaces.empty()) {
       std::vector<std::string> labels;
       for (const convert::WrittenOutput::Part& part : output.surfaces) labels.push_back(part.label);
-      line = fmt::format(
-          "{}{} -> {}{}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", fmt::join(without_repeats(labels), ", "),
-          surfaces_text(output), path,
-          output.files > (output.surfaces.front().id.is_label() ? 1U : 2U) ? fmt::format(" ({} files)", output.files)
-                                                                           : "",
-          output.triangles, output.vertices, bytes, closed_or_open_text(output, plan_.job), output.placement, seconds);
+      line = fmt::format("{}{} -> {}{}: {}, {}, {}; {}; {}; {:.2f} s", fmt::join(without_repeats(labels), ", "),
+                         surfaces_text(output), path,
+                         output.files > (output.surfaces.front().id.is_label() ? 1U : 2U)
+                             ? fmt::format(" ({} files)", output.files)
+                             : "",
+                         counted(output.triangles, "triangle"), counted(output.vertices, "vertex", "vertices"), bytes,
+                         closed_or_open_text(output, plan_.job), output.placement, seconds);
     }
     std::ranges::stable_sort(lines_, {}, &Line::rank);
     if (!line.empty()) {

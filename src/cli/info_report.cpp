@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
@@ -75,7 +76,7 @@ void add_grids(NamedLines& lines, const InputReport& report) {
   for (const volume_io::GridInfo& grid : report.grids) {
     lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {}{}{}{}", grid.label, name_width, grid.type,
                             grid.voxels ? dims_text(grid.box) : "unknown size",
-                            grid.voxels ? fmt::format("{} active voxels", *grid.voxels) : "voxels not counted",
+                            grid.voxels ? counted(*grid.voxels, "active voxel") : "voxels not counted",
                             grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "", several_text(grid),
                             reader_text(grid)));
   }
@@ -121,7 +122,8 @@ void add_labels(NamedLines& lines, const InputReport& report) {
     if (grid.labels.empty() || (are_listed && !has_layers)) continue;
     const std::string of_grid = report.grids.size() > 1 ? " of " + grid.label : "";
     const bool shows = grid.labels.size() <= kMostShown;
-    lines.add("labels", fmt::format("{} names{}{}", grid.labels.size(), of_grid, shows ? "" : "; --json lists them"));
+    lines.add("labels",
+              fmt::format("{}{}{}", counted(grid.labels.size(), "name"), of_grid, shows ? "" : "; --json lists them"));
     for (std::size_t i = 0; shows && i < grid.labels.size(); ++i) {
       const field::LabelName& label = grid.labels[i];
       lines.plain(fmt::format("    {:>12}: {}{}{}", label.label, printable(label.name, kMaxName),
@@ -159,10 +161,11 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   }
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
-    lines.add("samples",
-              fmt::format("{}, sparse: {} active voxels; {} stored blocks and {} stored tiles; background {:.6g}",
-                          field::sample_type_name(sparse->type), sparse->active_voxels, sparse->blocks.size(),
-                          sparse->tiles.size(), field.scale(sparse->background)));
+    lines.add(
+        "samples",
+        fmt::format("{}, sparse: {}; {} and {}; background {:.6g}", field::sample_type_name(sparse->type),
+                    counted(sparse->active_voxels, "active voxel"), counted(sparse->blocks.size(), "stored block"),
+                    counted(sparse->tiles.size(), "stored tile"), field.scale(sparse->background)));
     lines.add("extents", box.empty() ? dims_text(box)
                                      : fmt::format("{} from ({}, {}, {}) to ({}, {}, {})", dims_text(box), box.min.x,
                                                    box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
@@ -214,8 +217,8 @@ void add_distinct(NamedLines& lines, const field::FieldStatistics& statistics) {
   const std::size_t count = statistics.values.size();
   if (count == 0) return;
   const bool shows = count <= kMostShown;
-  lines.add("distinct",
-            fmt::format("{} values{}", count, shows ? ", with the number of samples of each" : "; --json lists them"));
+  lines.add("distinct", fmt::format("{}{}", counted(count, "value"),
+                                    shows ? ", with the number of samples of each" : "; --json lists them"));
   std::string row;
   for (std::size_t i = 0; shows && i < count; ++i) {
     const auto& [value, times] = statistics.values[i];
@@ -260,8 +263,9 @@ constexpr std::string_view kCtMethod = "multi-Otsu: three classes of the histogr
 
 // Adds the triangles and memory of the suggested conversion, and the command.
 void add_cost(NamedLines& lines, const FieldReport& report) {
-  std::string cost = fmt::format("about {} triangles; converting takes about {} of memory",
-                                 convert::estimated_triangles(report.size), format_byte_size(report.bytes));
+  std::string cost =
+      fmt::format("about {}; converting takes about {} of memory",
+                  counted(convert::estimated_triangles(report.size), "triangle"), format_byte_size(report.bytes));
   if (report.whole_mesh_bytes > report.bytes) {
     cost += fmt::format(", {} with options that need the whole mesh", format_byte_size(report.whole_mesh_bytes));
   }

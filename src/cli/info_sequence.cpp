@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
@@ -129,7 +130,7 @@ std::string text_of(const SequenceReport& report) {
   lines.add("frames", fmt::format("{}: {}", count, runs_text(runs_of(report))));
   lines.add("missing", report.gaps.empty() ? "none" : runs_text(report.gaps));
   if (const std::size_t bad = failed(report); bad > 0)
-    lines.add("unreadable", fmt::format("{} of {} frames", bad, count));
+    lines.add("unreadable", fmt::format("{} of {}", bad, counted(count, "frame")));
   if (const auto range = range_of(report, &FrameSummary::min, &FrameSummary::max)) {
     lines.add("range", fmt::format("{:.6g} to {:.6g} over all frames", range->first, range->second));
   }
@@ -140,9 +141,8 @@ std::string text_of(const SequenceReport& report) {
   if (const auto iso = iso_of(report)) {
     const auto isos = range_of(report, &FrameSummary::iso, &FrameSummary::iso);
     lines.add("iso",
-              fmt::format("{:.6g}, the median of the frames' suggestions ({:.6g} to {:.6g}); a surface in {} of {} "
-                          "frames",
-                          iso->iso, isos->first, isos->second, iso->separates, count));
+              fmt::format("{:.6g}, the median of the frames' suggestions ({:.6g} to {:.6g}); a surface in {} of {}",
+                          iso->iso, isos->first, isos->second, iso->separates, counted(count, "frame")));
     lines.add("command", example_of(report, iso_option(iso->iso)));
   }
   if (const std::size_t labels = frames_of_labels(report); labels > 0) {
@@ -151,7 +151,7 @@ std::string text_of(const SequenceReport& report) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (i == kShownFrames && count > 2 * kShownFrames) {
-      lines.plain(fmt::format("    {} more frames", count - 2 * kShownFrames));
+      lines.plain(fmt::format("    {}", counted(count - 2 * kShownFrames, "more frame")));
       i = count - kShownFrames;
     }
     lines.plain(frame_text(report.frames[i]));

@@ -7,6 +7,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/context.hpp"
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/jet_plan.hpp"
@@ -62,11 +63,10 @@ class JetRun {
   void tell(const simulate::ParticleJet& jet, const std::vector<SequenceFrame>& frames) const {
     const simulate::JetFigures figures = jet.figures();
     const double moved = static_cast<double>(figures.particle_steps);
-    messages_.summary(
-        fmt::format("{} particles of radius {:.6g} in the tank; {} frames in {} steps: {:.2f} million "
-                    "particles moved, {:.3f} million per second",
-                    jet.size(), jet.radius(), figures.frames, figures.steps, 1e-6 * moved,
-                    seconds_ > 0 ? 1e-6 * moved / seconds_ : 0));
+    messages_.summary(fmt::format(
+        "{} of radius {:.6g} in the tank; {} in {}: {:.2f} million particles moved, {:.3f} million per second",
+        counted(jet.size(), "particle"), jet.radius(), counted(figures.frames, "frame"), counted(figures.steps, "step"),
+        1e-6 * moved, seconds_ > 0 ? 1e-6 * moved / seconds_ : 0));
     if (jet.size() < plan_.jet.count) {
       messages_.note({NoteId::simulation_limits,
                       fmt::format("{} of {} particles have not left the nozzle; simulate more frames to release them",
@@ -75,8 +75,8 @@ class JetRun {
     if (figures.slowed_down > 0) {
       messages_.note(
           {NoteId::simulation_limits,
-           fmt::format("the simulation slowed particles down {} times, to twice the speed of a fall through the tank",
-                       figures.slowed_down)});
+           fmt::format("the simulation slowed particles down {}, to twice the speed of a fall through the tank",
+                       counted(figures.slowed_down, "time"))});
     }
     if (!plan_.pattern.empty()) tell_how_to_convert(jet.radius());
     const std::string first = printable(frames.front().files.front().string());

@@ -41,8 +41,9 @@ std::string content_text(const LabelReport& report) {
            : labels.size() > 1   ? fmt::format("binary mask: {} and {}", labels.front().label, labels.back().label)
                                  : fmt::format("binary mask: {} in the background", labels.front().label);
   }
-  return fmt::format("label map: {} labels, {}; {:.0f} % of the neighbors in labels are equal", labels.size(),
-                     report.map.background ? "background 0" : "without the label 0", 100 * report.map.equal_share);
+  return fmt::format("label map: {}, {}; {:.0f} % of the neighbors in labels are equal",
+                     counted(labels.size(), "label"), report.map.background ? "background 0" : "without the label 0",
+                     100 * report.map.equal_share);
 }
 
 std::vector<std::string> names_without_voxels(const LabelReport& report) {

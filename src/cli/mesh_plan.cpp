@@ -12,6 +12,7 @@
 #include "cli/particle_file_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "files/file_bytes.hpp"
+#include "files/output_file.hpp"
 #include "mesh_io/mesh_reader.hpp"
 
 namespace isoextract::cli {
@@ -129,6 +130,33 @@ Result<void> check_output(const ConvertFlags& flags, const std::string& name) {
   return {};
 }
 
+// Returns whether the file is a mesh; nullopt if it is missing. Opens PLY files only: the names of others tell it.
+std::optional<bool> is_mesh_file(const std::string& input, const Context& context) {
+  const auto format = mesh_io::mesh_format_by_path(input);
+  if (format != mesh_io::MeshFormat::ply) return format.has_value();
+  if (!files::is_there(input)) return std::nullopt;
+  return mesh_io::find_mesh_format(input, context.beside()).has_value();
+}
+
+// Refuses meshes beside other inputs. Does not open frames with numbers in their names: they come from one program.
+// With --empty, PLY files without faces may be empty meshes.
+Result<void> check_kinds(const ConvertFlags& flags, const batch::Frames& found, const Context& context) {
+  if (found.have_numbers || found.frames.size() < 2 || flags.empty.is_set()) return {};
+  const std::string* mesh = nullptr;
+  const std::string* other = nullptr;
+  for (const batch::Frame& frame : found.frames) {
+    const auto is_mesh = is_mesh_file(frame.input, context);
+    if (is_mesh && (*is_mesh ? mesh : other) == nullptr) (*is_mesh ? mesh : other) = &frame.input;
+    if (mesh != nullptr && other != nullptr) {
+      return refuse_usage(
+          fmt::format("{} is a mesh, {} is none: expected inputs of one kind", printable(*mesh), printable(*other)),
+          "convert the meshes, and the particles or volumes, in runs of their own: list the files of one kind, or give "
+          "their pattern");
+    }
+  }
+  return {};
+}
+
 // Returns the mesh format of the output; nullopt if the output is no mesh or its name does not state a format.
 std::optional<mesh_io::MeshFormat> output_format(const ConvertFlags& flags) {
   if (flags.format) return flags.format->mesh;
@@ -164,7 +192,8 @@ Result<void> take_mesh(ConvertFlags& flags, const std::string& input, const Cont
   return {};
 }
 
-Result<void> check_mesh_frames(const ConvertFlags& flags, const batch::Frames& found) {
+Result<void> check_mesh_frames(const ConvertFlags& flags, const batch::Frames& found, const Context& context) {
+  TRY(check_kinds(flags, found, context));
   if (!reads_mesh(flags)) return {};
   const auto is_gltf_named = [](const batch::Frame& frame) {
     const auto format = mesh_io::mesh_format_by_path(frame.input);

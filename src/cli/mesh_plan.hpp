@@ -18,9 +18,10 @@ namespace isoextract::cli {
 // Fails with ErrorCode::usage if an option or the output needs a field, particles or voxels; the message says why.
 [[nodiscard]] Result<void> take_mesh(ConvertFlags& flags, const std::string& input, const Context& context);
 
-// Fails with ErrorCode::usage if take_mesh() found a mesh file and the frames are of glTF and of other formats: their
-// up axes differ.
-[[nodiscard]] Result<void> check_mesh_frames(const ConvertFlags& flags, const batch::Frames& found);
+// Fails with ErrorCode::usage if some inputs are meshes and others are not, unless their names have frame numbers. Also
+// fails if take_mesh() found a mesh file and the frames are of glTF and of other formats: their up axes differ.
+[[nodiscard]] Result<void> check_mesh_frames(const ConvertFlags& flags, const batch::Frames& found,
+                                             const Context& context);
 
 // Returns whether take_mesh() found a mesh file.
 [[nodiscard]] bool reads_mesh(const ConvertFlags& flags);

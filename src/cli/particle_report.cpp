@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/remedies.hpp"
@@ -123,8 +124,8 @@ void add_field(NamedLines& lines, const ParticleReport& report) {
     return;
   }
   if (!report.figures || report.figures->particles == 0) return;
-  lines.add("field", fmt::format("{}: samples {:.6g} apart, in {} bricks (8x8x8)", method.title,
-                                 report.figures->spacing, report.figures->bricks_stored));
+  lines.add("field", fmt::format("{}: samples {:.6g} apart, in {} (8x8x8)", method.title, report.figures->spacing,
+                                 counted(report.figures->bricks_stored, "brick")));
   lines.add(
       "time",
       fmt::format("{:.2f} s to read, {:.2f} s to make the field in this run; the extraction takes additional time",
@@ -216,11 +217,11 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
   }
   if (!report.info.length_unit.empty()) lines.add("unit", printable(report.info.length_unit, kShownName));
   if (bounds.not_finite > 0) {
-    lines.add("not finite", fmt::format("{} particles; skip them with --nan outside", bounds.not_finite));
+    lines.add("not finite", fmt::format("{}; skip them with --nan outside", counted(bounds.not_finite, "particle")));
   }
   if (const auto& neighbors = report.statistics.neighbors) {
-    lines.add("neighbors", fmt::format("nearest at {:.6g} .. {:.6g}, median {:.6g}, of {} particles", neighbors->min,
-                                       neighbors->max, neighbors->median, neighbors->asked));
+    lines.add("neighbors", fmt::format("nearest at {:.6g} .. {:.6g}, median {:.6g}, of {}", neighbors->min,
+                                       neighbors->max, neighbors->median, counted(neighbors->asked, "particle")));
   }
   if (report.statistics.suggested_radius) {
     lines.add("radius",

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
@@ -108,8 +109,8 @@ class WaterRun {
     const simulate::WaterExtremes found = automaton.extremes();
     const glm::ivec2 size = automaton.size();
     const double cells = static_cast<double>(size.x) * size.y * static_cast<double>(automaton.steps_done());
-    messages_.summary(fmt::format("{} steps of {} x {} cells by the {} rule: {:.1f} million cells per second",
-                                  automaton.steps_done(), size.x, size.y, word_of(plan_.water.rule),
+    messages_.summary(fmt::format("{} of {} x {} cells by the {} rule: {:.1f} million cells per second",
+                                  counted(automaton.steps_done(), "step"), size.x, size.y, word_of(plan_.water.rule),
                                   seconds_ > 0 ? 1e-6 * cells / seconds_ : 0));
     messages_.summary(
         fmt::format("water: {:.6g} at the start, {:.6g} poured, {:.6g} drained, {:.6g} at the end; relative imbalance "
@@ -124,9 +125,10 @@ class WaterRun {
                        plan_.what == simulate::WaterOutput::heights ? "" : "; volumes have no water there")});
     }
     for (std::size_t g = 1; g < grown_.size(); ++g) {
-      messages_.note({NoteId::simulation_limits,
-                      fmt::format("{}: the water rises, so volumes have {} layers instead of {} from this file on",
-                                  printable(grown_[g].first), grown_[g].second, grown_[g - 1].second)});
+      messages_.note(
+          {NoteId::simulation_limits,
+           fmt::format("{}: the water rises, so volumes have {} instead of {} from this file on",
+                       printable(grown_[g].first), counted(grown_[g].second, "layer"), grown_[g - 1].second)});
     }
     tell_how_to_read(frames);
     std::size_t files = 0;

@@ -7,6 +7,7 @@
 
 #include "accuracy/extraction_comparison.hpp"
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/machine.hpp"
 #include "base/nearest_name.hpp"
 #include "base/stopwatch.hpp"
@@ -202,8 +203,8 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   if (!cases.empty()) {
     const Stopwatch watch;
     rows = TRY(extracted_rows(cases, flags, messages));
-    messages.detail(
-        fmt::format("{} surfaces extracted and checked in {:.2f} s", rows.size(), watch.elapsed().wall_seconds));
+    messages.detail(fmt::format("{} extracted and checked in {:.2f} s", counted(rows.size(), "surface"),
+                                watch.elapsed().wall_seconds));
   }
   std::vector<simulate::WaterStabilityRow> water_rows;
   if (water) {

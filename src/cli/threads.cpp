@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include "base/allocation_error.hpp"
+#include "base/counted.hpp"
 #include "base/machine.hpp"
 
 namespace isoextract::cli {
@@ -22,7 +23,7 @@ Result<void> limit_threads(const std::optional<int>& threads) {
   if (others.refusal.empty()) return {};
   const int could = others.count + 1;
   return fail(ErrorCode::unavailable,
-              fmt::format("cannot start {} threads, only {}: {}", wanted, could, others.refusal),
+              fmt::format("cannot start {}, only {}: {}", counted(wanted, "thread"), could, others.refusal),
               fmt::format("give --threads {}, or raise the limit (ulimit {})", could,
                           address_space_limit() ? "-v, because each thread's stack takes address space" : "-u"));
 }

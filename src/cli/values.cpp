@@ -119,7 +119,7 @@ Result<convert::IsoChoice> parse_iso(std::string_view text) {
   if (const auto choice = convert::iso_choice_of(text)) return *choice;
   const auto number = whole_text_as<double>(text);
   if (!number || !std::isfinite(*number)) {
-    auto refused = expected_found("a finite number, auto, zero or a percentile from p0 to p100", text);
+    auto refused = expected_found(fmt::format("a finite number, {}", convert::kIsoWords), text);
     if (text.find(',') != std::string_view::npos) refused.value().hint = "give --iso several times for several values";
     return refused;
   }

@@ -7,6 +7,7 @@
 
 #include "accuracy/mesh_match.hpp"
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
@@ -50,7 +51,7 @@ NewExtraction made_anew(const convert::ConversionJob& job, const convert::Outcom
   NewExtraction anew;
   anew.surface =
       fmt::format("{} {} {}", label, are_labels ? "label" : "iso", fmt::join(std::span(surfaces).first(told), ", "));
-  if (told < surfaces.size()) anew.surface += fmt::format(" and {} others", surfaces.size() - told);
+  if (told < surfaces.size()) anew.surface += fmt::format(" and {}", counted(surfaces.size() - told, "other"));
   anew.backend = outcome.backend;
   for (const convert::StageInfo& stage : convert::kStages) {
     const bool is_of_mesh = stage.name >= convert::StageName::extract;

@@ -261,17 +261,20 @@ class Conversion {
   Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputMeshes& file) {
     const std::string& pattern = file.job.path;
     const bool into_files = collector_ == nullptr && pattern.find(kPiecePlaceholder) != std::string::npos;
-    auto pieces = TRY(split_mesh(std::move(surface.mesh), into_files, context_));
-    for (std::size_t i = 0; into_files && i < pieces.size(); ++i) {
+    const StageContext stage{job_, source_, maker().facts(open_), context_};
+    const std::string name = surface.mesh.name;
+    auto pieces = split_mesh(std::move(surface.mesh), into_files, context_);
+    if (!pieces) return tl::unexpected(about_surface(std::move(pieces.error()), name, stage.subject(surface)));
+    for (std::size_t i = 0; into_files && i < pieces->size(); ++i) {
       TRY(check_mesh_files({piece_path(pattern, i + 1), {}}, meshes_.format, read()));
     }
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
+    for (std::size_t i = 0; i < pieces->size(); ++i) {
       Surface piece{.asked = surface.asked,
                     .id = surface.id,
-                    .mesh = std::move(pieces[i]),
+                    .mesh = std::move((*pieces)[i]),
                     .open_boundary = surface.open_boundary,
                     .counts_open_edges = surface.counts_open_edges};
-      TRY(run_stage(stage_info(StageName::normals), {job_, source_, maker().facts(open_), context_}, events_, piece));
+      TRY(run_stage(stage_info(StageName::normals), stage, events_, piece));
       if (!into_files) {
         TRY(add(std::move(piece), file));
         continue;
@@ -282,11 +285,11 @@ class Conversion {
       TRY(finish(own, {}));
     }
     if (!into_files) return {};
-    if (pieces.empty()) return leave_out(file.job, {skipped_of({&iso, 1}, {})});
-    const auto removed = TRY(remove_old_pieces(file.job, pieces.size() + 1, meshes_.format, read(), context_));
+    if (pieces->empty()) return leave_out(file.job, {skipped_of({&iso, 1}, {})});
+    const auto removed = TRY(remove_old_pieces(file.job, pieces->size() + 1, meshes_.format, read(), context_));
     if (!removed.empty()) {
       events_.note({NoteId::old_pieces, fmt::format("{}: {} bodies; the run removed files of an earlier run: {}",
-                                                    source_.label, pieces.size(), first_and_last(removed))});
+                                                    source_.label, pieces->size(), first_and_last(removed))});
     }
     return {};
   }
@@ -426,7 +429,7 @@ class Conversion {
   [[nodiscard]] const files::InputFileSet& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
   [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const SurfaceId> made) const {
-    return skipped_surfaces(source_.label, asked, made, lost_, labels_.has_value() || job_.source.mesh);
+    return skipped_surfaces(source_.label, asked, made, lost_);
   }
 
   void tell_skipped(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped, bool is_written,

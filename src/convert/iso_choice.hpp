@@ -134,6 +134,9 @@ struct IsoChoice {
 // Returns a number for an iso value, else the text.
 [[nodiscard]] Json json_of(const IsoChoice& choice);
 
+// The values that iso_choice_of() takes beside a number, for messages about another one.
+inline constexpr std::string_view kIsoWords = "auto, zero or a percentile from p0 to p100";
+
 // Parses "auto", "zero" or "p" and a Percent. Returns nullopt for other words and for numbers.
 [[nodiscard]] std::optional<IsoChoice> iso_choice_of(std::string_view word);
 

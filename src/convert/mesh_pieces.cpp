@@ -23,9 +23,10 @@ std::string line_of(const edit::BodyFigures& facts, const std::string& surface) 
   const edit::BodyCounts& before = facts.before;
   const edit::BodyCounts& after = facts.after;
   const auto cavities = [](const edit::BodyCounts& counts) { return counts.components - counts.bodies; };
-  return fmt::format("components{}: kept {} of {} bodies, {} of {} cavities, {} of {} triangles; {:.2f} s", surface,
-                     after.bodies, before.bodies, cavities(after), cavities(before), after.triangles, before.triangles,
-                     facts.time.wall_seconds);
+  return fmt::format("components{}: kept {} of {}, {} of {}, {} of {}; {:.2f} s", surface, after.bodies,
+                     counted(before.bodies, "body", "bodies"), cavities(after),
+                     counted(cavities(before), "cavity", "cavities"), after.triangles,
+                     counted(before.triangles, "triangle"), facts.time.wall_seconds);
 }
 
 }  // namespace
@@ -80,8 +81,8 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   }
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
-                         fmt::format("{}: none of the {} components{} has the requested size", stage.source.label,
-                                     facts.before.components, surface.id.at_text()),
+                         fmt::format("{}: none of {}{} has the requested size", stage.source.label,
+                                     counted(facts.before.components, "component"), surface.id.at_text()),
                          {Remedy::use, Setting::empty_policy}};
   }
   return report;

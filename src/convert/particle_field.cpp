@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "base/byte_size.hpp"
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "points/sphere_set.hpp"
 #include "volume_io/grid_tools.hpp"
@@ -53,9 +54,9 @@ Result<points::ParticleField> make_level_set(const points::ParticleSet& particle
     if (figures.particles == 0) {
       return fail(ErrorCode::input,
                   fmt::format("{}: expected particles with a radius of at least {} sample spacings ({:.6g} with a "
-                              "spacing of {:.6g}), found {} particles, all smaller",
+                              "spacing of {:.6g}), found {}, all smaller",
                               particles.label, points::kMinSphereRadius, points::kMinSphereRadius * figures.spacing,
-                              figures.spacing, field->left_out),
+                              figures.spacing, counted(field->left_out, "particle")),
                   {Remedy::lower, Setting::cell_size});
     }
   }
@@ -155,10 +156,9 @@ Result<points::ParticleField> make_particle_field(points::ParticleSet& particles
   if (!of_spheres && figures.particles_too_small > 0) {
     made.field.notes.push_back(
         {NoteId::particles_left_out,
-         fmt::format(
-             "the field omits {} particles with a radius below {:.3g} sample spacings, which could fall between "
-             "samples",
-             figures.particles_too_small, figures.least_radius)});
+         fmt::format("the field omits {} with a radius below {:.3g} sample spacings, which could fall between "
+                     "samples",
+                     counted(figures.particles_too_small, "particle"), figures.least_radius)});
   }
   if (made.region) {
     // The samples beyond the box repeat those in it.

@@ -246,7 +246,7 @@ class AnimateTest(ProgramTest):
         # A frame alone, written under that name, is no animation.
         run = self.run_program(MOVING, "--frames", "3", "--iso", "0.5", "-o", "w.glb", "--resume")
         self.assertEqual(run.code, 0, run.err)
-        self.assertIn("1 of 1 frames done", run.err)
+        self.assertIn("1 of 1 frame done", run.err)
 
     def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(self):
         arguments = (40, "-o", "w.glb", "--jobs", "2")

@@ -145,6 +145,7 @@ class HollowTest(ProgramTest):
         self.is_printable("cut.ply")
         self.assert_fails(1, self.run_program(*source, "--hollow", "2", "-o", "x.ply"), "with its unit")
         self.assert_fails(2, self.run_program(*source, "--hollow", "2mm", "-o", "x.ply"), "neither the file nor an option states")
+        self.assert_fails(2, self.run_program(*source, "--hollow", "1e-9world", "-o", "x.ply"), "error: ball.raw iso 0: a wall of 1e-09 is too thin")
         self.assert_fails(1, self.run_program(*source, "--hollow", "1world", "--error", "-o", "x.ply"), "--error")
         self.assertNotIn("x.ply", self.files())
 

@@ -6,6 +6,7 @@ import subprocess
 
 import jsonschema
 from support import SOURCE, SPHERE, ProgramTest, main, needs_modules, read_glb, read_obj, read_ply, read_stl
+from written_meshes import box, ply_text, scene_bytes, stl_bytes  # beside mesh_readers
 
 needs_modules("numpy")
 
@@ -29,26 +30,6 @@ def triangles_of(mesh, turn=lambda x, y, z: (x, y, z)):
 def only(meshes):
     (mesh,) = meshes.values()
     return mesh
-
-
-def box(low, high):
-    """Vertices and outward triangles of a box."""
-    vertices = [tuple((low, high)[i >> axis & 1][axis] for axis in range(3)) for i in range(8)]
-    quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-    return vertices, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-
-
-def stl_bytes(vertices, triangles):
-    records = [struct.pack("<12fH", 0, 0, 0, *(x for v in t for x in vertices[v]), 0) for t in triangles]
-    return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(records)
-
-
-def ply_text(vertices, triangles, colors=None, kind="float", quality=None):
-    lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}", *(f"property float {c}" for c in "xyz"),
-             *(f"property uchar {c}" for c in ("red", "green", "blue") if colors),
-             *([f"property {kind} quality"] if quality else []), f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
-    rows = [(*v, *(colors[i] if colors else ()), *([quality[i]] if quality else [])) for i, v in enumerate(vertices)]
-    return "\n".join([*lines, *(" ".join(map(str, r)) for r in rows), *("3 %d %d %d" % t for t in triangles), ""])
 
 
 class MeshInputTest(ProgramTest):
@@ -290,44 +271,12 @@ class MeshInputTest(ProgramTest):
 
     # Scenes
 
-    def scene(self, name):
-        """Two boxes in one buffer; three nodes, one of them moved and mirrored, one mesh of two materials."""
-        vertices, triangles = box((0, 0, 0), (1, 1, 1))
-        positions = b"".join(struct.pack("<3f", *v) for v in vertices)
-        indices = b"".join(struct.pack("<3H", *t) for t in triangles)
-        uvs = bytes(8 * 8)
-        binary = positions + indices + uvs
-        half = {"bufferView": 1, "componentType": 5123, "count": 18, "type": "SCALAR"}
-        model = {
-            "asset": {"version": "2.0"},
-            "buffers": [{"byteLength": len(binary)}],
-            "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72},
-                            {"buffer": 0, "byteOffset": 168, "byteLength": 64}],
-            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
-                          {**half, "count": 36}, half, {**half, "byteOffset": 36},
-                          {"bufferView": 2, "componentType": 5126, "count": 8, "type": "VEC2"}],
-            "materials": [{"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}},
-                          {"name": "glass", "pbrMetallicRoughness": {"baseColorFactor": [0, 0.5, 1, 0.25]},
-                           "alphaMode": "BLEND", "doubleSided": True}],
-            "meshes": [{"name": "data", "primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 4}, "indices": 1, "material": 0}]},
-                       {"primitives": [{"attributes": {"POSITION": 0}, "indices": 2, "material": 0},
-                                       {"attributes": {"POSITION": 0}, "indices": 3, "material": 1}]}],
-            "nodes": [{"name": "chair", "mesh": 0}, {"name": "lamp", "mesh": 0, "translation": [5, 0, 0], "scale": [-2, 1, 1]},
-                      {"name": "table", "mesh": 1, "translation": [0, 3, 0]}, {"camera": 0}],
-            "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}],
-            "scenes": [{"nodes": [0, 1, 2, 3]}]}
-        text = json.dumps(model).encode()
-        text += b" " * (-len(text) % 4)
-        total = 12 + 8 + len(text) + 8 + len(binary)
-        (self.folder / name).write_bytes(struct.pack("<4sII", b"glTF", 2, total) + struct.pack("<I4s", len(text), b"JSON") +
-                                         text + struct.pack("<I4s", len(binary), b"BIN\0") + binary)
-
     def model(self, name):
         data = (self.folder / name).read_bytes()
         return json.loads(data[20:20 + struct.unpack_from("<I", data, 12)[0]])
 
     def test_a_scene_keeps_names_materials_and_places(self):
-        self.scene("a.glb")
+        (self.folder / "a.glb").write_bytes(scene_bytes())
         run = self.convert("a.glb", "-o", "b.glb")
         self.assertIn("note[data-left-out]: a.glb: the reader leaves out cameras, metalness, roughness and light of "
                       "materials, texture coordinates", run.err)
@@ -355,7 +304,7 @@ class MeshInputTest(ProgramTest):
         self.assertEqual(list(read_glb((self.folder / "e.glb").read_bytes())), list(meshes))
 
     def test_formats_for_one_mesh_get_all_meshes(self):
-        self.scene("a.glb")
+        (self.folder / "a.glb").write_bytes(scene_bytes())
         run = self.convert("a.glb", "-o", "b.ply", "--ascii")
         self.assertIn("the 4 meshes of the file become one, without their names", run.err)
         mesh = self.mesh("b.ply")
@@ -367,43 +316,6 @@ class MeshInputTest(ProgramTest):
         self.assertEqual(colors[-1], (0, 188, 255))  # linear 0.5 is 188 in sRGB
         self.convert("a.glb", "--split-components", "-o", "p_{piece}.stl")
         self.assertEqual(sum(1 for name in self.files() if name.startswith("p_")), 4)
-
-    # Sequences
-
-    def test_a_sequence(self):
-        for frame in (1, 2, 4):
-            self.convert(f"demo:gyroid?size={10 + frame}", "--iso", "0.2", "--cap", "-o", f"m_{frame:04}.ply")
-        run = self.convert("m_{:04}.ply", "--triangles", "50%", "-o", "s_{:04}.stl", "--table", "t.json")
-        self.assertIn("the inputs lack the frames 3", run.err)
-        names = [f"s_{frame:04}.stl" for frame in (1, 2, 4)]
-        self.assertLessEqual(set(names), set(self.files()))
-        table = json.loads((self.folder / "t.json").read_text())
-        schema = json.loads((SOURCE / "docs" / "schemas" / "table.schema.json").read_text())
-        jsonschema.Draft202012Validator(schema).validate(table)
-        before = {name: (self.folder / name).stat().st_mtime_ns for name in names}
-        (self.folder / names[1]).unlink()
-        self.convert("demo:gyroid?size=20", "--iso", "0.2", "--cap", "-o", "m_0004.ply")
-        run = self.convert("m_{:04}.ply", "--triangles", "50%", "-o", "s_{:04}.stl", "--resume")
-        after = {name: (self.folder / name).stat().st_mtime_ns for name in names}
-        self.assertEqual([before[name] == after[name] for name in names], [True, False, False])
-        self.convert("m_{:04}.ply", "--triangles", "50%", "-o", "x_{:04}.stl", "--frames", "4")
-        self.assertEqual((self.folder / names[2]).read_bytes(), (self.folder / "x_0004.stl").read_bytes())
-        self.convert("m_{:04}.ply", "--animate", "-o", "all.glb")
-        self.assertEqual(len(self.model("all.glb")["animations"]), 1)
-
-    def test_a_folder_of_meshes(self):
-        (self.folder / "in").mkdir()
-        for frame in (1, 2):
-            self.convert(SPHERE, "--iso", "0", "-o", f"in/m_{frame}.stl")
-        self.convert("in", "-o", "out_{}.ply")
-        self.assertLessEqual({"out_1.ply", "out_2.ply"}, set(self.files()))
-        self.convert("in/m_1.stl", "in/m_2.stl")
-        self.assertLessEqual({"m_1.glb", "m_2.glb"}, set(self.files()))
-        self.assert_fails(1, self.run_program("in/m_1.stl", "new.stl"), "new.stl: the last input", "-o new.stl")
-        self.convert(SPHERE, "--iso", "0", "-o", "in/m_3.glb")
-        run = self.run_program("in/m_1.stl", "in/m_3.glb", "-o", "mixed_{}.ply")
-        self.assert_fails(1, run, "in/m_3.glb", "glTF has y up")
-        self.assert_fails(1, self.run_program("in/m_1.stl", "in/m_2.stl", "--iso", "0", "-o", "o_{}.ply"), "--iso has no effect")
 
     # Repair
 

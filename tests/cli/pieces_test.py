@@ -49,7 +49,7 @@ class PiecesTest(ProgramTest):
         self.assertEqual((record["before"]["components"], record["before"]["bodies"]), (4, 3))
         self.assertEqual((record["after"]["components"], record["after"]["bodies"]), (2, 1))
         self.assertEqual(record["after"]["triangles"], mesh["triangles"])
-        self.assertIn("components at iso 0: kept 1 of 3 bodies, 1 of 1 cavities, ", run.err)
+        self.assertIn("components at iso 0: kept 1 of 3 bodies, 1 of 1 cavity, ", run.err)
         self.assertEqual(self.balls("--largest", "2")[1]["meshes"][0]["components"], 3)
         self.assertEqual(self.balls("--largest", "--fill-cavities")[1]["meshes"][0]["components"], 1)
         # The number is left out before an input.
@@ -99,6 +99,15 @@ class PiecesTest(ProgramTest):
         triangles = [len(read_stl((self.folder / f"part_{n}.stl").read_bytes()).triangles) for n in (1, 2)]
         self.assertEqual(triangles, [mesh["triangles"] for mesh in report["meshes"]])
         self.assertIn("iso 0 -> part_2.stl: ", run.err)
+
+    def test_too_many_pieces(self):
+        self.write_raw("spots.raw", (23, 23, 23), lambda x, y, z: x & y & z & 1, "B")
+        options = ("--dims", "23,23,23", "--dtype", "u8", "--iso", "0.5")
+        run = self.run_program("spots.raw", *options, "--split-components", "-o", "s_{piece}.ply")
+        self.assert_fails(2, run, "error: spots.raw iso 0.5: the surface has 1331 bodies", "--largest N")
+        self.convert("spots.raw", *options, "-o", "mesh.ply")
+        run = self.run_program("mesh.ply", "--split-components", "-o", "s_{piece}.ply")
+        self.assert_fails(2, run, "error: mesh.ply: the surface has 1331 bodies")
 
     def test_the_table_of_components(self):
         (mesh,) = self.balls()[1]["meshes"]

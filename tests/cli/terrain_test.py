@@ -108,6 +108,8 @@ class TerrainTest(ProgramTest):
         self.assertNotRegex(run.err, r"\biso\b")
         run = self.run_program("h.npy", "--heightfield", "--clip", "1,0,0,50", "-o", "t.ply")
         self.assert_fails(2, run, "h.npy: clipping removes the whole surface; ")
+        run = self.convert("h.npy", "--heightfield", "--clip", "1,0,0,50", "--empty", "skip", "-o", "t.ply")
+        self.assertIn("h.npy: clipping removed every triangle; the conversion did not write t.ply", run.err)
 
     def test_images_and_their_placement(self):
         heights = numpy.random.default_rng(4).integers(0, 200, (8, 10)).astype("u1")

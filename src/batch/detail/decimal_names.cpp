@@ -193,6 +193,18 @@ bool ends_within_decimal(std::string_view prefix) {
   return ends_in_exponent(prefix) || (!prefix.empty() && is_decimal_point(prefix, prefix.size() - 1));
 }
 
+bool has_decimal_number(const files::FramePattern& pattern, std::string_view name) {
+  const std::string& prefix = pattern.prefix();
+  const std::string& suffix = pattern.suffix();
+  if (name.size() <= prefix.size() + suffix.size() || !name.starts_with(prefix) || !name.ends_with(suffix))
+    return false;
+  std::string word("_");  // a point at the start of a number follows a word
+  word += name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
+  const DecimalName split = split_decimals(word);
+  return split.skeleton == std::string{'_', kNumberMark} &&
+         !(split.numbers.front().fraction.empty() && split.numbers.front().exponent.empty());
+}
+
 std::optional<DecimalOrder> order_by_decimals(std::span<const std::string> names) {
   const std::vector<Decimal> numbers = differing_numbers(names);
   if (numbers.empty()) return std::nullopt;

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "files/frame_pattern.hpp"
+
 namespace isoextract::batch {
 
 struct DecimalOrder {
@@ -28,6 +30,10 @@ struct DecimalOrder {
 //   - only the digits after the point differ, and all have the same length;
 //   - the digits after the point have several lengths, and judge_fractions() does not call them fractions.
 [[nodiscard]] std::optional<DecimalOrder> order_by_decimals(std::span<const std::string> names);
+
+// Returns whether the name has a number with a fraction or an exponent (0.25, .25, -0p5, 1e-3) where the pattern has
+// its whole number.
+[[nodiscard]] bool has_decimal_number(const files::FramePattern& pattern, std::string_view name);
 
 // How to read the digits after a point.
 enum class FractionKind {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/stopwatch.hpp"
 #include "field/dense_field.hpp"
 #include "field/statistics.hpp"
@@ -63,7 +64,8 @@ std::string samples_text(const field::ScalarField& field) {
     return fmt::format("{} x {} x {} samples", dense->dims.x, dense->dims.y, dense->dims.z);
   }
   const auto& sparse = std::get<field::SparseSamples>(field.samples);
-  return fmt::format("samples in {} bricks (8x8x8) and {} tiles", sparse.blocks.size(), sparse.tiles.size());
+  return fmt::format("samples in {} (8x8x8) and {}", counted(sparse.blocks.size(), "brick"),
+                     counted(sparse.tiles.size(), "tile"));
 }
 
 struct WrittenField {

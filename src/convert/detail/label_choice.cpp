@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/ascii.hpp"
+#include "base/counted.hpp"
 #include "base/nearest_name.hpp"
 #include "base/parallel.hpp"
 #include "base/printable.hpp"
@@ -84,10 +85,10 @@ void drop_small(const extract::LabelVoxels& found, std::uint64_t least, const st
   chosen.too_small.insert(small.begin(), small.end());
   constexpr std::size_t kMostTold = 10;
   const std::size_t told = std::min(small.size(), kMostTold);
-  chosen.notes.push_back(
-      {NoteId::labels_small,
-       fmt::format("{}: no mesh for {} of {} labels ({}{}): they have fewer than {} voxels", source, small.size(),
-                   before, fmt::join(std::span(small).first(told), ", "), told < small.size() ? ", ..." : "", least)});
+  chosen.notes.push_back({NoteId::labels_small,
+                          fmt::format("{}: no mesh for {} of {} ({}{}): they have fewer than {}", source, small.size(),
+                                      counted(before, "label"), fmt::join(std::span(small).first(told), ", "),
+                                      told < small.size() ? ", ..." : "", counted(least, "voxel"))});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "convert/field_label.hpp"
 #include "convert/stage_report.hpp"
 #include "field/distinct_values.hpp"
@@ -35,13 +36,13 @@ void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& g
   constexpr std::size_t kMostTold = 10;
   const std::span<const std::int64_t> told = std::span(lost).first(std::min(lost.size(), kMostTold));
   const std::string ids = fmt::format("{}{}", fmt::join(told, ", "), lost.size() > kMostTold ? ", ..." : "");
-  events.note({NoteId::labels_lost,
-               fmt::format("{}: no mesh for {} of {} labels ({}): the coarser grid has no sample of these labels",
-                           field_label(map), lost.size(), labels.size(), ids)});
+  events.note(
+      {NoteId::labels_lost, fmt::format("{}: no mesh for {} of {} ({}): the coarser grid has no sample of these labels",
+                                        field_label(map), lost.size(), counted(labels.size(), "label"), ids)});
   StageReport report = report_on(StageName::resample, field_label(map));
   report.work.push_back({WorkTopic::labels, WorkDone::left_out, lost.size(), labels.size(),
-                         fmt::format("{} of {} labels, because the coarser grid has no sample of these labels: {}",
-                                     lost.size(), labels.size(), ids)});
+                         fmt::format("{} of {}, because the coarser grid has no sample of these labels: {}",
+                                     lost.size(), counted(labels.size(), "label"), ids)});
   events.end(report);
 }
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/printable.hpp"
 #include "base/srgb.hpp"
 #include "convert/detail/place_report.hpp"
@@ -96,9 +97,10 @@ Result<void> adapt_materials(const MeshFile& file, mesh_io::MeshFormat format, c
     }
     TRY(edit::color_ranges(mesh, colors, context));
   }
-  events.note({NoteId::data_left_out, fmt::format("{}: {} has no materials, so the output lacks those of {} meshes{}",
-                                                  label, mesh_io::mesh_format_info(format).name, count,
-                                                  to_vertices ? "; the vertices have their colors" : "")});
+  events.note(
+      {NoteId::data_left_out, fmt::format("{}: {} has no materials, so the output lacks those of {}{}", label,
+                                          mesh_io::mesh_format_info(format).name, counted(count, "mesh", "meshes"),
+                                          to_vertices ? "; the vertices have their colors" : "")});
   return {};
 }
 

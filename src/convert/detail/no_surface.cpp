@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "convert/output_checks.hpp"
 #include "field/statistics.hpp"
 #include "files/output_file.hpp"
@@ -40,7 +41,7 @@ Error no_label(const Source& source, std::int64_t background, std::size_t labels
             {Remedy::use, Setting::empty_policy}};
   }
   return {ErrorCode::no_surface,
-          fmt::format("{}: the choice includes none of the {} labels in the file", source.label, labels),
+          fmt::format("{}: the choice includes none of {} in the file", source.label, counted(labels, "label")),
           {Remedy::use, Setting::empty_policy}};
 }
 

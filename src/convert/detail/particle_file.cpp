@@ -112,8 +112,9 @@ void tell_choice(const ChosenParticles& chosen, const ConversionJob& job, Events
   if (chosen.chosen) report.work.push_back(choice_fact(*chosen.chosen, job.source.particles));
   if (chosen.in_region) {
     const std::uint64_t removed = chosen.in_region->of - chosen.in_region->chosen;
-    report.work.push_back({WorkTopic::particles_outside_region, WorkDone::left_out, removed, chosen.in_region->of,
-                           fmt::format("{} of {} particles, outside the region", removed, chosen.in_region->of)});
+    report.work.push_back(
+        {WorkTopic::particles_outside_region, WorkDone::left_out, removed, chosen.in_region->of,
+         fmt::format("{} of {}, outside the region", removed, counted(chosen.in_region->of, "particle"))});
   }
   events.end(report);
 }

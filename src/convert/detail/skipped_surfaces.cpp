@@ -8,27 +8,30 @@
 #include <fmt/ranges.h>
 
 namespace isoextract::convert {
+namespace {
+
+std::string preposition(const SurfaceId& id) { return id.is_file_mesh() ? " in " : id.is_iso() ? " at iso " : " at "; }
+
+}  // namespace
 
 SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
-                                 std::span<const SurfaceId> written, std::span<const LostSurface> lost,
-                                 bool are_labels) {
-  SkippedSurfaces skipped{label, are_labels, {}};
+                                 std::span<const SurfaceId> written, std::span<const LostSurface> lost) {
+  SkippedSurfaces skipped{label, {}};
   const std::set<SurfaceId> made(written.begin(), written.end());
   std::map<SurfaceId, std::string> why;  // the first reason
   for (const LostSurface& surface : lost) why.try_emplace(surface.id, surface.why);
   for (const ResolvedIso& iso : asked) {
     if (made.contains(iso.id)) continue;
     const auto found = why.find(iso.id);
-    skipped.reasons[found == why.end() ? "no surface" : found->second].push_back(text_of(iso));
+    std::string& surfaces = skipped.reasons[found == why.end() ? "no surface" : found->second];
+    if (!iso.id.is_only_surface()) surfaces += (surfaces.empty() ? preposition(iso.id) : ", ") + text_of(iso);
   }
   return skipped;
 }
 
 std::string note_of(const SkippedSurfaces& skipped, const std::string& consequence) {
   std::vector<std::string> reasons;
-  for (const auto& [why, texts] : skipped.reasons) {
-    reasons.push_back(fmt::format("{} at {}{}", why, skipped.are_labels ? "" : "iso ", fmt::join(texts, ", ")));
-  }
+  for (const auto& [why, surfaces] : skipped.reasons) reasons.push_back(why + surfaces);
   return fmt::format("{}: {}; {}", skipped.label, fmt::join(reasons, "; "), consequence);
 }
 

@@ -17,19 +17,18 @@ struct LostSurface {
   std::string why;
 };
 
-// The iso values of one grid at which a file has no surface.
+// The surfaces of one grid or mesh file that a file lacks.
 struct SkippedSurfaces {
   std::string label;  // of the grid's field
-  bool are_labels = false;
-  std::map<std::string, std::vector<std::string>> reasons;  // texts of iso values, by reason
+  // The surfaces by reason: " at iso 0.3, 0.4"; empty texts for SurfaceId::is_only_surface().
+  std::map<std::string, std::string> reasons;
 };
 
 [[nodiscard]] inline bool is_nothing(const SkippedSurfaces& skipped) { return skipped.reasons.empty(); }
 
 // Returns the surfaces of `asked` that are not among `written`, with the reasons that `lost` states.
 [[nodiscard]] SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
-                                               std::span<const SurfaceId> written, std::span<const LostSurface> lost,
-                                               bool are_labels);
+                                               std::span<const SurfaceId> written, std::span<const LostSurface> lost);
 
 // Returns the note; `consequence` says what happened to the file.
 [[nodiscard]] std::string note_of(const SkippedSurfaces& skipped, const std::string& consequence);

@@ -38,7 +38,8 @@ Result<Surface> take_mesh(const SurfaceMaker& maker, const ResolvedIso& asked, M
                   .id = asked.id,
                   .mesh = std::move(maker.meshes.at(number == 0 ? 0 : number - 1)),
                   .counts_open_edges = true};
-  TRY(tell(TRY(repair_surface(surface, {maker.job, maker.source, maker.facts(false), maker.context})), made.events));
+  const StageContext stage{maker.job, maker.source, maker.facts(false), maker.context};
+  TRY(tell(TRY(run_edit(repair_surface, stage, surface)), made.events));
   const mesh::Topology topology = TRY(mesh::measure_topology(surface.mesh, maker.context));
   made.open = topology.open_edges > 0 || is_cut_open(maker);
   return surface;
@@ -91,7 +92,7 @@ Result<Surface> open_surface(const SurfaceMaker& maker, const ResolvedIso& asked
   const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
   std::optional<mesh::Bounds> whole;  // bounds before clipping
   if (!source.clip.empty() && !surface.mesh.triangles.empty()) whole = mesh::measure_bounds(surface.mesh);
-  const StageReport clipped = TRY(clip_surface(surface, stage));
+  const StageReport clipped = TRY(run_edit(clip_surface, stage, surface));
   TRY(tell(clipped, made.events));
   made.cut_away = surface.mesh.triangles.empty() ? whole : std::nullopt;
   return surface;

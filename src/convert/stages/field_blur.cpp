@@ -22,9 +22,9 @@ glm::dvec3 sigma_of(const BlurStep& step, const field::ScalarField& field) {
 
 std::string blurred_text(const field::ScalarField& field) {
   if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
-    return fmt::format("{} samples of {}", dense->count(), field::sample_type_name(field.type()));
+    return fmt::format("{} of {}", counted(dense->count(), "sample"), field::sample_type_name(field.type()));
   }
-  return fmt::format("{} bricks (8x8x8) of {}", std::get<field::SparseSamples>(field.samples).blocks.size(),
+  return fmt::format("{} (8x8x8) of {}", counted(std::get<field::SparseSamples>(field.samples).blocks.size(), "brick"),
                      field::sample_type_name(field.type()));
 }
 

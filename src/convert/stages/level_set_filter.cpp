@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/stopwatch.hpp"
 #include "volume_io/grid_tools.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -33,11 +34,11 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
     const auto& samples = std::get<field::SparseSamples>(field.samples);
     const std::string rounded =
         before == field.type() ? "" : fmt::format(", as {}", field::sample_type_name(field.type()));
-    events.end(report_on_field(
-        StageName::filter, label,
-        {WorkTopic::filter, WorkDone::filtered, samples.active_voxels, std::nullopt,
-         fmt::format("the level set by {}{}: {} active voxels", text_of(step), rounded, samples.active_voxels)},
-        watch.elapsed()));
+    events.end(report_on_field(StageName::filter, label,
+                               {WorkTopic::filter, WorkDone::filtered, samples.active_voxels, std::nullopt,
+                                fmt::format("the level set by {}{}: {}", text_of(step), rounded,
+                                            counted(samples.active_voxels, "active voxel"))},
+                               watch.elapsed()));
     TRY(context.check());
   }
   return {};

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/field_label.hpp"
 #include "field/resample.hpp"
@@ -96,9 +97,8 @@ Result<std::optional<field::ScalarField>> rebuild_level_set(const SourceOptions&
   events.end(
       report_on_field(StageName::resample, label,
                       {WorkTopic::resolution, WorkDone::resampled, voxels, std::nullopt,
-                       fmt::format("the level set, with voxels of {:.6g} and a band of {:g} voxels on either side: "
-                                   "{} active voxels",
-                                   edges.x, kHalfBand, voxels)},
+                       fmt::format("the level set, with voxels of {:.6g} and a band of {:g} voxels on either side: {}",
+                                   edges.x, kHalfBand, counted(voxels, "active voxel"))},
                       watch.elapsed()));
   return rebuilt;
 }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "convert/attribute_kinds.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/half_space_clip.hpp"
@@ -52,18 +53,20 @@ Result<StageReport> clip_surface(Surface& surface, const StageContext& stage) {
     // No note for a region that holds the whole surface, as most do.
     if (!stage.job.source.clip.empty()) {
       report.notes.push_back(
-          {NoteId::clipped, fmt::format("{}: clipping cut nothing off; the mesh keeps all {} triangles", report.subject,
-                                        facts.triangles_after)});
+          {NoteId::clipped,
+           fmt::format(
+               "{}: clipping cut nothing off; the mesh keeps {}", report.subject,
+               facts.triangles_after == 1 ? "its triangle" : fmt::format("all {} triangles", facts.triangles_after))});
     }
     return report;
   }
   // Cutting can split a triangle into several, so more triangles may be left than before.
-  std::string text =
-      facts.triangles_cut > 0
-          ? fmt::format("{}: clipping cut {} triangles; the mesh has {} triangles instead of {}", report.subject,
-                        facts.triangles_cut, facts.triangles_after, facts.triangles_before)
-          : fmt::format("{}: clipping kept {} of {} triangles and cut none", report.subject, facts.triangles_after,
-                        facts.triangles_before);
+  std::string text = facts.triangles_cut > 0
+                         ? fmt::format("{}: clipping cut {}; the mesh has {} instead of {}", report.subject,
+                                       counted(facts.triangles_cut, "triangle"),
+                                       counted(facts.triangles_after, "triangle"), facts.triangles_before)
+                         : fmt::format("{}: clipping kept {} of {} and cut none", report.subject, facts.triangles_after,
+                                       counted(facts.triangles_before, "triangle"));
   NoteId id = NoteId::clipped;
   if (facts.cap_triangles > 0) {
     text += fmt::format("; {} triangles close the surface at the cuts", facts.cap_triangles);

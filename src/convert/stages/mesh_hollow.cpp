@@ -82,8 +82,8 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
     if (surface.open_boundary.at_data_boundary || surface.open_boundary.cut) hint = Hint(Remedy::use, Setting::cap);
     if (stage.source.of_meshes && !surface.open_boundary.cut) hint = Hint(Remedy::use, Setting::repair);
     return fail(ErrorCode::input,
-                fmt::format("{}: only a closed surface can be hollow, and this one has {} boundary edges",
-                            stage.subject(surface), topology.open_edges),
+                fmt::format("{}: only a closed surface can be hollow, and this one has {}", stage.subject(surface),
+                            counted(topology.open_edges, "boundary edge")),
                 hint);
   }
   const HollowChoice& choice = *stage.job.edits.hollow;
@@ -123,10 +123,10 @@ Result<StageReport> hollow_surface(Surface& surface, const StageContext& stage) 
     return report;
   }
   std::string text = fmt::format(
-      "hollowed{}: wall of {:.4g}; {} of volume {:.4g}, {} triangles; measured thickness {:.4g} to {:.4g}, typical "
+      "hollowed{}: wall of {:.4g}; {} of volume {:.4g}, {}; measured thickness {:.4g} to {:.4g}, typical "
       "difference {:.2g} (cells of {:.4g})",
-      surface.id.at_text(), thickness, counted(facts.cavities, "cavity", "cavities"), cavity_volume, triangles,
-      facts.thinnest, facts.thickest, facts.rms_difference, cell);
+      surface.id.at_text(), thickness, counted(facts.cavities, "cavity", "cavities"), cavity_volume,
+      counted(triangles, "triangle"), facts.thinnest, facts.thickest, facts.rms_difference, cell);
   if (facts.loose_walls == 1) text += "; 1 wall around a cavity of the surface does not touch the outer wall";
   if (facts.loose_walls > 1) {
     text += fmt::format("; {} walls around cavities of the surface do not touch the outer wall", facts.loose_walls);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/reserved_buffer.hpp"
 #include "convert/mesh_pieces.hpp"
 #include "convert/stages/surface_stages.hpp"
@@ -155,13 +156,14 @@ std::optional<std::string> note_of_relaxing(std::span<const StageReport> reports
   if (changed_components == 0 && surfaces == 0) return std::nullopt;
   std::string text = "relaxing changed the volume of ";
   if (surfaces > 0) text += fmt::format("{} {}", whole.surface, text_of(whole.volume));
-  if (surfaces > 1) text += fmt::format(", of {} other surfaces by more than {} %", surfaces - 1, kSmallPercent);
+  if (surfaces > 1)
+    text += fmt::format(", of {} by more than {} %", counted(surfaces - 1, "other surface"), kSmallPercent);
   // Adds nothing if the components that changed are the surfaces already named.
   if (changed_components > surfaces) {
     text +=
-        fmt::format("{}{} of {} components by more than {} %, most in {}{}, {}", surfaces == 0 ? "" : ", and of ",
-                    changed_components, components, kSmallPercent, component.volume.before < 0 ? "a cavity of " : "",
-                    component.surface, text_of(component.volume));
+        fmt::format("{}{} of {} by more than {} %, most in {}{}, {}", surfaces == 0 ? "" : ", and of ",
+                    changed_components, counted(components, "component"), kSmallPercent,
+                    component.volume.before < 0 ? "a cavity of " : "", component.surface, text_of(component.volume));
   }
   return text;
 }

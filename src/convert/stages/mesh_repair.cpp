@@ -90,9 +90,9 @@ Result<StageReport> repair_surface(Surface& surface, const StageContext& stage) 
   if (facts.values_lost > 0) {
     report.notes.push_back(
         {NoteId::corners_joined,
-         fmt::format("{}: the repair drops the attributes of {} of {} merged vertices, because they differ from those "
-                     "of the remaining vertex at the same position",
-                     report.subject, facts.values_lost, facts.welded)});
+         fmt::format("{}: the repair drops the attributes of {} of {}, because they differ from those of the remaining "
+                     "vertex at the same position",
+                     report.subject, facts.values_lost, counted(facts.welded, "merged vertex", "merged vertices"))});
   }
   report.lines.push_back({fmt::format("repaired{}: {}; then {}; {:.2f} s", surface.id.at_text(),
                                       steps_text(facts, *choice), verdict, facts.time.wall_seconds)});

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "check/mesh_check.hpp"
 #include "convert/stages/mesh_require.hpp"
 #include "convert/stages/mesh_smooth.hpp"
@@ -41,13 +42,13 @@ std::string line_of(const edit::UntangleFigures& done, const Surface& surface, c
   const std::string place = surface.id.at_text();
   if (done.pairs_before == 0) return fmt::format("no triangles intersect{}; {:.2f} s", place, done.time.wall_seconds);
   return fmt::format(
-      "untangled{}: {} of {}{} pairs of intersecting triangles left; flipped "
+      "untangled{}: {} of {}{} of intersecting triangles left; flipped "
       "edges: {}, moved vertices: {}, split "
-      "edges: {}, in {} rounds; the surface moved by at most {:.3g} {}; {:.2f} "
+      "edges: {}, in {}; the surface moved by at most {:.3g} {}; {:.2f} "
       "s",
-      place, done.pairs_after, done.more_before ? "more than " : "", done.pairs_before, done.flips, done.moved,
-      done.splits, done.rounds, done.distance, source.of_meshes ? "typical edge lengths" : "voxels",
-      done.time.wall_seconds);
+      place, done.pairs_after, done.more_before ? "more than " : "", counted(done.pairs_before, "pair"), done.flips,
+      done.moved, done.splits, counted(done.rounds, "round"), done.distance,
+      source.of_meshes ? "typical edge lengths" : "voxels", done.time.wall_seconds);
 }
 
 bool requires_one(const ConversionJob& job, check::Requirement one) {

@@ -143,7 +143,7 @@ std::string why_unchanged(const SimplifyChoice& asked, const Simplified& done) {
   const std::uint64_t before = done.facts.triangles_before;
   if (before == 0) return "the mesh has no triangles";
   if (done.asked >= before && done.asked > 0) {
-    return fmt::format("the mesh has {} triangles, and the target is {}", before, done.asked);
+    return fmt::format("the mesh has {}, and the target is {}", counted(before, "triangle"), done.asked);
   }
   if (!asked.within) {
     return fmt::format("removing any of the {} triangles would change the topology", before);
@@ -162,8 +162,8 @@ std::string line_of(const SimplifyChoice& asked, const Simplified& done, const s
     return fmt::format("not simplified{}: {}; {:.2f} s", surface, why_unchanged(asked, done), seconds);
   }
   std::string text =
-      fmt::format("simplified{}: {} of {} triangles left ({:.1f} %); requested {}, measured {}; {:.2f} s", surface,
-                  facts.triangles_after, facts.triangles_before,
+      fmt::format("simplified{}: {} of {} left ({:.1f} %); requested {}, measured {}; {:.2f} s", surface,
+                  facts.triangles_after, counted(facts.triangles_before, "triangle"),
                   100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
                   asked_text(asked), source.length_text(range_text(done.voxels), range_text(done.world)), seconds);
   if (done.asked > 0 && facts.triangles_after > done.asked) {
@@ -290,11 +290,13 @@ void add_sentences(StageReport& report, const SimplifyChoice& choice, const Simp
                    const std::string& surface, const std::string& subject, const Source& source) {
   const edit::SimplifyFigures& facts = result.facts;
   report.did = "simplified";
-  report.details.push_back(fmt::format(
-      "{} rounds over {} patches; {} of {} collapses undone in {} passes, {} because triangles of different patches "
-      "intersected; {} collapses refused because triangles would have intersected; {:.2f} s of processor time",
-      facts.rounds, facts.patches, facts.undone_collapses + facts.untangled_collapses, facts.collapses, facts.passes,
-      facts.untangled_collapses, facts.refused_collapses, facts.time.cpu_seconds));
+  report.details.push_back(
+      fmt::format("{} over {}; {} of {} undone in {}, {} because triangles of different patches "
+                  "intersected; {} refused because triangles would have intersected; {:.2f} s of processor time",
+                  counted(facts.rounds, "round"), counted(facts.patches, "patch", "patches"),
+                  facts.undone_collapses + facts.untangled_collapses, counted(facts.collapses, "collapse"),
+                  counted(facts.passes, "pass", "passes"), facts.untangled_collapses,
+                  counted(facts.refused_collapses, "collapse"), facts.time.cpu_seconds));
   report.lines.push_back({line_of(choice, result, surface, source)});
   report.notes = notes_of(result, subject);
 }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/reserved_buffer.hpp"
 #include "convert/attribute_source.hpp"
 #include "points/attribute_sampling.hpp"
@@ -26,8 +27,8 @@ std::optional<field::IndexBox> capped_box(const Source& source) {
 std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts, const Surface& surface,
                     const Source& source) {
   std::string text = fmt::format(
-      "smoothed{}: {} passes of {}, {}; vertices moved by at most {}", surface.id.at_text(), asked.passes,
-      word_of(asked.method),
+      "smoothed{}: {} of {}, {}; vertices moved by at most {}", surface.id.at_text(),
+      counted(asked.passes, "pass", "passes"), word_of(asked.method),
       facts.mean_weight ? fmt::format("mean weight {:.3g}", *facts.mean_weight)
                         : fmt::format("pass band {}", asked.pass_band),
       source.length_text(fmt::format("{:.4g}", facts.greatest_move), fmt::format("{:.4g}", facts.greatest_move_world)));
@@ -35,11 +36,14 @@ std::string line_of(const SmoothChoice& asked, const edit::SmoothFigures& facts,
     const double change = facts.volume_before != 0 ? facts.volume_after / facts.volume_before - 1 : 0;
     text += fmt::format("; volume {:.4g} % {}", 100 * std::abs(change), change > 0 ? "more" : "less");
   } else {
-    text += fmt::format("; {} vertices on boundary edges stayed in place", facts.boundary_vertices);
+    text +=
+        fmt::format("; {} on boundary edges stayed in place", counted(facts.boundary_vertices, "vertex", "vertices"));
   }
-  if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
+  if (facts.wall_vertices > 0)
+    text += fmt::format("; {} of caps stayed in their planes", counted(facts.wall_vertices, "vertex", "vertices"));
   if (facts.held_vertices > 0) {
-    text += fmt::format("; {} vertices moved less, so that no triangles intersect", facts.held_vertices);
+    text += fmt::format("; {} moved less, so that no triangles intersect",
+                        counted(facts.held_vertices, "vertex", "vertices"));
   }
   return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
 }

@@ -1,5 +1,7 @@
 #include "convert/stages/surface_stages.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "convert/mesh_packing.hpp"
@@ -37,8 +39,21 @@ Result<void> tell(const StageReport& report, Events& events) {
   return {};
 }
 
+Error about_surface(Error error, const std::string& mesh_name, const std::string& subject) {
+  const std::string start = mesh_name + ": ";
+  if (error.message.starts_with(start)) error.message.replace(0, mesh_name.size(), subject);
+  return error;
+}
+
+Result<StageReport> run_edit(EditSurface& edit, const StageContext& context, Surface& surface) {
+  const std::string name = surface.mesh.name;  // the edit may move the mesh away before it fails
+  auto report = edit(surface, context);
+  if (!report) return tl::unexpected(about_surface(std::move(report.error()), name, context.subject(surface)));
+  return report;
+}
+
 Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events, Surface& surface) {
-  StageReport report = TRY(stage.edit(surface, context));
+  StageReport report = TRY(run_edit(*stage.edit, context, surface));
   if (report.lines.empty() && !report.entries.empty() && !stage.done.empty()) {
     report.lines.push_back(
         {fmt::format("{}{}: {}", stage.done, surface.id.at_text(), text_of(report.entries.front()))});

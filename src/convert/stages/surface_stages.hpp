@@ -86,7 +86,13 @@ struct StageRange {
 [[nodiscard]] Result<void> edit_surface(const StageContext& context, Events& events, Surface& surface,
                                         const StageRange& range = {});
 
-// Runs one edit and reports it.
+// Returns the error with `subject` in place of the name of the mesh, with which messages of other rooms begin.
+[[nodiscard]] Error about_surface(Error error, const std::string& mesh_name, const std::string& subject);
+
+// Runs one edit. Fails as about_surface() says.
+[[nodiscard]] Result<StageReport> run_edit(EditSurface& edit, const StageContext& context, Surface& surface);
+
+// Runs one edit as run_edit() does, and reports it.
 [[nodiscard]] Result<void> run_stage(const StageInfo& stage, const StageContext& context, Events& events,
                                      Surface& surface);
 

@@ -68,7 +68,7 @@ void adjust_material(const ConversionJob& job, bool open, std::optional<mesh::Ma
 }
 
 // Fails for a mesh of a file without the attribute.
-Result<void> check_has(const mesh::Mesh& mesh, const std::string& attribute) {
+Result<void> check_has(const mesh::Mesh& mesh, const std::string& subject, const std::string& attribute) {
   std::vector<std::string> names;
   for (const mesh::Attribute& found : mesh.attributes) {
     if (found.role == mesh::AttributeRole::other) names.push_back(found.name);
@@ -76,9 +76,9 @@ Result<void> check_has(const mesh::Mesh& mesh, const std::string& attribute) {
   if (std::ranges::find(names, attribute) != names.end()) return {};
   const std::string near = did_you_mean(attribute, names);
   std::ranges::transform(names, names.begin(), [](const std::string& name) { return printable(name); });
-  return fail(ErrorCode::input, fmt::format("{}: expected the vertex attribute '{}', found {}{}", printable(mesh.name),
-                                            printable(attribute),
-                                            names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), near));
+  return fail(ErrorCode::input,
+              fmt::format("{}: expected the vertex attribute '{}', found {}{}", subject, printable(attribute),
+                          names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), near));
 }
 
 Result<StageReport> color_by_attribute(Surface& surface, const StageContext& stage) {
@@ -87,7 +87,7 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
   const std::string& attribute = *job.color->attribute;
   const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
   if (stage.source.of_meshes) {
-    TRY(check_has(surface.mesh, attribute));
+    TRY(check_has(surface.mesh, stage.subject(surface), attribute));
   } else if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) {
     return StageReport();  // sample_vertex_attributes() or the source has reported it
   }

@@ -107,5 +107,19 @@ TEST(Context, CopiesShareState) {
   EXPECT_TRUE(Context{}.check());
 }
 
+// A file that is listed beside a frame must not go on after the frame: a plug-in would run until its time limit.
+TEST(Context, CancelsContextsBeside) {
+  const Context context;
+  const Context beside = context.beside();
+  const Context further = beside.beside();
+  beside.cancel();
+  EXPECT_FALSE(context.cancelled());
+  EXPECT_TRUE(further.cancelled());
+  const Context other = context.beside();
+  context.cancel();
+  ASSERT_FALSE(other.check());
+  EXPECT_EQ(other.check().error().code, ErrorCode::cancelled);
+}
+
 }  // namespace
 }  // namespace isoextract

@@ -48,10 +48,24 @@ TEST(MatchOutputName, MatchesNumbersAsLabels) {
   EXPECT_EQ(match_output_name("o_5.stl", "o_{label}.stl"), "o_5.stl");
   EXPECT_EQ(match_output_name("o_-12.stl", "o_{label}.stl"), "o_-12.stl");
   EXPECT_EQ(match_output_name("o_4-7_4.stl", "o_{label}-{label}_{label}.stl"), "o_4-7_4.stl");
-  for (const char* other : {"o_.stl", "o_-.stl", "o_+5.stl", "o_5_2.stl", "o_five.stl", "o_5.stl.old", "xo_5.stl",
-                            "o_5.ply", "o_{label}.stl", "o_--5.stl", "o_ 5.stl", ""}) {
+  for (const char* other :
+       {"o_.stl", "o_-.stl", "o_+5.stl", "o_5_.stl", "o_5_1.stl", "o_5_02.stl", "o_5_2_3.stl", "o_five.stl",
+        "o_5.stl.old", "xo_5.stl", "o_5.ply", "o_{label}.stl", "o_--5.stl", "o_ 5.stl", ""}) {
     EXPECT_FALSE(match_output_name(other, "o_{label}.stl")) << other;
   }
+}
+
+// convert::LabelFileNames gives these names to a label that occurs in several layers.
+TEST(MatchOutputName, MatchesRepeatedLabels) {
+  EXPECT_EQ(match_output_name("o_5_2.stl", "o_{label}.stl"), "o_5_2.stl");
+  EXPECT_EQ(match_output_name("o_-5_12.stl", "o_{label}.stl"), "o_-5_12.stl");
+  EXPECT_EQ(match_output_name("5_2_3.stl", "{label}_3.stl"), "5_2_3.stl");
+  EXPECT_EQ(match_output_name("5_3.stl", "{label}_3.stl"), "5_3.stl");
+  EXPECT_EQ(match_output_name("o_5_2_1.stl", "o_{label}_{piece}.stl"), "o_5_2_{piece}.stl");
+  const TempFolder folder;
+  make_files(folder, {"o_5.stl", "o_5_2.stl", "o_5_2_2.stl"});
+  ExistingFiles existing;
+  EXPECT_EQ(found(existing, folder, "o_{label}.stl"), (Names{"o_5.stl", "o_5_2.stl"}));
 }
 
 TEST(MatchOutputName, MatchesTextsAsNames) {

@@ -108,6 +108,27 @@ TEST_F(FindFrames, FailsWithoutMatches) {
   EXPECT_EQ(test::text_of(near.error().hint), "{} matches a_001.vdb");
 }
 
+TEST_F(FindFrames, TellsThatPatternsStandForWholeNumbers) {
+  make({"t_0.5.npy", "t_0.25.npy", "t_.75.npy", "t_1e-3.npy", "t_-2p5.npy", "t_1.x.npy", "t_.npy", "t_v2.5.npy"});
+  const auto none = find({"./t_{}.npy"}, "1-2");
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("./t_{}.npy: no file matches this pattern with a number in 1-2; t_"),
+            std::string::npos)
+      << none.error().message;
+  EXPECT_NE(none.error().message.find("has a decimal number, and the pattern stands for whole numbers"),
+            std::string::npos);
+  EXPECT_EQ(test::text_of(none.error().hint),
+            "list the files, without quotes: ./t_*.npy; the run orders the files by their decimal numbers");
+  EXPECT_EQ(found({"u_{}.npy"}), "2: u_{}.npy: no file matches this pattern");
+  make({"t_0.npy", "t_1.npy"});
+  const auto some = find({"t_{}.npy"});
+  ASSERT_TRUE(some);
+  EXPECT_EQ(some->frames.size(), 2U);
+  ASSERT_EQ(some->notes.size(), 1U);
+  EXPECT_EQ(some->notes.front().text.substr(0, some->notes.front().text.find(", such as")),
+            "t_{}.npy: the pattern stands for whole numbers; the run leaves out 5 files with decimal numbers");
+}
+
 TEST_F(FindFrames, FailsForRepeatedNumber) {
   make({"f_1.vdb", "f_01.vdb", "f_2.vdb"});
   const std::string both = "2: expected one file for frame 1, found f_01.vdb and f_1.vdb";

@@ -187,6 +187,11 @@ TEST_F(OutputNames, ChecksBinFileOfGltf) {
             Lines{"m_0.bin: two outputs of frame 1 (a.vdb) would share this file"});
   EXPECT_EQ(named({output_source(1, "a.vdb", "", {0.1, 0.2})}, "m_{iso}.gltf", MeshFormat::gltf),
             (Lines{"m_0.1.gltf: 0.1", "m_0.2.gltf: 0.2"}));
+  EXPECT_EQ(named({output_source(1, "a.vdb")}, "m.bin", MeshFormat::gltf),
+            Lines{"m.bin: a gltf file has its data in a .bin file beside it, which would overwrite this one"});
+  const auto refused = name_outputs(std::vector{output_source(1, "a.vdb")}, "m.bin", MeshFormat::gltf);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(test::has_step(refused.error().hint, Remedy::change, Setting::output_name));
   test::write_bytes("m.bin", "");
   EXPECT_EQ(named({output_source(1, "m.bin")}, "m.gltf", MeshFormat::gltf).front().substr(0, 7), "m.bin: ");
 }

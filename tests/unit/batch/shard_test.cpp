@@ -127,8 +127,12 @@ TEST_F(Merge, JoinsAllShards) {
 TEST_F(Merge, RefusesMissingRepeatedOrForeignShards) {
   expect_refused("no manifest of a shard");
   write_shard({1, 3});
+  expect_refused("shards 2-3 of 3 are missing: there is no isoextract.2-of-3.manifest, for example");
   write_shard({3, 3});
-  expect_refused("shard 2 of 3 is missing");
+  expect_refused("shard 2 of 3 is missing: there is no isoextract.2-of-3.manifest");
+  EXPECT_EQ(test::text_of(merge_shards(folder_.path()).error().hint),
+            "run shard 2 of 3 with the options of the others, then merge again; or copy manifest and outputs from the "
+            "machine that has them");
   write_shard({2, 3}, 4);
   expect_refused("expected 6 frames, found 5: 1 is missing: 4");
   write_shard({2, 3});
