@@ -50,6 +50,7 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
                           text_of_sample(value), place),
               std::isnan(value)
                   ? Hint(Remedy::set, Setting::nan_policy, "outside to treat NaN as outside, without a label")
+              : std::isinf(value) ? Hint("write labels in place of the infinite values, or NaN where there is no label")
               : is_large && is_double
                   ? Hint("renumber the labels: f64 represents all integers up to 2^53, above that only some")
               : is_large ? Hint("write the labels as integers")
