@@ -300,6 +300,9 @@ class MasksTest(ProgramTest):
             with self.subTest(options=options):
                 self.assert_fails(1, self.run_program("seg", "--masks", *options, "-o", "out.glb"),
                                   f"--masks and {options[0]} exclude each other")
+        for option, value, said in (("--method", "mc", "marching cubes"), ("--blur", "1", ""), ("--component", "length", "")):
+            run = self.run_program("seg", "--masks", option, value, "-o", "out.glb")  # not --labels, which was not given
+            self.assert_fails(1, run, f"--masks does not work with {said}" if said else " does not work with --masks: ")
         self.assert_fails(1, self.run_program("seg", "seg/kidney_left.nii.gz", "--masks"), "among several inputs")
         self.assert_fails(1, self.run_program("seg/kidney_left.nii.gz", "seg/kidney_left.nii.gz", "--masks"), "each mask once")
         self.assert_fails(1, self.run_program("-", "--masks", "-o", "out.glb"), "found stdin")
