@@ -76,7 +76,8 @@ class Conversion {
     }
     TRY(check_grids(job_.source, context_));
     if (!job_.source.masks.empty()) {
-      masks_ = TRY(MaskLayers::read(job_.source.masks, job_.source.read, context_, events_));
+      masks_ = TRY(MaskLayers::read(job_.source.masks, job_.source.read, {job_.isos(), job_.surface.least_voxels},
+                                    context_, events_));
     }
     for (const OutputFileJob& output : job_.outputs) {
       TRY(write(output));
