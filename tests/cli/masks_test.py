@@ -136,6 +136,14 @@ class MasksTest(ProgramTest):
         self.assertEqual(list(meshes), ["kidney_left", "kidney_right"])
         self.assertNotIn("note[masks-overlap]", run.err)
 
+    def test_counts_are_of_all_layers(self):
+        self.write_balls()
+        self.write("aorta.nii.gz", self.box)  # in another layer than the kidneys
+        self.assert_fails(2, self.run_program("seg", "--masks", "--labels", "spleen*", "-o", "none.glb"),
+                          "the choice includes none of the 3 labels in the file")
+        self.assert_fails(2, self.run_program("seg", "--masks", "--labels-min-voxels", "99999", "-o", "none.glb"),
+                          "every chosen label (3 of them) has fewer voxels than required")
+
     def test_masks_apart_because_of_one_without_a_mesh(self):
         self.write("a.nii", self.left)
         self.write("b.nii", self.left | self.right)

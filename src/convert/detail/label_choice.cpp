@@ -121,6 +121,7 @@ Result<ChosenLabels> choose_labels(std::span<const ResolvedIso> asked, const ext
     TRY(select(set->asked.selection, looks, empty, source, chosen));
   }
   drop_small(found, least, source, chosen);
+  chosen.counts = {found.labels().size(), chosen.too_small.size()};
   return chosen;
 }
 
