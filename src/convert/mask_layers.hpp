@@ -33,7 +33,7 @@ namespace isoextract::convert {
 class MaskChoice {
  public:
   MaskChoice() = default;  // all masks
-  // The masks of these labels and sets of labels that have `least_voxels` or more.
+  // Chooses the masks of these labels and sets of labels that have `least_voxels` or more.
   MaskChoice(std::span<const IsoChoice> asked, std::uint64_t least_voxels);
 
   // Returns whether a mask is chosen if it has enough voxels.

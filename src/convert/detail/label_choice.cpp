@@ -30,7 +30,7 @@ std::optional<double> number_of(std::string_view text) {
   return error == std::errc() ? number : std::numeric_limits<double>::infinity();
 }
 
-// Returns what helps if no label is `given`: "did you mean 'Spleen'?", what labels are, or the names that there are.
+// Returns the hint if no label is `given`: "did you mean 'Spleen'?", what labels are, or the names that there are.
 std::string hint_of_labels(const std::string& given, const std::vector<std::string>& names) {
   constexpr std::size_t kMostTold = 12;
   constexpr double kMostExact = 0x1p53;  // up to here a double is the number that the text is
