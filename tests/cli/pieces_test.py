@@ -154,8 +154,8 @@ class SmoothTest(ProgramTest):
             report = json.loads((self.folder / "a.json").read_text())
             counted = report["smoothings"][0]["zero_area_triangles"]
             self.assertEqual(counted, {"before": 0, "after": report["meshes"][0]["zero_area_triangles"]})
-            note = (f"note[zero-area]: demo:gyroid?size=16 iso 0.5: after smoothing, {counted['after']} of "
-                    f"{report['meshes'][0]['triangles']} triangles have no area; before, 0 of them had none\n")
+            note = (f"note[zero-area]: demo:gyroid?size=16 iso 0.5: smoothing left {counted['after']} of "
+                    f"{report['meshes'][0]['triangles']} triangles without area (before: 0)\n")
             self.assertEqual(note in run.err, counted["after"] > 0, run.err)
             self.assertEqual(counted["after"] > 0, passes == 200)
 

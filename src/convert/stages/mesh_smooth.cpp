@@ -105,10 +105,10 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
   report.did = "smoothed";
   report.lines.push_back({line_of(asked, facts, surface, stage.source)});
   if (facts.zero_area_after > facts.zero_area_before) {
-    report.notes.push_back({NoteId::zero_area, fmt::format("{}: after smoothing, {} of {} triangles have no area; "
-                                                           "before, {} of them had none",
-                                                           report.subject, facts.zero_area_after,
-                                                           surface.mesh.triangles.size(), facts.zero_area_before)});
+    report.notes.push_back(
+        {NoteId::zero_area,
+         fmt::format("{}: smoothing left {} of {} triangles without area (before: {})", report.subject,
+                     facts.zero_area_after, surface.mesh.triangles.size(), facts.zero_area_before)});
   }
   return report;
 }
