@@ -11,6 +11,7 @@
 #include <gdcmSequenceOfItems.h>
 
 #include "dicom_structure.hpp"
+#include "utf8.hpp"
 
 namespace isoextract_dicom {
 namespace {
@@ -30,21 +31,6 @@ std::vector<T> binary_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
   return values;
 }
 
-// Returns the length of the UTF-8 character at `at`; 0 if there is none.
-std::size_t utf8_length(const std::string& text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const unsigned first = byte(at);
-  const std::size_t bytes = first < 0x80                    ? 1
-                            : first >= 0xC2 && first < 0xE0 ? 2
-                            : first >= 0xE0 && first < 0xF0 ? 3
-                            : first >= 0xF0 && first < 0xF5 ? 4
-                                                            : 0;
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((byte(at + i) & 0xC0U) != 0x80U) return 0;
-  }
-  return bytes;
-}
-
 std::string to_utf8(const std::string& raw, const std::string& character_set) {
   const bool is_utf8 = character_set == "ISO_IR 192";
   const bool is_latin1 = character_set == "ISO_IR 100" || character_set == "ISO 2022 IR 100";
@@ -55,7 +41,7 @@ std::string to_utf8(const std::string& raw, const std::string& character_set) {
       text += ' ';
     } else if (c < 0x80) {
       text += raw[i];
-    } else if (const std::size_t bytes = is_utf8 ? utf8_length(raw, i) : 0; bytes > 0) {
+    } else if (const std::size_t bytes = is_utf8 ? utf8_at(raw, i).bytes : 0; bytes > 0) {
       text.append(raw, i, bytes);
       i += bytes - 1;
     } else if (is_latin1 && c >= 0xA0) {

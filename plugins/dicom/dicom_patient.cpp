@@ -9,6 +9,7 @@
 #include <locale.h>
 
 #include "dicom_dataset.hpp"
+#include "utf8.hpp"
 
 namespace isoextract_dicom {
 namespace {
@@ -23,14 +24,10 @@ char32_t to_lower(char32_t c) {
 // text: valid UTF-8, as text_of() returns.
 std::u32string lower_case(const std::string& text) {
   std::u32string result;
-  for (std::size_t i = 0; i < text.size();) {
-    const auto first = static_cast<unsigned char>(text[i]);
-    const std::size_t bytes = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-    char32_t c = bytes == 1 ? first : first & (0x7FU >> bytes);
-    for (std::size_t k = 1; k < bytes && i + k < text.size(); ++k)
-      c = c << 6U | (static_cast<unsigned char>(text[i + k]) & 0x3FU);
-    result += to_lower(c);
-    i += bytes;
+  for (std::size_t at = 0; at < text.size();) {
+    const Utf8Character character = utf8_at(text, at);
+    result += to_lower(character.code);
+    at += std::max<std::size_t>(character.bytes, 1);
   }
   return result;
 }

@@ -5,8 +5,8 @@ import re
 
 TOKEN = re.compile(
     r'//[^\n]*|/\*.*?\*/|"(?:[^"\\\n]|\\.)*"|\'(?:[^\'\\\n]|\\.)*\'|[A-Za-z_][\w]*(?:::[A-Za-z_]\w*)*|->|::|\s+|.', re.S)
-EXIT_CODES = {"usage": 1, "input": 2, "empty_grid": 2, "no_surface": 2, "out_of_memory": 2, "unavailable": 3, "output": 4,
-              "frames": 5, "verification": 6, "cancelled": 130}
+EXIT_CODES = {"usage": 1, "placement": 1, "input": 2, "empty_grid": 2, "no_surface": 2, "out_of_memory": 2, "unavailable": 3,
+              "output": 4, "frames": 5, "verification": 6, "cancelled": 130}
 # Functions whose first argument is the message, with the code of their errors.
 BY_MESSAGE = {"refuse_usage": "usage", "InvalidParticleFile": "input", "DamagedMesh": "input", "InvalidVdb": "input",
               "UnsupportedVdb": "input", "TruncatedFrame": "input", "VdbReadError": "input"}

@@ -19,6 +19,7 @@ namespace isoextract {
 // The cause of a failure. Programs branch on the code; people read the message and the hint.
 enum class ErrorCode {
   usage,          // the options or their combination are invalid
+  placement,      // the input does not allow the requested placement
   input,          // the input cannot be read, or does not contain the requested data
   empty_grid,     // the input is valid, but it has no voxels or no particles
   no_surface,     // the input is valid, but no value crosses the iso value
@@ -33,7 +34,8 @@ enum class ErrorCode {
 // Returns the program's exit code.
 [[nodiscard]] constexpr int exit_code_of(ErrorCode code) {
   switch (code) {
-    case ErrorCode::usage: return 1;
+    case ErrorCode::usage:
+    case ErrorCode::placement: return 1;
     case ErrorCode::input:
     case ErrorCode::empty_grid:
     case ErrorCode::no_surface:

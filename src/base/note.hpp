@@ -83,6 +83,7 @@ enum class NoteId {
   repeated_iso,
   simplified_shells,
   volume_changed,
+  zero_area,
   // Output
   animation_kept,
   animation_times,
@@ -174,6 +175,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::repeated_iso, "repeated-iso"},
       Word{NoteId::simplified_shells, "simplified-shells"},
       Word{NoteId::volume_changed, "volume-changed"},
+      Word{NoteId::zero_area, "zero-area"},
       Word{NoteId::animation_kept, "animation-kept"},
       Word{NoteId::animation_times, "animation-times"},
       Word{NoteId::empty_picture, "empty-picture"},

@@ -224,7 +224,7 @@ InputReport look_at_masks(const InfoPlan& plan, const Messages& messages) {
   const Context context{plan.memory};
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   MaskNotes events;
-  const auto masks = convert::MaskLayers::read(plan.masks, plan.read, context, events);
+  const auto masks = convert::MaskLayers::read(plan.masks, plan.read, {}, context, events);
   auto first = masks ? masks->layer(0, context) : tl::unexpected(masks.error());
   if (!first) {
     report.error = add_volume_file_hint(std::move(first.error()), report.input);

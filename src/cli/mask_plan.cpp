@@ -94,7 +94,7 @@ Result<void> take_masks(ConvertFlags& flags) {
     if (option == &flags.batch.make_folders) continue;
     TRY(refuse(*option, "all inputs are one conversion, not a sequence"));
   }
-  if (!flags.labels.chosen) flags.labels.chosen = std::vector{convert::IsoChoice::all_labels()};
+  if (!flags.labels.chosen) flags.labels.choose_all(flags.masks.name());
   return {};
 }
 

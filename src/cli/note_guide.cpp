@@ -214,6 +214,9 @@ constexpr std::array kGuide{
               "the cavities with --fill-cavities."},
     NoteGuide{volume_changed, "Relaxing could not keep the volume of a label or component within 0.1 %.",
               "--relax 0 keeps the volumes of the voxels."},
+    NoteGuide{zero_area, "Smoothing moved the corners of triangles onto one line, mostly in thin parts that it shrank.",
+              "Give --smooth fewer passes. Of a mesh file, --repair removes such triangles: isoextract MESH --repair "
+              "-o OUT."},
     // Output
     NoteGuide{animation_kept, "No frame needs a conversion, so the animation stays unchanged.",
               "To write it again, leave --resume or --no-clobber out."},

@@ -202,7 +202,7 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
   plan.job.source.read = TRY(plan_read(flags.input));
   if (!inputs.volumes.empty() && !is_frame_pattern(inputs.volumes.front()) &&
       draws_all_labels(flags, inputs.volumes.front(), Context(plan.memory))) {
-    flags.labels.chosen = std::vector{convert::IsoChoice::all_labels()};
+    flags.labels.choose_all(std::string(kLabelsOfFile));
     plan.notes.push_back({NoteId::iso_chosen,
                           "all labels, because the file names its labels; choose some with --labels L,..., or give "
                           "--iso V or --tf NAME"});

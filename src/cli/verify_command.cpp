@@ -174,7 +174,7 @@ std::string hint_for(const convert::ConversionJob& job, const accuracy::MeshMatc
            "all other options";
   }
   if (match.vertices_only[0] > match.vertices[0] / 2 || theirs != ours) {
-    return "give the --iso, --method, --roi, --clip, --smooth, --simplify and placement options "
+    return "give the --iso or --labels, --method, --roi, --clip, --smooth, --simplify and placement options "
            "of its conversion";
   }
   return "";
@@ -222,7 +222,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     }
     convert::Outcome outcome;
     auto made = extract_again(placed, context, notes, outcome);
-    if (!made && record && made.error().code == ErrorCode::usage) {
+    if (!made && record && made.error().code == ErrorCode::placement) {
       return fail(ErrorCode::input, fmt::format("{}: verify cannot apply the placement that this mesh file records: {}",
                                                 *plan.mesh, made.error().message));
     }

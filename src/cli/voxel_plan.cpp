@@ -73,7 +73,7 @@ Result<std::string> set_default_labels(ConvertFlags& flags, const std::string& i
         "--iso V, or give --labels all for a surface of each label",
         kAboveZero);
   }
-  flags.labels.chosen = std::vector{convert::IsoChoice::all_labels()};
+  flags.labels.choose_all(std::string(kLabelsOfFile));
   return std::string("all labels, because the file names its labels; choose some with --labels L,..., or give --iso V");
 }
 
@@ -96,9 +96,8 @@ Result<void> take_labels(const LabelFlags& flags, SurfaceFlags& surface, IsoOpti
   const extract::MethodInfo& method = extract::method_info(*surface.method);
   if (!is_for_labels(method.method)) {
     return refuse_usage(
-        fmt::format(
-            "--labels does not work with {}, which places surfaces between ordered values, and labels have no order",
-            method.title),
+        fmt::format("{} does not work with {}, which places surfaces between ordered values, and labels have no order",
+                    flags.asked_by, method.title),
         "leave out --method, or give --method voxels");
   }
   TRY(refuse_both(flags.chosen, isos));
@@ -123,22 +122,25 @@ Result<void> plan_labels(const LabelFlags& flags, const SurfaceFlags& surface, c
   if (!flags.chosen) return {};
   if (input.inside) {
     return refuse_usage(
-        "--inside does not work with --labels: the inside of a label always consists of its own samples",
+        fmt::format("--inside does not work with {}: the inside of a label always consists of its own samples",
+                    flags.asked_by),
         "leave --inside out");
   }
   if (input.component && !input.component->number) {
-    return refuse_usage("--component length does not work with --labels: the length of a vector is no label",
-                        "choose one component with --component K");
+    return refuse_usage(
+        fmt::format("--component length does not work with {}: the length of a vector is no label", flags.asked_by),
+        "choose one component with --component K");
   }
   if (!surface.blurs.empty()) {
-    return refuse_usage("--blur does not work with --labels: the average of two labels is no label",
-                        "leave --blur out, or smooth the meshes with --smooth");
+    return refuse_usage(
+        fmt::format("--blur does not work with {}: the average of two labels is no label", flags.asked_by),
+        "leave --blur out, or smooth the meshes with --smooth");
   }
   const field::ResampleKernel kernel = surface.kernel.value_or(field::ResampleKernel::majority);
   if (kernel != field::ResampleKernel::majority && kernel != field::ResampleKernel::nearest) {
-    return refuse_usage(
-        fmt::format("--kernel {} does not work with --labels: a value between two labels is no label", word_of(kernel)),
-        "leave --kernel out: resampling then takes the label of most voxels");
+    return refuse_usage(fmt::format("--kernel {} does not work with {}: a value between two labels is no label",
+                                    word_of(kernel), flags.asked_by),
+                        "leave --kernel out: resampling then takes the label of most voxels");
   }
   if (job.source.resamples()) job.source.kernel = kernel;
   job.surface.background = flags.background.value_or(0);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/context.hpp"
@@ -13,6 +14,9 @@
 #include "volume_io/label_table.hpp"
 
 namespace isoextract::cli {
+
+// LabelFlags::asked_by for a file that names its labels.
+inline constexpr std::string_view kLabelsOfFile = "the labels that the file names";
 
 // Turns --labels into iso choices, and makes surface nets the default method of --labels. Fails with ErrorCode::usage
 // if --labels comes with iso values or with a method other than voxels and surface nets, or if other options of labels

@@ -76,7 +76,8 @@ class Conversion {
     }
     TRY(check_grids(job_.source, context_));
     if (!job_.source.masks.empty()) {
-      masks_ = TRY(MaskLayers::read(job_.source.masks, job_.source.read, context_, events_));
+      masks_ = TRY(MaskLayers::read(job_.source.masks, job_.source.read, {job_.isos(), job_.surface.least_voxels},
+                                    context_, events_));
     }
     for (const OutputFileJob& output : job_.outputs) {
       TRY(write(output));
@@ -143,12 +144,14 @@ class Conversion {
     std::optional<OutputMeshes> file;
     std::vector<SkippedSurfaces> skipped;
     bool in_pieces = false;
+    label_counts_ = {};
     for (const std::optional<std::string>& grid : grids_of(job_.source, output)) {
       const auto volumes =
           TRY(masks_ ? masks_->layers() : volumes_of(with_grid(job_.source, grid), isos_of(job_, grid), context_));
       is_layered_ = volumes.size() > 1;
       for (const std::optional<std::int64_t> volume : volumes) {
         TRY(open_grid(grid, volume));
+        label_counts_.add(chosen_.counts);
         if (job_.writes<FieldFileOptions>() != nullptr) return write_samples(output);
         if (!file) file.emplace(open(output));
         const std::size_t before = file->written.surfaces.size();
@@ -320,7 +323,7 @@ class Conversion {
     for (const Note& note : chosen_.notes) events_.note(note);
     // A layer may have none of the chosen labels if there are several layers.
     if (is_layered_ || !chosen_.labels.empty() || job_.empty != EmptyPolicy::error) return {};
-    return tl::unexpected(no_label(source_, job_.surface.background, labels_->labels().size()));
+    return tl::unexpected(no_label(source_, job_.surface.background, chosen_.counts));
   }
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
@@ -413,7 +416,7 @@ class Conversion {
   Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {
     const bool in_pieces = job_.edits.pieces.split && output.path.find(kPiecePlaceholder) != std::string::npos;
     const bool has_label = !labels_ || !std::ranges::all_of(skipped, is_nothing);
-    const Error none = no_label(source_, job_.surface.background, labels_ ? labels_->labels().size() : 0);
+    const Error none = no_label(source_, job_.surface.background, label_counts_);
     if (!has_label && job_.empty == EmptyPolicy::error) return tl::unexpected(none);
     const auto removed = TRY(collector_ != nullptr ? Result<std::vector<std::string>>()
                              : in_pieces           ? remove_old_pieces(output, 1, meshes_.format, read(), context_)
@@ -461,6 +464,7 @@ class Conversion {
   std::optional<MaskLayers> masks_;             // if the job has masks
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
   ChosenLabels chosen_;                         // of labels_
+  LabelCounts label_counts_;                    // of all layers of the current output
   SurfaceList all_;                             // surfaces of the current grid
   LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output

@@ -57,7 +57,10 @@ Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& f
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected labels or an iso value, found neither; the samples look like a {}",
                             field_label(field), word_of(*kind)),
-                "'isoextract info' prints the command that converts it");
+                *kind == field::LabelMapKind::label_map
+                    ? Hint{{Remedy::set, Setting::labels, "all for a surface of each label, or list the labels"},
+                           "'isoextract info' prints the command that converts it"}
+                    : Hint("'isoextract info' prints the command that converts it"));
   }
   return fail(
       ErrorCode::usage,

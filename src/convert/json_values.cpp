@@ -8,7 +8,8 @@ namespace {
 // Returns one kind for each exit code.
 std::string_view kind_of(ErrorCode code) {
   switch (code) {
-    case ErrorCode::usage: return "usage";
+    case ErrorCode::usage:
+    case ErrorCode::placement: return "usage";
     case ErrorCode::input:
     case ErrorCode::empty_grid:
     case ErrorCode::no_surface:

@@ -32,7 +32,9 @@ namespace {
 
 constexpr std::size_t kRowsPerTask = 64;
 constexpr std::size_t kMostTold = 10;  // names in a note
-constexpr std::uint8_t kAllBits = 0xff;
+// Bits of a voxel while the layers are chosen.
+constexpr std::uint8_t kLayerBits = 0x7f;  // one for each of the first layers that has the voxel
+constexpr std::uint8_t kChosenBit = 0x80;  // a mask that gets a mesh has it
 
 // Returns "20 x 16 x 12 samples, steps (1, 0, 0), (0, 1, 0) and (0, 0, 1), first sample at (0, 0, 0)".
 std::string grid_text(const field::ScalarField& field) {
@@ -62,7 +64,7 @@ bool have_same_grid(const field::ScalarField& a, const field::ScalarField& b) {
 struct Scan {
   std::uint64_t voxels = 0;
   std::uint64_t faces = 0;   // of voxels, towards other samples and the data boundary
-  std::uint64_t shared = 0;  // voxels that earlier masks have
+  std::uint64_t shared = 0;  // voxels that earlier chosen masks have
   std::uint8_t layers = 0;   // a bit for each of the first layers that has such a voxel
   field::IndexBox box{glm::ivec3(std::numeric_limits<int>::max()), glm::ivec3(-1)};
   std::size_t other = SIZE_MAX;  // index of the first sample with a third value
@@ -97,7 +99,7 @@ std::uint64_t count_faces(const T* voxel, const glm::ivec3& at, const glm::ivec3
   return faces;
 }
 
-// `occupied` has the bits of the layers of each voxel; null for the only mask.
+// `occupied` has the bits of each voxel; null for the only mask.
 template <class T>
 Scan scan(const T* values, const glm::ivec3& dims, T inside, const std::uint8_t* occupied) {
   const auto width = static_cast<std::size_t>(dims.x);
@@ -113,9 +115,9 @@ Scan scan(const T* values, const glm::ivec3& dims, T inside, const std::uint8_t*
         const std::size_t at = row * width + static_cast<std::size_t>(x);
         if (samples[x] != inside) found.other = std::min(found.other, at);
         ++found.voxels;
-        const std::uint8_t layers = occupied != nullptr ? occupied[at] : 0;
-        found.layers |= layers;
-        found.shared += layers != 0 ? 1 : 0;
+        const std::uint8_t bits = occupied != nullptr ? occupied[at] : 0;
+        found.layers |= bits & kLayerBits;
+        found.shared += (bits & kChosenBit) != 0 ? 1 : 0;
         const glm::ivec3 voxel = start + glm::ivec3(x, 0, 0);
         found.faces += count_faces(samples + x, voxel, dims);
         found.box = {glm::min(found.box.min, voxel), glm::max(found.box.max, voxel)};
@@ -261,7 +263,78 @@ std::string list_text(std::span<const std::string> names) {
   return fmt::format("{}{}", fmt::join(told, ", "), names.size() > kMostTold ? ", ..." : "");
 }
 
+// The masks that get a mesh, for the notes about them.
+class ChosenMasks {
+ public:
+  explicit ChosenMasks(MaskChoice choice) : choice_(std::move(choice)) {}
+
+  // Returns whether the mask gets a mesh.
+  bool add(std::int64_t label, const std::string& name, const Scan& found) {
+    if (!choice_.names(label, name)) return false;
+    ++named_;
+    if (found.voxels == 0) empty_.push_back(name);
+    if (found.voxels == 0 || found.voxels < choice_.least_voxels()) return false;
+    shared_ += found.shared;
+    return true;
+  }
+  void set_layer(const std::string& name, std::int64_t layer) { placed_.push_back({name, layer}); }
+
+  // `all` starts the notes.
+  void tell(const std::string& all, Events& events) const {
+    if (!empty_.empty()) {
+      events.note({NoteId::labels_empty, fmt::format("{}: no mesh for masks without voxels, {} of {}: {}", all,
+                                                     empty_.size(), named_, list_text(empty_))});
+    }
+    const auto first = std::ranges::min_element(placed_, {}, &Placed::layer);
+    std::vector<std::string> apart;  // in other layers
+    for (const auto& [name, layer] : placed_) {
+      if (layer != first->layer) apart.push_back(name);
+    }
+    if (apart.empty()) return;
+    if (shared_ > 0) {
+      events.note(
+          {NoteId::masks_overlap,
+           fmt::format("{}: {} voxels of masks are in earlier masks, too; each mask keeps all its voxels, so the "
+                       "meshes of {} overlap others and share no faces with them: {}",
+                       all, shared_, counted(apart.size(), "mask"), list_text(apart))});
+      return;
+    }
+    events.note({NoteId::masks_overlap,
+                 fmt::format("{}: masks without a mesh have voxels of others, too, so the meshes of {} share no faces "
+                             "with the other meshes: {}",
+                             all, counted(apart.size(), "mask"), list_text(apart))});
+  }
+
+ private:
+  struct Placed {
+    std::string name;
+    std::int64_t layer = 0;
+  };
+
+  MaskChoice choice_;
+  std::size_t named_ = 0;           // masks that the choice names, whatever their voxels
+  std::vector<std::string> empty_;  // those of them without voxels
+  std::vector<Placed> placed_;
+  std::uint64_t shared_ = 0;  // voxels that two or more masks have, counted once for each mask after the first
+};
+
 }  // namespace
+
+MaskChoice::MaskChoice(std::span<const IsoChoice> asked, std::uint64_t least_voxels)
+    : all_(std::ranges::any_of(asked,
+                               [](const IsoChoice& choice) { return choice.kind == IsoChoice::Kind::all_labels; })),
+      least_voxels_(least_voxels) {
+  for (const IsoChoice& choice : asked) {
+    if (choice.id.is_label()) labels_.push_back(choice.id.label());
+    if (choice.kind != IsoChoice::Kind::selected_labels) continue;
+    if (auto selection = LabelSelection::parse(choice.selection)) selections_.push_back(std::move(*selection));
+  }
+}
+
+bool MaskChoice::names(std::int64_t label, std::string_view name) {
+  const auto has = [&](LabelSelection& selection) { return selection.contains(label, name); };
+  return all_ || std::ranges::find(labels_, label) != labels_.end() || std::ranges::any_of(selections_, has);
+}
 
 std::string MaskLayers::name_of(const std::string& path) {
   return stem_of_file(path.ends_with('/') ? path.substr(0, path.size() - 1) : path);
@@ -274,7 +347,7 @@ std::vector<std::optional<std::int64_t>> MaskLayers::layers() const {
 }
 
 Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume_io::ReadOptions& options,
-                                    const Context& context, Events& events) {
+                                    MaskChoice choice, const Context& context, Events& events) {
   constexpr std::size_t kMostMasks = std::numeric_limits<std::uint16_t>::max();
   if (paths.size() > kMostMasks) {
     return fail(ErrorCode::usage, fmt::format("expected at most {} masks, found {}", kMostMasks, paths.size()),
@@ -285,8 +358,7 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
   masks.options_ = options;
   std::shared_ptr<ReservedBuffer<std::uint8_t>> occupied;
   Map first;
-  std::vector<std::string> apart;  // masks in other layers than the first
-  std::uint64_t shared = 0;
+  ChosenMasks chosen(std::move(choice));
   for (std::size_t k = 0; k < masks.paths_.size(); ++k) {
     TRY(context.check());
     const std::string& path = masks.paths_[k];
@@ -309,21 +381,23 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
       }
     }
     const auto label = static_cast<std::int64_t>(k) + 1;
+    const bool is_chosen = chosen.add(label, name_of(path), mask.found);
     if (mask.found.voxels == 0) {
       masks.empty_.push_back(name_of(path));
       continue;
     }
-    shared += mask.found.shared;
     masks.faces_ += mask.found.faces;
     // A mask that shares voxels with every layer that has a bit gets a layer of its own.
     std::int64_t layer = std::countr_one(mask.found.layers);
-    if (mask.found.layers == kAllBits) layer = std::max(masks.count_, layer);
+    const bool has_bit = mask.found.layers != kLayerBits;
+    if (!has_bit) layer = std::max(masks.count_, layer);
     masks.count_ = std::max(masks.count_, layer + 1);
     if (layer == 0) paint(mask, label, first);
-    if (layer > 0) apart.push_back(name_of(path));
-    if (occupied && mask.found.layers != kAllBits) {
+    if (is_chosen) chosen.set_layer(name_of(path), layer);
+    const auto taken = static_cast<std::uint8_t>((has_bit ? 1U << layer : 0U) | (is_chosen ? kChosenBit : 0U));
+    if (occupied && taken != 0) {
       std::uint8_t* const bits = occupied->values.data();
-      for_each_voxel(mask, [&](std::size_t at) { bits[at] |= static_cast<std::uint8_t>(1U << layer); });
+      for_each_voxel(mask, [&](std::size_t at) { bits[at] |= taken; });
     }
     masks.names_.push_back({label, name_of(path), std::nullopt, layer});
     masks.figures_.push_back({label, mask.found.voxels, mask.found.box});
@@ -331,16 +405,7 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
   const std::string all = masks.paths_.size() > 1
                               ? fmt::format("{} and {} more", masks.grid_.source, masks.paths_.size() - 1)
                               : masks.grid_.source;
-  if (!masks.empty_.empty()) {
-    events.note({NoteId::labels_empty, fmt::format("{}: no mesh for masks without voxels, {} of {}: {}", all,
-                                                   masks.empty_.size(), masks.paths_.size(), list_text(masks.empty_))});
-  }
-  if (shared > 0) {
-    events.note({NoteId::masks_overlap,
-                 fmt::format("{}: {} voxels of masks are in earlier masks, too; each mask keeps all its voxels, so the "
-                             "meshes of {} overlap others and share no faces with them: {}",
-                             all, shared, counted(apart.size(), "mask"), list_text(apart))});
-  }
+  chosen.tell(all, events);
   masks.grid_.source = all;
   masks.grid_.name = "masks";
   masks.grid_.grids = 0;

@@ -2,7 +2,7 @@
 //
 // Masks without common voxels share a label map, a layer, so that the surfaces of neighbors meet without gaps. Each
 // mask goes into the first layer in which it shares no voxel with an earlier mask, so no voxel of any mask is lost. A
-// mask that shares voxels with each of the first eight layers gets a layer of its own. Each layer is a label map, as in
+// mask that shares voxels with each of the first seven layers gets a layer of its own. Each layer is a label map, as in
 // a segmentation with layers (field::LabelName::layer).
 //
 // Each mask is read once; masks of later layers are read again for their layer. Memory is the same for 3 masks and for
@@ -13,29 +13,52 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/events.hpp"
+#include "convert/iso_choice.hpp"
+#include "convert/label_selection.hpp"
 #include "field/label_map.hpp"
 #include "field/scalar_field.hpp"
 #include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
 
+// The masks that get a mesh.
+class MaskChoice {
+ public:
+  MaskChoice() = default;  // all masks
+  // Chooses the masks of these labels and sets of labels that have `least_voxels` or more.
+  MaskChoice(std::span<const IsoChoice> asked, std::uint64_t least_voxels);
+
+  // Returns whether a mask is chosen if it has enough voxels.
+  [[nodiscard]] bool names(std::int64_t label, std::string_view name);
+  [[nodiscard]] std::uint64_t least_voxels() const { return least_voxels_; }
+
+ private:
+  bool all_ = true;
+  std::vector<std::int64_t> labels_;
+  std::vector<LabelSelection> selections_;
+  std::uint64_t least_voxels_ = 0;
+};
+
 class MaskLayers {
  public:
-  // Reads the masks at `paths`, at least one, and chooses their layers. Samples of a mask are 0 outside and one other
-  // value inside, of any type; they may be scaled, but without an offset. Reports to `events` the stage of reading and
-  // the notes of each file, and notes about masks without voxels and about overlaps.
+  // Reads the masks at `paths`, at least one, and chooses their layers, which do not depend on `choice`. Samples of a
+  // mask are 0 outside and one other value inside, of any type; they may be scaled, but without an offset. Reports to
+  // `events` the stage of reading and the notes of each file. Of the masks in `choice`, also notes those without voxels
+  // and those that overlap.
   //
   // Fails with ErrorCode::input if a mask has more values or is sparse, and if its shape or placement differs from
   // the first mask's by more than a thousandth of a voxel. Fails with ErrorCode::usage for more than 65535 masks,
   // and as read_volume() does.
   [[nodiscard]] static Result<MaskLayers> read(std::vector<std::string> paths, const volume_io::ReadOptions& options,
-                                               const Context& context, Events& events);
+                                               MaskChoice choice, const Context& context, Events& events);
 
   // Returns the name of a mask for messages and meshes: that of its file without folder and extension.
   [[nodiscard]] static std::string name_of(const std::string& path);

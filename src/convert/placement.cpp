@@ -57,11 +57,11 @@ Result<Placement> with_unit_of_file(const field::ScalarField& field, const Place
   if (placement.unit != kFileUnit) return with_unit;
   const auto unit = find_length_unit(field.length_unit);
   if (!unit && field.length_unit.empty()) {
-    return fail(ErrorCode::usage, fmt::format("{}: the file states no unit of length", field_label(field)),
+    return fail(ErrorCode::placement, fmt::format("{}: the file states no unit of length", field_label(field)),
                 {Remedy::give, Setting::unit});
   }
   if (!unit) {
-    return fail(ErrorCode::usage,
+    return fail(ErrorCode::placement,
                 fmt::format("{}: expected a known unit of length in the file, found '{}'", field_label(field),
                             printable(field.length_unit, kMaxShownUnit)),
                 {Remedy::give, Setting::unit});
@@ -267,7 +267,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
                                 const std::optional<field::Box>& roi, RegionEnds ends) {
   if (placement.to_space && !ras_signs(field.world_space)) {
     const std::string found = field.world_space.empty() ? "states none" : fmt::format("states '{}'", field.world_space);
-    return fail(ErrorCode::usage,
+    return fail(ErrorCode::placement,
                 fmt::format("{}: the anatomical space {} needs a file that states RAS, LAS or LPS world coordinates; "
                             "this file {}",
                             field_label(field), word_of(*placement.to_space), found),
@@ -284,7 +284,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
   placed.output_from_index =
       placement.space == Space::index ? field.index_to_file : placed_after(field.index_to_world, resolved);
   if (field.index_to_world.is_invertible() && !placed.output_from_index.is_invertible()) {
-    return fail(ErrorCode::usage,
+    return fail(ErrorCode::placement,
                 fmt::format("{}: with the scale {}, coordinates or voxel volumes leave the range of 64-bit floats",
                             field_label(field), resolved.placement.scale),
                 {Remedy::change, Setting::scale});

@@ -131,7 +131,7 @@ struct PlacedField {
 // Resolves the placement and the region, which `roi` gives in the coordinates of Placement::space. Adds a note if the
 // sample axes are oblique to the region, or if surfaces end at samples instead of the region's faces.
 //
-// Fails with ErrorCode::usage if to_space is set and the file states no RAS, LAS or LPS space, or if the unit is
+// Fails with ErrorCode::placement if to_space is set and the file states no RAS, LAS or LPS space, or if the unit is
 // kFileUnit and the file states no known unit. Fails with the same code if the scale makes the field's transform
 // singular. Fails as samples_in_box() does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,

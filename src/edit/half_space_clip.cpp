@@ -161,13 +161,10 @@ class PlaneCut {
   }
 
   void put_crossing(std::uint64_t edge, std::size_t at, mesh::Mesh& result) const {
-    const auto [a, b, t] = crossing_of(edge);
-    const glm::dvec3 from(mesh_.positions[a]);
-    result.positions[at] = glm::vec3(from + t * (glm::dvec3(mesh_.positions[b]) - from));
-    if (mesh_.normals.empty()) return;
-    const glm::dvec3 normal = glm::mix(glm::dvec3(mesh_.normals[a]), glm::dvec3(mesh_.normals[b]), t);
-    const double length = glm::length(normal);
-    result.normals[at] = length > 0 ? glm::vec3(normal / length) : mesh_.normals[a];
+    const mesh::EdgePoint crossing = crossing_of(edge);
+    const glm::dvec3 from(mesh_.positions[crossing.from]);
+    result.positions[at] = glm::vec3(from + crossing.t * (glm::dvec3(mesh_.positions[crossing.to]) - from));
+    if (!mesh_.normals.empty()) result.normals[at] = mesh::interpolated_normal(mesh_.normals, crossing);
   }
 
   [[nodiscard]] mesh::Attribute clipped(const mesh::Attribute& old) const {

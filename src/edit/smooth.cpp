@@ -246,7 +246,9 @@ Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options
   SmoothFigures facts;
   const std::size_t vertices = mesh.positions.size();
   facts.vertices = vertices;
-  facts.volume_before = measure_size(mesh).volume;
+  const mesh::MeshSize before = measure_size(mesh);
+  facts.volume_before = before.volume;
+  facts.zero_area_before = before.zero_area_triangles;
   if (options.method == SmoothMethod::weighted && vertices > 0) {
     facts.mean_weight =
         std::accumulate(options.weights.begin(), options.weights.end(), 0.0) / static_cast<double>(vertices);
@@ -280,7 +282,9 @@ Result<SmoothFigures> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options
   }
   mesh.edges = {};
   if (!mesh.normals.empty() && options.method != SmoothMethod::weighted) renew_normals(mesh);
-  facts.volume_after = measure_size(mesh).volume;
+  const mesh::MeshSize after = measure_size(mesh);
+  facts.volume_after = after.volume;
+  facts.zero_area_after = after.zero_area_triangles;
   facts.time = watch.elapsed();
   return facts;
 }

@@ -77,6 +77,8 @@ struct SmoothFigures {
   double greatest_move_world = 0;       // largest displacement in the mesh's coordinates (perhaps of another vertex)
   double volume_before = 0;             // in the mesh's coordinates; meaningful only for closed meshes
   double volume_after = 0;
+  std::uint64_t zero_area_before = 0;  // triangles without area: vertices can meet, or come to lie on one line
+  std::uint64_t zero_area_after = 0;
   std::optional<double> mean_weight;  // weighted: the mean of the weights
   StageTime time;
 };

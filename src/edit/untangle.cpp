@@ -174,7 +174,7 @@ class Patch {
     before_.resize(vertices);
   }
 
-  // A new vertex starts as a copy of the first end of its edge.
+  // A new vertex has the normal and the attributes of the middle of its edge; put_back() sets its position.
   void append_vertices(mesh::Mesh& whole, std::vector<glm::vec3>& before) {
     std::vector<std::uint32_t> sources(whole.positions.size());
     std::iota(sources.begin(), sources.end(), 0U);
@@ -183,7 +183,13 @@ class Patch {
       sources.push_back(sources[vertices_[a]]);
       before.push_back(before_[vertices_.size() - 1]);
     }
+    const std::size_t first = whole.positions.size();
     mesh::gather_vertices(whole, sources);
+    for (std::size_t n = 0; n < split_.size(); ++n) {  // in order: an end can be a new vertex, too
+      const mesh::EdgePoint middle{vertices_[split_[n][0]], vertices_[split_[n][1]], 0.5};
+      if (!whole.normals.empty()) whole.normals[first + n] = mesh::interpolated_normal(whole.normals, middle);
+      for (mesh::Attribute& values : whole.attributes) mesh::set_interpolated(values, first + n, values, middle);
+    }
     const std::size_t old = whole.triangles.size();
     whole.triangles = resized(whole.triangles, old + 2 * split_.size());
     for (std::size_t t = old; t < whole.triangles.size(); ++t) triangles_.push_back(static_cast<std::uint32_t>(t));

@@ -51,9 +51,9 @@ struct UntangleFigures {
 // than 2,000 pairs are left, only flips edges. While more than 100 are left, stops if a round of moves or splits, with
 // the flips after it, removes less than a tenth of the pairs. Leaves a mesh without intersections unchanged. Otherwise
 // keeps the order of the vertices, their attributes and their old normals, and drops edge keys. New vertices and
-// triangles follow the old ones; a new vertex has normal and attributes of one end of its edge. A closed manifold stays
-// one, with the same genus. Positions must be finite. The result does not depend on the number of threads. Fails with
-// ErrorCode::out_of_memory or ErrorCode::cancelled.
+// triangles follow the old ones; a new vertex has the normal and attributes of the middle of its edge
+// (mesh::set_interpolated()). A closed manifold stays one, with the same genus. Positions must be finite. The result
+// does not depend on the number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
 [[nodiscard]] Result<UntangleFigures> untangle(mesh::Mesh& mesh, const UntangleOptions& options,
                                                const Context& context);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <string>
 #include <unordered_map>
@@ -12,12 +11,14 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "extract/detail/corner_words.hpp"
 #include "extract/detail/face_rectangles.hpp"
 #include "extract/detail/label_chunks.hpp"
 #include "extract/detail/label_parts.hpp"
 #include "extract/detail/net_points.hpp"
 #include "extract/detail/net_relaxation.hpp"
 #include "extract/detail/net_volumes.hpp"
+#include "extract/detail/sparse_label_rows.hpp"
 #include "extract/detail/voxel_input.hpp"
 
 namespace isoextract::extract {
@@ -68,7 +69,7 @@ class LabelWindow {
 
   // rows_at(origin) returns the rows of samples of a chunk (SampleRows).
   template <class RowsAt>
-  LabelWindow(const glm::ivec3& origin, const LabelFilter& filter, const RowsAt& rows_at) {
+  LabelWindow(const glm::ivec3& origin, const LabelFilter& filter, RowsAt& rows_at) {
     labels_.fill(kNone);
     for (int n = 0; n < 8; ++n) {
       const glm::ivec3 below(n & 1, n >> 1 & 1, n >> 2);
@@ -267,18 +268,15 @@ Counts count_dense(const field::DenseSamples& samples, const field::IndexBox& re
 Result<Counts> count_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
                             const field::IndexBox& region, const LabelFilter& filter, const Context& context,
                             double& scale) {
-  const std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
-  const auto held = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), field.source));
-  const field::SparseLookup lookup(samples, nodes);
-  Reservation list_memory;
-  const auto origins = TRY(sparse_chunks(field, samples, region, false,
-                                         std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory));
-  const ChunkSample sample = sample_of_sparse(origins);
+  const SparseLabelRows map = TRY(SparseLabelRows::make(field, samples, region, context, field.source));
+  const SparseLabelRows::Chunks chunks = TRY(map.chunks(context));
+  const ChunkSample sample = sample_of_sparse(chunks.origins);
   scale = sample.scale;
   return field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
     return count_chunks(sample, filter, context, [&] {
-      return [rows = std::make_shared<SparseRows<T>>(samples, lookup, region)](
-                 const glm::ivec3& origin) -> const SampleRows<T>& { return rows->read(origin); };
+      return [rows = map.rows<T>()](const glm::ivec3& origin) mutable -> const SampleRows<T>& {
+        return rows.read(origin);
+      };
     });
   });
 }

@@ -20,6 +20,7 @@
 #include "extract/detail/label_samples.hpp"
 #include "extract/detail/net_points.hpp"
 #include "extract/detail/reserved_list.hpp"
+#include "extract/detail/sparse_label_rows.hpp"
 #include "extract/detail/voxel_input.hpp"
 #include "extract/detail/voxel_mesh.hpp"
 #include "extract/sparse_blocks.hpp"
@@ -51,6 +52,7 @@ tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double valu
                           text_of_sample(value), place),
               std::isnan(value)
                   ? Hint(Remedy::set, Setting::nan_policy, "outside to treat NaN as outside, without a label")
+              : std::isinf(value) ? Hint("write labels in place of the infinite values, or NaN where there is no label")
               : is_large && is_double
                   ? Hint("renumber the labels: f64 represents all integers up to 2^53, above that only some")
               : is_large ? Hint("write the labels as integers")
@@ -145,7 +147,7 @@ struct LabelVoxels::Found {
   field::IndexBox region;
   OutputPlacement frame;
   ExtractStats stats;
-  std::optional<field::SparseLookup> lookup;              // of sparse fields
+  std::optional<SparseLabelRows> sparse;                  // of sparse fields
   const std::vector<field::SparseTile>* tiles = nullptr;  // of the field in find(); used there only
   std::vector<Reservation> memory;
   std::vector<ReservedBlocks<LabelPart>> tasks;
@@ -200,19 +202,16 @@ struct LabelVoxels::Found {
 
   [[nodiscard]] Result<void> find_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
                                          const Context& context) {
-    std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
-    auto held = TRY(context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), what));
-    memory.push_back(std::move(held));
-    lookup.emplace(samples, std::move(nodes));
+    auto made = TRY(SparseLabelRows::make(field, samples, region, context, what));
+    sparse.emplace(std::move(made));
     tiles = &samples.tiles;
-    Reservation list_memory;
-    const auto origins = TRY(sparse_chunks(field, samples, region, false,
-                                           std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory));
+    const SparseLabelRows::Chunks chunks = TRY(sparse->chunks(context));
+    const std::vector<glm::ivec3>& origins = chunks.origins;
     stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       run(origins.size(), context,
           [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedBlocks<LabelPart>& list) {
-            SparseRows<T> rows(samples, *lookup, region);
+            SparseRows<T> rows = sparse->rows<T>();
             for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
               chunk.add(rows.read(origins[n]), origins[n], list);
           });
@@ -273,7 +272,7 @@ struct LabelVoxels::Found {
       ++entries.back().label.chunks;
     }
     for_each_index(entries.size(), [&](std::size_t e) { measure(entries[e]); });
-    if (lookup) add_large_tiles();
+    if (sparse) add_large_tiles();
     std::ranges::sort(entries, {}, [](const Entry& entry) { return entry.label.label; });
   }
 
@@ -281,7 +280,7 @@ struct LabelVoxels::Found {
   // add_large_tiles() counts these voxels.
   void measure(Entry& entry) const {
     for (const LabelPart* part : parts_of(entry)) {
-      if (lookup && large_tile_at(part->origin) != nullptr) continue;
+      if (sparse && large_tile_at(part->origin) != nullptr) continue;
       const auto corner = [&](const std::array<std::uint8_t, 3>& at) {
         return base + part->origin + glm::ivec3(at[0], at[1], at[2]);
       };
@@ -298,7 +297,7 @@ struct LabelVoxels::Found {
 
   // Returns the tile that contains the whole chunk, or null.
   [[nodiscard]] const field::SparseTile* large_tile_at(const glm::ivec3& origin) const {
-    const std::int32_t place = lookup->place(origin);
+    const std::int32_t place = sparse->lookup().place(origin);
     if (place >= field::SparseLookup::kBackground) return nullptr;
     const field::SparseTile& tile = (*tiles)[field::SparseLookup::tile_of(place)];
     return tile.size >= kVoxelChunk.x ? &tile : nullptr;
@@ -320,9 +319,9 @@ struct LabelVoxels::Found {
 
   // Returns the label of a chunk that lies within one large tile; nullopt if it has none.
   [[nodiscard]] std::optional<std::int64_t> label_of_tile(const glm::ivec3& origin) const {
-    const std::int32_t place = lookup->place(origin);
+    const std::int32_t place = sparse->lookup().place(origin);
     if (place >= field::SparseLookup::kBackground || !is_in(region, origin)) return std::nullopt;
-    const double constant = lookup->constant_of(place);
+    const double constant = sparse->lookup().constant_of(place);
     if (std::isnan(constant)) return std::nullopt;
     const auto label = static_cast<std::int64_t>(constant);
     return (*filter)(label) ? std::optional(label) : std::nullopt;
@@ -340,7 +339,7 @@ struct LabelVoxels::Found {
       });
     }
     LabelChunks::Unlisted unlisted;
-    if (lookup) unlisted = [this](const glm::ivec3& origin) { return label_of_tile(origin); };
+    if (sparse) unlisted = [this](const glm::ivec3& origin) { return label_of_tile(origin); };
     const field::IndexBox bounds{region.min - base, region.max - base};
     auto made = TRY(NetPoints::make(LabelChunks(std::move(chunks), std::move(unlisted), bounds, std::move(held)),
                                     options.relaxations, options.output_from_index.linear, context, what));
@@ -416,7 +415,7 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
   chunks.reserve(parts.size());
   for (const LabelPart* part : parts) chunks.push_back({part->origin, part->full() ? &full_chunk() : &part->bits});
   VoxelChunks::Unlisted unlisted;
-  if (found_->lookup) {
+  if (found_->sparse) {
     unlisted = [this, label](const glm::ivec3& origin) { return found_->label_of_tile(origin) == label; };
   }
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(memory));

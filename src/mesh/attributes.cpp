@@ -110,6 +110,12 @@ void set_interpolated(Attribute& attribute, std::size_t vertex, const Attribute&
   }
 }
 
+glm::vec3 interpolated_normal(const Buffer<glm::vec3>& normals, const EdgePoint& point) {
+  const glm::dvec3 normal = glm::mix(glm::dvec3(normals[point.from]), glm::dvec3(normals[point.to]), point.t);
+  const double length = glm::length(normal);
+  return length > 0 ? glm::vec3(normal / length) : normals[point.from];
+}
+
 std::size_t vertex_bytes(const Mesh& mesh) {
   std::size_t bytes = sizeof(glm::vec3) * (mesh.normals.empty() ? 1 : 2) + (mesh.edges.empty() ? 0 : sizeof(EdgeKey));
   for (const Attribute& attribute : mesh.attributes) bytes += attribute.stride();

@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include <glm/glm.hpp>
+
 #include "base/buffer.hpp"
 
 namespace isoextract::mesh {
@@ -60,6 +62,9 @@ struct EdgePoint {
 // same object. Interpolates floats, colors and normalized integers linearly. Other integers may be labels or numbers of
 // objects, which have no values between them: they get the value of the nearer end, on a tie that of `from`.
 void set_interpolated(Attribute& attribute, std::size_t vertex, const Attribute& old, const EdgePoint& point);
+
+// Returns the unit normal at a point on an edge, by linear interpolation; the normal of `from` if they cancel out.
+[[nodiscard]] glm::vec3 interpolated_normal(const Buffer<glm::vec3>& normals, const EdgePoint& point);
 
 // Returns the bytes of one vertex in all arrays of the mesh.
 [[nodiscard]] std::size_t vertex_bytes(const Mesh& mesh);

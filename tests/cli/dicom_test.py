@@ -170,6 +170,14 @@ class SeriesTest(DicomTestCase):
                                         ("Thorax CT", {"PatientID": "CT-001"}), ("1547 slices", {})):
             self.assertIn(description, names(description, **attributes))
 
+    def test_a_description_that_is_not_utf_8(self):
+        """A half of a pair of UTF-16 and a slash in two bytes: bytes of the form of UTF-8, but no characters."""
+        for wrong, text in ((b"\xed\xa0\x80", "???"), (b"\xc0\xaf.", "??."), ("ü.".encode(), "ü.")):
+            dicom.write_series(self.folder / "scan", VOLUME, PLACES, description="thorax QQQ", SpecificCharacterSet="ISO_IR 192")
+            for path in (self.folder / "scan").iterdir():
+                path.write_bytes(path.read_bytes().replace(b"QQQ", wrong))
+            self.assertIn(f"thorax {text}", self.info("scan")["grids"][0]["name"])
+
     def test_no_positions(self):
         dicom.write_series(self.folder / "scan", VOLUME, [None] * SHAPE[0], SliceThickness="3")
         report = self.assert_field(["scan"], VOLUME, note="the headers have no positions")

@@ -122,6 +122,20 @@ class LabelChoiceTest(ProgramTest):
         for wrong in ("1,", "!", "4-2", ""):
             self.assert_fails(1, self.run_program(*self.map, "--labels", wrong, "-o", "x.glb"), "1-40,Hippocampus*,!Skull")
 
+    def test_the_hint_for_a_text_that_is_no_label(self):
+        table = ("--label-names", "names.txt")
+        for wrong, names, hint in (
+                ("1e3", (), "did you mean 1000? If not, "), ("2.0", table, "did you mean 2? If not, "),
+                ("1.5", (), "labels are whole numbers"), ("1.5", table, "labels are whole numbers"),
+                ("inf", table, "labels are whole numbers"), ("-nan", (), "labels are whole numbers"),
+                ("9" * 30, (), "labels are whole numbers from -2^63 to 2^63 - 1"),
+                ("1e999", (), "labels are whole numbers"), ("Skull", (), "the labels have no names: give their numbers")):
+            with self.subTest(wrong=wrong, names=names):
+                run = self.run_program(*self.map, f"--labels={wrong}", *names, "-o", "x.glb")
+                self.assert_fails(2, run, f"slabs.raw: no label is '{wrong}'", f"  hint: {hint}")
+        (self.folder / "numbers.txt").write_text(TABLE.replace("Skull", "1.5"))  # a name, all the same
+        self.assertEqual(self.names("--labels", "1.5", "--label-names", "numbers.txt")[0], ["1.5"])
+
     def test_the_old_file_of_a_choice_without_labels_is_removed_and_told(self):
         for chosen in ("Kidney*", "30-40", "99"):
             (self.folder / "x.glb").write_bytes(b"old")
@@ -181,7 +195,7 @@ class LabelChoiceTest(ProgramTest):
         names, _ = self.names("--labels", "1,5", "--labels-min-voxels", "21", "--roi", "0,0,0,4,3,20")
         self.assertEqual(names, ["slabs label 5"])
         self.assert_fails(2, self.run_program(*self.map, "--labels", "1,2", "--labels-min-voxels", "99", "-o", "x.glb"),
-                          "the choice includes none of the 2 labels in the file")
+                          "slabs.raw: every chosen label (2 of them) has fewer voxels than required")
         self.assert_fails(1, self.run_program(*self.map, "--iso", "1", "--labels-min-voxels", "9", "-o", "x.glb"),
                           "--labels-min-voxels needs --labels")
 

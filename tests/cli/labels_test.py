@@ -271,6 +271,11 @@ class LabelsTest(ProgramTest):
             if typecode in "qQ":
                 self.assertIn("renumber", run.err)
                 self.assertNotIn("as integers", run.err)
+        for typecode in "fd":
+            self.write_npy("wide.npy", typecode, block(float("-inf")))
+            run = self.run_program("wide.npy", "--labels", "all", "-o", "x.glb")
+            self.assert_fails(2, run, "found -inf at sample (1, 1, 2)", "in place of the infinite values")
+            self.assertNotRegex(run.err, "renumber|as integers")
 
     def test_notes_say_what_does_not_apply(self):
         run = self.convert(*self.map, "--labels", "1", "--cap", "--error", "-o", "x.ply")

@@ -116,6 +116,44 @@ class MasksTest(ProgramTest):
         left, right = (triangles_by_position(meshes[name]) for name in ("kidney_left", "kidney_right"))
         self.assertGreater(len(left & right), 50)
 
+    def test_notes_are_about_the_chosen_masks(self):
+        """The aorta overlaps both kidneys, which are therefore in another layer. The layers do not depend on the choice."""
+        self.write_balls()
+        self.write("aorta.nii.gz", self.box)
+        self.write("empty.nii.gz", np.zeros_like(self.box))
+        both, run = self.meshes("seg", "--masks")
+        self.assertIn("no mesh for masks without voxels, 1 of 4: empty", run.err)
+        shared = int((self.box & self.left).sum())
+        for chosen, words in (("kidney*", None), ("aorta", None), ("3", None), ("all,!kidney_right", f"{shared} voxels of masks are"),
+                              ("1,kidney_left", f"{shared} voxels of masks are")):
+            meshes, run = self.meshes("seg", "--masks", "--labels", chosen)
+            self.assertEqual("note[masks-overlap]" in run.err, words is not None, run.err)
+            self.assertIn(words or "", run.err)
+            self.assertEqual("note[labels-empty]" in run.err, chosen.startswith("all"), run.err)
+            for name, mesh in meshes.items():
+                self.assertEqual(mesh.vertices, both[name].vertices)
+        meshes, run = self.meshes("seg", "--masks", "--labels-min-voxels", int(self.box.sum()) + 1)
+        self.assertEqual(list(meshes), ["kidney_left", "kidney_right"])
+        self.assertNotIn("note[masks-overlap]", run.err)
+
+    def test_counts_are_of_all_layers(self):
+        self.write_balls()
+        self.write("aorta.nii.gz", self.box)  # in another layer than the kidneys
+        self.assert_fails(2, self.run_program("seg", "--masks", "--labels", "spleen*", "-o", "none.glb"),
+                          "the choice includes none of the 3 labels in the file")
+        self.assert_fails(2, self.run_program("seg", "--masks", "--labels-min-voxels", "99999", "-o", "none.glb"),
+                          "every chosen label (3 of them) has fewer voxels than required")
+
+    def test_masks_apart_because_of_one_without_a_mesh(self):
+        self.write("a.nii", self.left)
+        self.write("b.nii", self.left | self.right)
+        apart = np.zeros_like(self.left)
+        apart[:3] = True
+        self.write("c.nii", apart)
+        _, run = self.meshes("seg", "--masks", "--labels", "b,c")
+        self.assertIn("note[masks-overlap]: seg/a.nii and 2 more: masks without a mesh have voxels of others, too, so the "
+                      "meshes of 1 mask share no faces with the other meshes: b\n", run.err)
+
     def test_twelve_copies_are_twelve_meshes(self):
         """More layers than have a bit of their own."""
         for k in range(12):
@@ -300,6 +338,9 @@ class MasksTest(ProgramTest):
             with self.subTest(options=options):
                 self.assert_fails(1, self.run_program("seg", "--masks", *options, "-o", "out.glb"),
                                   f"--masks and {options[0]} exclude each other")
+        for option, value, said in (("--method", "mc", "marching cubes"), ("--blur", "1", ""), ("--component", "length", "")):
+            run = self.run_program("seg", "--masks", option, value, "-o", "out.glb")  # not --labels, which was not given
+            self.assert_fails(1, run, f"--masks does not work with {said}" if said else " does not work with --masks: ")
         self.assert_fails(1, self.run_program("seg", "seg/kidney_left.nii.gz", "--masks"), "among several inputs")
         self.assert_fails(1, self.run_program("seg/kidney_left.nii.gz", "seg/kidney_left.nii.gz", "--masks"), "each mask once")
         self.assert_fails(1, self.run_program("-", "--masks", "-o", "out.glb"), "found stdin")

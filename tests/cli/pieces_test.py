@@ -155,6 +155,19 @@ class PiecesTest(ProgramTest):
 
 
 class SmoothTest(ProgramTest):
+    def test_triangles_without_area_are_told(self):
+        """Many passes pull the sheets of a gyroid of voxels together."""
+        boxes = ("demo:gyroid?size=16", "--iso", "0.5", "--method", "voxels", "-o", "a.ply", "--report", "a.json")
+        for passes in (20, 200):
+            run = self.convert(*boxes, "--smooth", passes)
+            report = json.loads((self.folder / "a.json").read_text())
+            counted = report["smoothings"][0]["zero_area_triangles"]
+            self.assertEqual(counted, {"before": 0, "after": report["meshes"][0]["zero_area_triangles"]})
+            note = (f"note[zero-area]: demo:gyroid?size=16 iso 0.5: smoothing left {counted['after']} of "
+                    f"{report['meshes'][0]['triangles']} triangles without area (before: 0)\n")
+            self.assertEqual(note in run.err, counted["after"] > 0, run.err)
+            self.assertEqual(counted["after"] > 0, passes == 200)
+
     def test_told_and_measured(self):
         self.convert("demo:gyroid?size=32", "--iso", "0", "--cap", "-o", "full.ply")
         run = self.convert("demo:gyroid?size=32", "--iso", "0", "--cap", "--smooth", "20:sinc", "--error", "-o", "a.ply",

@@ -62,6 +62,12 @@ class SegmentationTest(ProgramTest):
         for more in (("--tf", "gray"), ("--iso", "0.5")):
             self.assertNotIn("all labels, because", self.convert("render", "s.seg.nrrd", *more, "--size", "9x9", "-o", "b.png").err)
 
+    def test_options_that_do_not_go_with_labels_of_the_file(self):
+        self.write("s.seg.nrrd", seg_nrrd((ORGAN, BONE), 1))
+        for command in ((), ("render",)):
+            run = self.run_program(*command, "s.seg.nrrd", "--blur", "1", "-o", "x.glb" if not command else "x.png")
+            self.assert_fails(1, run, "--blur does not work with the labels that the file names: ")
+
     def write(self, name, data):
         (self.folder / name).write_bytes(data)
 

@@ -43,6 +43,21 @@ class VerifyTest(ProgramTest):
         run = self.run_program("verify", "plain.nrrd", "--iso", "0", "--inside", "below", "ras.ply")
         self.assert_fails(2, run, "ras.ply: verify cannot apply the placement that this mesh file records: plain.nrrd: ")
 
+    def test_a_label_map_without_labels(self):
+        """The mesh records a placement, which is not at fault."""
+        self.write_raw("map.raw", (12, 12, 12),
+                       lambda x, y, z: (1 + x // 6 + 2 * (y // 6)) * (2 <= x < 10 and 2 <= y < 10 and 2 <= z < 10), "B")
+        volume = ("map.raw", "--dims", "12,12,12")
+        self.write("one.ply", *volume, "--labels", "1", "--center", "--unit", "mm")
+        run = self.run_program("verify", *volume, "one.ply")
+        self.assert_fails(1, run, "map.raw: expected labels or an iso value, found neither; the samples look like a label map",
+                          "  hint: use --labels all ")
+        self.assertNotIn("cannot apply the placement", run.err)
+        self.verify("one.ply", *volume, "--labels", "1")
+        run = self.run_program("verify", *volume, "--iso", "0.5", "one.ply")
+        self.assertEqual(run.code, 6, run.err)
+        self.assertIn("give the --iso or --labels, ", run.err)
+
     def test_text_and_flat_normals_and_sparse_input(self):
         for name, *options in (("a.ply", "--ascii"), ("b.stl", "--ascii"), ("c.glb", "--normals", "flat"),
                                ("d.ply", "--normals", "smooth"), ("e.obj", "--normals", "flat")):

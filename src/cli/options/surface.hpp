@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -158,6 +159,15 @@ struct LabelFlags : OptionSet {
                            "the file of the labels, else a table beside it (NAME.ctbl, NAME_ColorTable.ctbl, "
                            "NAME_LUT.txt or the only *.ctbl); none: no table.",
                            About::surface};
+
+  // The source of the choice, for messages: --labels, or what implies --labels all.
+  std::string asked_by{chosen.name()};
+
+  // Chooses all labels, as --labels all does.
+  void choose_all(std::string by) {
+    chosen = std::vector{convert::IsoChoice::all_labels()};
+    asked_by = std::move(by);
+  }
 
   // Returns whether --labels gives a set: all, or ranges and names. The samples and names of the input decide which
   // labels belong to the set.

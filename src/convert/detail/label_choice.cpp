@@ -1,6 +1,12 @@
 #include "convert/detail/label_choice.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,13 +23,26 @@
 namespace isoextract::convert {
 namespace {
 
-// Returns "did you mean 'Spleen'?", or the names that there are.
-std::string hint_of_names(const std::string& given, const std::vector<std::string>& names) {
+// Returns the number that a text is, whatever its size and notation: 1.5, 1e3, inf, nan.
+std::optional<double> number_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (end != text.data() + text.size() || error == std::errc::invalid_argument) return std::nullopt;
+  return error == std::errc() ? number : std::numeric_limits<double>::infinity();
+}
+
+// Returns the hint if no label is `given`: "did you mean 'Spleen'?", what labels are, or the names that there are.
+std::string hint_of_labels(const std::string& given, const std::vector<std::string>& names) {
   constexpr std::size_t kMostTold = 12;
-  if (names.empty()) return "";
+  constexpr double kMostExact = 0x1p53;  // up to here a double is the number that the text is
   const auto same = std::ranges::find(names, to_lower(given), [](const std::string& name) { return to_lower(name); });
   const std::string near = same != names.end() ? *same : nearest_name(given, names);
   if (!near.empty()) return fmt::format("did you mean '{}'?", printable(near));
+  if (const auto number = number_of(given)) {
+    const bool is_whole = std::abs(*number) <= kMostExact && *number == std::floor(*number);
+    return is_whole ? fmt::format("did you mean {:.0f}?", *number) : "labels are whole numbers from -2^63 to 2^63 - 1";
+  }
+  if (names.empty()) return "the labels have no names: give their numbers";
   std::vector<std::string> told;
   for (const std::string& name : std::span(names).first(std::min(names.size(), kMostTold))) {
     told.push_back(printable(name, 40));
@@ -54,7 +73,7 @@ Result<void> select(const std::string& text, const LabelAppearance& looks, Empty
                     fmt::format("{}: no sample has the label '{}'", source, printable(term.text)),
                     {Remedy::use, Setting::empty_policy});
       }
-      Hint hint(hint_of_names(term.text, names));
+      Hint hint(hint_of_labels(term.text, names));
       hint.steps.emplace_back(Remedy::use, Setting::empty_policy);
       return fail(ErrorCode::no_surface, fmt::format("{}: no label is '{}'", source, printable(term.text)),
                   std::move(hint));
@@ -103,6 +122,7 @@ Result<ChosenLabels> choose_labels(std::span<const ResolvedIso> asked, const ext
     TRY(select(set->asked.selection, looks, empty, source, chosen));
   }
   drop_small(found, least, source, chosen);
+  chosen.counts = {found.labels().size(), chosen.too_small.size()};
   return chosen;
 }
 

@@ -1,6 +1,7 @@
 // Which labels of a label map a job extracts.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -15,9 +16,20 @@
 
 namespace isoextract::convert {
 
+struct LabelCounts {
+  std::size_t found = 0;      // labels to choose from: those with voxels, or those of a list
+  std::size_t too_small = 0;  // chosen ones with fewer voxels than required
+
+  void add(const LabelCounts& more) {
+    found += more.found;
+    too_small += more.too_small;
+  }
+};
+
 struct ChosenLabels {
   std::vector<std::int64_t> labels;            // in the order of a list, rising for a set (IsoChoice::is_label_set())
   std::unordered_set<std::int64_t> too_small;  // labels with fewer voxels than required, without a mesh
+  LabelCounts counts;
   Notes notes;
 
   // Returns the surfaces without those of labels that are too small.

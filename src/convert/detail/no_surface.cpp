@@ -33,15 +33,21 @@ Result<void> leave_out_empty(const Source& source, const ConversionJob& job, con
   return {};
 }
 
-Error no_label(const Source& source, std::int64_t background, std::size_t labels) {
+Error no_label(const Source& source, std::int64_t background, const LabelCounts& labels) {
   if (source.empty) return empty_source(source);
-  if (labels == 0) {
+  if (labels.too_small > 0) {
+    return {ErrorCode::no_surface,
+            fmt::format("{}: every chosen label ({} of them) has fewer voxels than required", source.label,
+                        labels.too_small),
+            {Remedy::use, Setting::empty_policy}};
+  }
+  if (labels.found == 0) {
     return {ErrorCode::no_surface,
             fmt::format("{}: no sample has a label other than {}", source.label, background),
             {Remedy::use, Setting::empty_policy}};
   }
   return {ErrorCode::no_surface,
-          fmt::format("{}: the choice includes none of {} in the file", source.label, counted(labels, "label")),
+          fmt::format("{}: the choice includes none of {} in the file", source.label, counted(labels.found, "label")),
           {Remedy::use, Setting::empty_policy}};
 }
 

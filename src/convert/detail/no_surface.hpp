@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
+#include "convert/detail/label_choice.hpp"
 #include "convert/events.hpp"
 #include "convert/iso_values.hpp"
 #include "convert/source.hpp"
@@ -23,9 +24,9 @@ namespace isoextract::convert {
 [[nodiscard]] Result<void> leave_out_empty(const Source& source, const ConversionJob& job, const OutputFileJob& output,
                                            const Context& context, Events& events);
 
-// Returns the error for a label map without a label to extract. The source is empty, the map has only the background
-// (`labels` is 0), or the choice includes none of its `labels` labels.
-[[nodiscard]] Error no_label(const Source& source, std::int64_t background, std::size_t labels);
+// Returns the error for a label map without a label to extract. The source is empty, the map has only the background,
+// the choice includes none of its labels, or those that it includes are all too small.
+[[nodiscard]] Error no_label(const Source& source, std::int64_t background, const LabelCounts& labels);
 
 // Returns the note that an output was not written because of no_label(); `besides` says what else happened to it.
 [[nodiscard]] Note note_of_no_label(const Error& none, const OutputFileJob& output, const std::string& besides);

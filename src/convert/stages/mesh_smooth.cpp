@@ -103,10 +103,17 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::cap_vertices, facts.wall_vertices},
        {Key::held_vertices, facts.held_vertices},
        {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.greatest_move_world}}},
-       {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}}},
+       {Key::volume, Figures{{Key::before, facts.volume_before}, {Key::after, facts.volume_after}}},
+       {Key::zero_area_triangles, Figures{{Key::before, facts.zero_area_before}, {Key::after, facts.zero_area_after}}}},
       facts.time);
   report.did = "smoothed";
   report.lines.push_back({line_of(asked, facts, surface, stage.source)});
+  if (facts.zero_area_after > facts.zero_area_before) {
+    report.notes.push_back(
+        {NoteId::zero_area,
+         fmt::format("{}: smoothing left {} of {} triangles without area (before: {})", report.subject,
+                     facts.zero_area_after, surface.mesh.triangles.size(), facts.zero_area_before)});
+  }
   return report;
 }
 

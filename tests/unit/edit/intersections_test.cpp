@@ -262,6 +262,47 @@ TEST(Untangle, MovesVerticesAndSplitsEdgesIfFlipsFail) {
   EXPECT_GT(moved, 0U);
 }
 
+// Numbers of vertices as floats tell both ends of an edge: their mean is the value of its middle.
+TEST(Untangle, NewVerticesHaveTheValuesOfTheMiddleOfTheirEdge) {
+  constexpr int kSize = 16;
+  std::uint64_t splits = 0;
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U}) {
+    mesh::Mesh clean = capped_noise(kSize, seed);
+    clean.origin = seed % 2 == 0 ? glm::dvec3(100, 200, 300) : glm::dvec3(0);
+    const std::size_t old = clean.positions.size();
+    std::mt19937 engine(seed);
+    std::uniform_real_distribution<float> coordinate(-1, 1);
+    clean.normals = Buffer<glm::vec3>(old);
+    for (glm::vec3& normal : clean.normals) {
+      normal = glm::normalize(glm::vec3(coordinate(engine), coordinate(engine), 2));
+    }
+    clean.attributes.push_back(numbers_of_vertices(clean));
+    mesh::Attribute floats{.name = "float", .type = mesh::ComponentType::f32, .values = {}};
+    floats.values = Buffer<std::byte>(old * sizeof(float));
+    for (std::size_t v = 0; v < old; ++v) {
+      const auto number = static_cast<float>(v);
+      std::memcpy(floats.values.data() + v * sizeof number, &number, sizeof number);
+    }
+    clean.attributes.push_back(std::move(floats));
+    UntangleOptions options;
+    options.walls = DataBox{.min = clean.origin, .max = clean.origin + glm::dvec3(kSize - 1)};
+    const auto figures = untangle(clean, options, Context());
+    ASSERT_TRUE(figures);
+    splits += figures->splits;
+    if (figures->splits == 0) continue;
+    // The ends of the edge of the first new vertex are old vertices.
+    const std::size_t from = number_at(clean, old);
+    const double middle = mesh::component_value(clean.attributes[1].at(old).data(), mesh::ComponentType::f32, false);
+    const auto to = static_cast<std::size_t>(2 * middle - static_cast<double>(from));
+    ASSERT_NE(to, from);
+    ASSERT_LT(to, old);
+    EXPECT_LT(glm::length(clean.positions[to] - clean.positions[from]), 6);
+    const glm::vec3 expected = glm::normalize(clean.normals[from] + clean.normals[to]);
+    EXPECT_LT(glm::length(clean.normals[old] - expected), 1e-5F);
+  }
+  EXPECT_GT(splits, 0U);
+}
+
 TEST(Untangle, DoesNotDependOnThreads) {
   const mesh::Mesh tangled = capped_noise(16, 1);
   const auto untangled_by = [&](std::size_t threads) {

@@ -312,6 +312,22 @@ TEST_P(SmoothMethods, IsIndependentOfThreads) {
   EXPECT_TRUE(std::ranges::equal(results[0].normals, results[1].normals));
 }
 
+TEST(Smooth, CountsTrianglesWithoutArea) {
+  mesh::Mesh mesh = rough_surface(noisy_sphere(12), false);
+  const SmoothFigures sound = must_smooth(mesh, {});
+  EXPECT_EQ(sound.zero_area_before, 0U);
+  EXPECT_EQ(sound.zero_area_after, mesh::measure_size(mesh).zero_area_triangles);
+  // Boundary vertices stay on their line.
+  mesh::Mesh line;
+  line.positions = Buffer<glm::vec3>(3);
+  for (std::uint32_t v = 0; v < 3; ++v) line.positions[v] = glm::vec3(static_cast<float>(v), 0, 0);
+  line.triangles = Buffer<glm::uvec3>(1);
+  line.triangles[0] = {0, 1, 2};
+  const SmoothFigures flat = must_smooth(line, {});
+  EXPECT_EQ(flat.zero_area_before, 1U);
+  EXPECT_EQ(flat.zero_area_after, 1U);
+}
+
 TEST(Smooth, LeavesMeshUnchangedIfMemoryIsShort) {
   mesh::Mesh mesh = rough_surface(noisy_sphere(12), false);
   const mesh::Mesh before = copy(mesh);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -96,6 +97,18 @@ TEST(Attributes, InterpolatesByType) {
   EXPECT_EQ(between(label, 2, 9, 0.25), 2);
   EXPECT_EQ(between(label, 2, 9, 0.5), 2);
   EXPECT_EQ(between(label, 2, 9, 0.75), 9);
+}
+
+TEST(Attributes, InterpolatesNormalsToUnitLength) {
+  Buffer<glm::vec3> normals(3);
+  normals[0] = {1, 0, 0};
+  normals[1] = {0, 1, 0};
+  normals[2] = {-1, 0, 0};
+  EXPECT_EQ(interpolated_normal(normals, {0, 1, 0}), normals[0]);
+  EXPECT_EQ(interpolated_normal(normals, {0, 1, 1}), normals[1]);
+  EXPECT_LT(glm::length(interpolated_normal(normals, {0, 1, 0.5}) - glm::vec3(std::sqrt(0.5F), std::sqrt(0.5F), 0)),
+            1e-6F);
+  EXPECT_EQ(interpolated_normal(normals, {2, 0, 0.5}), normals[2]) << "they cancel out";
 }
 
 TEST(Attributes, CopyIsComplete) {
