@@ -94,6 +94,15 @@ std::optional<Note> missing_facts_note(const std::string& path, const field::Sca
               fmt::format("{}: the file does not state {}", files::output_label(path), lacks)};
 }
 
+// Returns the note for NaN samples, which the file keeps whatever the NanPolicy; nullopt without such samples.
+std::optional<Note> kept_nan_note(const Source& source) {
+  const auto found = field::measure_statistics(source.field, nullptr, field::WithPercentiles::no);
+  if (found.nan == 0) return std::nullopt;
+  return Note{NoteId::nan_samples,
+              fmt::format("{}: {} of {} samples {} NaN in the file", source.label, found.nan,
+                          found.samples + found.nan + found.infinite, found.nan == 1 ? "stays" : "stay")};
+}
+
 Result<WrittenField> write_as(const std::string& path, const field::ScalarField& field, const FieldFileOptions& file,
                               field::SampleType type, const Context& context) {
   if (file.format == volume_io::VolumeFileFormat::vdb) {
@@ -142,8 +151,7 @@ Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJ
                      field.scale.is_identity() ? "" : " with a scale", 8 * field::sample_size(type))});
   }
   if (!source.of_particles && job.surface.nan != extract::NanPolicy::error) {
-    events.note(
-        {NoteId::nan_samples, fmt::format("{}: NaN samples, if there are any, stay NaN in the file", source.label)});
+    if (const auto note = kept_nan_note(source)) events.note(*note);
   }
   events.end(report);
   return mesh_io::WrittenFile{output.path, written.bytes};
