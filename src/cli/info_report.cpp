@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/number_text.hpp"
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
@@ -30,8 +31,6 @@ std::string dims_text(const field::IndexBox& box) {
   const glm::i64vec3 dims = box.dims();
   return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z);
 }
-
-std::string vector_text(const glm::dvec3& v) { return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x, v.y, v.z); }
 
 glm::dvec3 spacing_of(const field::Affine& map) {
   return {glm::length(map.linear[0]), glm::length(map.linear[1]), glm::length(map.linear[2])};

@@ -82,11 +82,12 @@ std::optional<Note> missing_facts_note(const std::string& path, const field::Sca
   const field::Affine& place = field.index_to_world;
   std::string lacks;
   if (is_npy) {
+    const glm::dvec3 origin = place.offset + 0.0;  // the sum turns -0 into 0
     const glm::dvec3 spacing(place.linear[0].x, place.linear[1].y, place.linear[2].z);
     const bool is_plain = place.linear == glm::dmat3(spacing.x, 0, 0, 0, spacing.y, 0, 0, 0, spacing.z) &&
                           glm::all(glm::greaterThan(spacing, glm::dvec3(0)));
     lacks = is_plain ? fmt::format("the spacing {},{},{} and the origin {},{},{}", spacing.x, spacing.y, spacing.z,
-                                   place.offset.x, place.offset.y, place.offset.z)
+                                   origin.x, origin.y, origin.z)
                      : "the placement, which turns or mirrors the samples";
   }
   if (is_below) lacks += fmt::format("{}that inside is below the iso value", lacks.empty() ? "" : ", nor ");
