@@ -244,12 +244,12 @@ InputReport look_at_masks(const InfoPlan& plan, const Messages& messages) {
   return report;
 }
 
+// Tells each note once: those of particles include those of their field.
 void tell_notes(const InputReport& report, const Messages& messages) {
-  if (report.field) {
-    for (const Note& note : report.field->field.notes) messages.note(note);
-  }
   if (report.particles) {
     for (const Note& note : report.particles->notes) messages.note(note);
+  } else if (report.field) {
+    for (const Note& note : report.field->field.notes) messages.note(note);
   }
 }
 
