@@ -277,6 +277,12 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
     add_cost(lines, report);
     return;
   }
+  if (report.is_slice) {
+    lines.add("suggestion",
+              "--heightfield: terrain, if the samples are heights; one slice has no surface at an iso value");
+    lines.plain(fmt::format("\n  {}", report.command));
+    return;
+  }
   if (report.statistics.samples == 0 && !suggestion.separates) return;
   if (!suggestion.separates) {
     const bool constant = report.statistics.min == report.statistics.max;
