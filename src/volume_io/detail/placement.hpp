@@ -16,7 +16,7 @@ struct Frame {
   field::Affine index_to_world;
   std::string problem;  // "axis 2 has no direction"; empty if valid
   bool stated = true;   // false: the file has no spacing and origin, and this is the format's default
-  // What the file does not state: about the axes, and about the origin. Reported unless the options replace it.
+  // Notes about assumed axes and an assumed origin; reported unless the options replace these.
   Notes assumed_axes = {};
   Notes assumed_origin = {};
 };

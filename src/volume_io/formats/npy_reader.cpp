@@ -67,24 +67,6 @@ Hint read_as_vectors(const NpyHeader& header) {
                       count)};
 }
 
-// Returns what to do with an array whose number of axes is wrong.
-Hint hint_of_axes(const NpyHeader& header, std::size_t kept, bool has_component) {
-  switch (kept) {
-    case 0:
-    case 1:
-      return "a volume has at least three axes: reshape the array in NumPy first, for example a.reshape(40, 50, 60)";
-    case 2:
-      return {"a volume has at least three axes",
-              {Remedy::use, Setting::particle_method},
-              {Remedy::use, Setting::height_field}};
-    case 5:
-      if (!has_component) return read_as_vectors(header);
-      break;
-    default: break;
-  }
-  return "take a part with fewer axes in NumPy first, for example a[0]";
-}
-
 Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool has_component, AxisOrder order,
                           bool is_flat, Notes& notes) {
   std::vector<std::uint64_t> shape = header.shape;
@@ -98,7 +80,12 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
     return fail(ErrorCode::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
-                hint_of_axes(header, kept, has_component));
+                kept < 2    ? Hint("a volume has at least three axes: reshape the array in NumPy first")
+                : kept == 2 ? Hint{"a volume has at least three axes",
+                                   {Remedy::use, Setting::particle_method},
+                                   {Remedy::use, Setting::height_field}}
+                : kept == 5 && !has_component ? read_as_vectors(header)
+                                              : Hint("take a part with fewer axes in NumPy first, for example a[0]"));
   }
   if (header.shape.size() > kept) {
     notes.push_back({NoteId::axes_dropped,
