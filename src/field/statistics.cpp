@@ -195,7 +195,8 @@ double interpolate(double min, double max, double position) { return min * (1 - 
 void describe(const Range& range, const Histogram& histogram, FieldStatistics& statistics) {
   statistics.min = range.min + 0.0;  // -0 is 0
   statistics.max = range.max + 0.0;
-  statistics.mean = interpolate(statistics.min, statistics.max, histogram.position_sum / static_cast<double>(range.finite));
+  statistics.mean =
+      interpolate(statistics.min, statistics.max, histogram.position_sum / static_cast<double>(range.finite));
   statistics.histogram.assign(histogram.bins.begin(), histogram.bins.end());
 }
 
