@@ -11,6 +11,7 @@
 
 #include "accuracy/extraction_comparison.hpp"
 #include "accuracy/float_spacing.hpp"
+#include "base/number_text.hpp"
 #include "base/parallel.hpp"
 #include "mesh/buckets.hpp"
 #include "mesh/metrics.hpp"
@@ -273,7 +274,7 @@ std::vector<std::string> differences(const MeshMatch& match, const MeshLabels& n
   for (std::size_t side = 0; side < 2; ++side) {
     if (!match.vertex_example[side]) continue;
     found.push_back(fmt::format("{} of {} vertices are in {} only, one of them at {}", match.vertices_only[side],
-                                match.vertices[side], names[side], point_text(*match.vertex_example[side])));
+                                match.vertices[side], names[side], point_text(*match.vertex_example[side], 9)));
   }
   return found;
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/number_text.hpp"
 #include "base/reduction.hpp"
 #include "mesh/buckets.hpp"
 
@@ -121,13 +122,9 @@ void add_difference_sentences(const TriangleDifference& difference, const MeshLa
     const auto& example = difference.example[side];
     if (!example) continue;
     sentences.push_back(fmt::format("{} of {} triangles are in {} only, one of them {}, {}, {}", difference.only[side],
-                                    difference.total[side], names[side], point_text((*example)[0]),
-                                    point_text((*example)[1]), point_text((*example)[2])));
+                                    difference.total[side], names[side], point_text((*example)[0], 9),
+                                    point_text((*example)[1], 9), point_text((*example)[2], 9)));
   }
-}
-
-std::string point_text(const glm::dvec3& point) {
-  return fmt::format("({:.9g}, {:.9g}, {:.9g})", point.x, point.y, point.z);
 }
 
 std::uint64_t triangle_comparison_bytes(std::uint64_t triangles, std::uint64_t names) {

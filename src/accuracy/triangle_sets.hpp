@@ -42,9 +42,6 @@ struct TriangleDifference {
 void add_difference_sentences(const TriangleDifference& difference, const MeshLabels& names,
                               std::vector<std::string>& sentences);
 
-// Formats a point as "(1, 2.5, -3)".
-[[nodiscard]] std::string point_text(const glm::dvec3& point);
-
 // Returns the memory that compare_triangle_sets() uses; `triangles` counts the triangles of both meshes.
 [[nodiscard]] std::uint64_t triangle_comparison_bytes(std::uint64_t triangles, std::uint64_t names);
 

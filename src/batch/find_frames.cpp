@@ -31,6 +31,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kShownSequences = 8;
 constexpr std::size_t kShownRuns = 8;
+constexpr std::size_t kMaxShownName = 100;  // bytes
 
 // The frames found, before the range selects.
 struct FoundFrames {
@@ -265,36 +266,34 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> particles;
   std::vector<std::string> pictures;
   std::vector<std::string> meshes;
-  std::size_t others = 0;
-  std::string first;  // file of no known kind that comes first by name
+  CountedFiles unknown;
   TRY(files::visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;
     if (volume_io::has_picture_extension(name)) {
       pictures.push_back(name);
-      ++others;
     } else if (has_header_beside(folder, name)) {
       return;  // read with its header
     } else if (volume_io::has_volume_extension(name)) {
       names.push_back(name);
+    } else if (particle_io::has_particle_extension(name)) {
+      particles.push_back(name);
+    } else if (mesh_io::mesh_format_by_path(name)) {
+      meshes.push_back(name);
     } else {
-      if (particle_io::has_particle_extension(name)) {
-        particles.push_back(name);
-      } else if (mesh_io::mesh_format_by_path(name)) {
-        meshes.push_back(name);
-      } else if (first.empty() || files::NaturalLess()(name, first)) {
-        first = name;
-      }
-      ++others;
+      unknown.add(name);
     }
   }));
-  const bool are_particles = names.empty() && !particles.empty();
-  const bool are_meshes = names.empty() && !are_particles && pictures.empty();
-  if (names.empty()) {
-    names = std::move(are_particles ? particles : !pictures.empty() ? pictures : meshes);
-    others -= names.size();
-  }
-  if (names.empty()) return fail_no_names(folder, first);
+  std::string_view kind = "volume file";
+  const auto take = [&](std::vector<std::string>& files, std::string_view kind_of_files) {
+    if (!names.empty() || files.empty()) return;
+    kind = kind_of_files;
+    names = std::exchange(files, {});
+  };
+  take(particles, "particle file");
+  take(pictures, "picture");
+  take(meshes, "mesh file");
+  if (names.empty()) return fail_no_names(folder, unknown.first);
   std::ranges::sort(names, files::NaturalLess());
   const std::vector<Sequence> sequences = sequences_of(names);
   const auto is_several = [](const Sequence& sequence) { return sequence.members.size() > 1; };
@@ -302,11 +301,14 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   const bool is_one = sequences.size() == 1 || (decimals && !decimals->may_be_two_numbers);
   if (!is_one && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
   FoundFrames found = numbered_frames(names, sequences, decimals, folder.ends_with('/') ? folder : folder + '/');
-  if (others > 0) {
-    found.notes.push_back(note_of_other_files(folder, others,
-                                              are_particles ? "a particle"
-                                              : are_meshes  ? "a mesh"
-                                                            : "a volume"));
+  CountedFiles others = unknown;
+  for (const std::string& name : particles) others.add(name);
+  for (const std::string& name : meshes) others.add(name);
+  CountedFiles skipped_pictures;
+  for (const std::string& name : pictures) skipped_pictures.add(name);
+  if (others.count + skipped_pictures.count > 0) {
+    const CountedFiles taken{names.size(), names.front()};
+    found.notes.push_back(note_of_other_files(folder, kind, taken, skipped_pictures, others));
   }
   return found;
 }
@@ -398,9 +400,22 @@ std::vector<std::string> without_sample_files(std::span<const std::string> input
   return others;
 }
 
-Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind) {
-  return {NoteId::other_files, fmt::format("{}: the program skips {} file{} the extension of {} format",
-                                           printable(folder), count, count == 1 ? " that lacks" : "s that lack", kind)};
+void CountedFiles::add(const std::string& name) {
+  if (count == 0 || files::NaturalLess()(name, first)) first = name;
+  ++count;
+}
+
+Note note_of_other_files(const std::string& folder, std::string_view kind, const CountedFiles& taken,
+                         const CountedFiles& pictures, const CountedFiles& others) {
+  // "1 picture (a.png)", "8 pictures (such as a.png)"
+  const auto text = [](const CountedFiles& files, std::string_view noun) {
+    return fmt::format("{} ({}{})", counted(files.count, noun), files.count == 1 ? "" : "such as ",
+                       printable(files.first, kMaxShownName));
+  };
+  std::string skipped = pictures.count > 0 ? text(pictures, "picture") : "";
+  if (others.count > 0) skipped += (skipped.empty() ? "" : " and ") + text(others, "other file");
+  return {NoteId::other_files,
+          fmt::format("{}: the program takes {} and skips {}", printable(folder), text(taken, kind), skipped)};
 }
 
 std::optional<std::string> find_one_volume(std::span<const std::string> inputs) {

@@ -87,8 +87,18 @@ struct Frames {
 // tooth.nhdr and tooth.raw.
 [[nodiscard]] std::vector<std::string> without_sample_files(std::span<const std::string> inputs);
 
-// Returns the note about files of a folder that a run passes over; `kind` completes "the extension of ... format".
-[[nodiscard]] Note note_of_other_files(const std::string& folder, std::size_t count, std::string_view kind);
+// Files of a folder, for a note: their number, and the first name in natural order.
+struct CountedFiles {
+  std::size_t count = 0;
+  std::string first;
+
+  void add(const std::string& name);
+};
+
+// Returns the note about the files of a folder that a run takes and those that it skips. `kind` is what it takes, such
+// as "volume file"; `pictures` and `others` are the skipped files, at least one of them.
+[[nodiscard]] Note note_of_other_files(const std::string& folder, std::string_view kind, const CountedFiles& taken,
+                                       const CountedFiles& pictures, const CountedFiles& others);
 
 // Returns the volume whose files are `inputs`, such as a shell's list for slices/*.png: the pattern of a stack, or a
 // volume folder. Returns nullopt if the list is incomplete, has one file or several folders, or is several volumes. The

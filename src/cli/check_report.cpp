@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/counted.hpp"
+#include "base/number_text.hpp"
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
 #include "convert/json_documents.hpp"
@@ -56,7 +57,7 @@ std::string none_or(Requirement requirement, const MeshCheck& check) {
   return check::unmet_reason(requirement, check).value_or("none");
 }
 
-std::string point_in_words(const glm::dvec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z); }
+std::string point_in_words(const glm::dvec3& v) { return point_text(v, 9); }
 
 std::string closed_line(const MeshCheck& check) {
   std::string text = answer(Requirement::closed, check);

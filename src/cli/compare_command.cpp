@@ -11,6 +11,7 @@
 #include "base/byte_size.hpp"
 #include "base/context.hpp"
 #include "base/machine.hpp"
+#include "base/number_text.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/attribute_text.hpp"
@@ -191,8 +192,7 @@ void add_side(NamedLines& lines, const Side& side) {
   lines.add("closed", closed_text(side.topology));
   lines.add("area", fmt::format("{:.9g}", side.size.area));
   if (side.topology.is_closed_oriented_manifold()) lines.add("volume", fmt::format("{:.9g}", side.size.volume));
-  const auto vector = [](const glm::dvec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z); };
-  lines.add("bounds", fmt::format("{} .. {}", vector(side.bounds.min), vector(side.bounds.max)));
+  lines.add("bounds", fmt::format("{} .. {}", point_text(side.bounds.min, 9), point_text(side.bounds.max, 9)));
   lines.plain("");
 }
 
@@ -202,8 +202,7 @@ void add_direction(NamedLines& lines, std::string_view name, const accuracy::Dir
   lines.add(name, fmt::format("max {}, rms {:.6g}, mean {:.6g}, 99 % {:.6g}",
                               interval_text(distance.max_lower, distance.max_upper), distance.rms, distance.mean,
                               distance.percentile99));
-  lines.add("",
-            fmt::format("farthest at ({:.9g}, {:.9g}, {:.9g})", distance.place.x, distance.place.y, distance.place.z));
+  lines.add("", fmt::format("farthest at {}", point_text(distance.place, 9)));
 }
 
 std::string text_of(const std::array<Side, 2>& sides, const accuracy::MeshDistance& distance,

@@ -79,8 +79,30 @@ Result<void> measure_labels(FieldReport& report, const Context& context) {
   return {};
 }
 
+// Returns whether the field is a single slice of dense samples, such as one picture.
+bool is_slice(const field::ScalarField& field) {
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  return dense != nullptr && dense->dims.z == 1 && dense->dims.x > 1 && dense->dims.y > 1;
+}
+
+// Names the command that makes terrain of a flat array, since info itself has no option for heights.
+Error with_terrain_command(Error error, const InfoPlan& plan, const std::string& input) {
+  for (Step& step : error.hint.steps) {
+    if (step.setting != Setting::height_field) continue;
+    step = fmt::format("make terrain of it with '{}', if the numbers are heights",
+                       example_command(plan, input, {}, "--heightfield", false, {}));
+  }
+  return error;
+}
+
 // Completes the report of a field whose iso value or labels are suggested.
 FieldReport report_of(const InfoPlan& plan, const std::string& input, const Described& described, FieldReport report) {
+  report.is_slice = !report.labels && is_slice(report.field);
+  if (report.is_slice) {
+    report.suggestion.separates = false;
+    report.ct.reset();
+    report.command = example_command(plan, input, described, "--heightfield", false, report.field.creator);
+  }
   const bool separates = report.suggestion.separates && !report.labels;
   report.size =
       separates ? convert::size_of(report.field, report.suggestion.iso) : convert::size_of_samples(report.field);
@@ -185,7 +207,7 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   if (*of_particles) return look_at_particles(plan, input, messages);
   auto grids = volume_io::list_grids(input, plan.read, Context(plan.memory));
   if (!grids) {
-    report.error = add_volume_file_hint(std::move(grids.error()), input);
+    report.error = with_terrain_command(add_volume_file_hint(std::move(grids.error()), input), plan, input);
     return report;
   }
   report.grids = std::move(*grids);
@@ -244,12 +266,12 @@ InputReport look_at_masks(const InfoPlan& plan, const Messages& messages) {
   return report;
 }
 
+// Tells each note once: those of particles include those of their field.
 void tell_notes(const InputReport& report, const Messages& messages) {
-  if (report.field) {
-    for (const Note& note : report.field->field.notes) messages.note(note);
-  }
   if (report.particles) {
     for (const Note& note : report.particles->notes) messages.note(note);
+  } else if (report.field) {
+    for (const Note& note : report.field->field.notes) messages.note(note);
   }
 }
 

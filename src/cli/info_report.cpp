@@ -12,6 +12,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/counted.hpp"
+#include "base/number_text.hpp"
 #include "base/printable.hpp"
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
@@ -31,8 +32,6 @@ std::string dims_text(const field::IndexBox& box) {
   const glm::i64vec3 dims = box.dims();
   return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z);
 }
-
-std::string vector_text(const glm::dvec3& v) { return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x, v.y, v.z); }
 
 glm::dvec3 spacing_of(const field::Affine& map) {
   return {glm::length(map.linear[0]), glm::length(map.linear[1]), glm::length(map.linear[2])};
@@ -280,6 +279,12 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   if (report.labels) {
     lines.add("suggestion", fmt::format("{}: {}", kAllLabels, surfaces_text(*report.labels)));
     add_cost(lines, report);
+    return;
+  }
+  if (report.is_slice) {
+    lines.add("suggestion",
+              "--heightfield: terrain, if the samples are heights; one slice has no surface at an iso value");
+    lines.plain(fmt::format("\n  {}", report.command));
     return;
   }
   if (report.statistics.samples == 0 && !suggestion.separates) return;

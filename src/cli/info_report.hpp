@@ -33,6 +33,7 @@ struct FieldReport {
   convert::ConversionSize size;
   std::uint64_t bytes = 0;             // estimated memory of a conversion
   std::uint64_t whole_mesh_bytes = 0;  // estimated with options that need the whole mesh
+  bool is_slice = false;               // one slice of samples, which has no surface but can be terrain
   bool fits_one_mesh = true;           // otherwise only regions of the field fit one mesh
   std::string command;                 // an example command line; empty without a suggestion or if !fits_one_mesh
 };

@@ -53,7 +53,8 @@ class JetRun {
       shown_.progress().advance(1);
     }
     const Stopwatch write_watch;
-    const auto particles = TRY(jet.particles(work_));
+    const auto particles =
+        TRY(jet.particles(work_, particle_io::is_y_up(plan_.format) ? simulate::JetUp::y : simulate::JetUp::z));
     const auto bytes = TRY(particle_io::write_particles(frame.files.front(), particles, plan_.format));
     bytes_ += bytes;
     write_seconds_ += write_watch.elapsed().wall_seconds;
@@ -89,10 +90,11 @@ class JetRun {
 
   // Suggests one radius for all frames, since only this gives all frames the same grid.
   void tell_how_to_convert(double radius) const {
-    messages_.summary(fmt::format(
-        "convert with: isoextract {} --particles weight --iso {} --radius {:.12g} --animate "
-        "--fps {} -o jet.glb",
-        shell_quoted(plan_.pattern), points::method_info(points::Method::weight).iso, radius, plan_.jet.fps));
+    messages_.summary(
+        fmt::format("convert with: isoextract {}{} --particles weight --iso {} --radius {:.12g} --animate "
+                    "--fps {} -o jet.glb",
+                    shell_quoted(plan_.pattern), particle_io::is_y_up(plan_.format) ? " --up y" : "",
+                    points::method_info(points::Method::weight).iso, radius, plan_.jet.fps));
   }
 
   const JetPlan& plan_;

@@ -28,11 +28,11 @@ bool is_folder_of_files(const std::string& input) {
 
 Result<std::vector<std::string>> masks_of_folder(const std::string& folder, Notes& notes) {
   std::vector<std::string> names;
-  std::size_t others = 0;
+  batch::CountedFiles others;
   TRY(files::visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     if (name.starts_with('.') || batch::has_header_beside(folder, name)) return;
     const bool is_volume = is_folder_of_files(entry.path()) ? false : volume_io::has_volume_extension(name);
-    is_volume ? names.push_back(name) : void(++others);
+    is_volume ? names.push_back(name) : others.add(name);
   }));
   if (names.empty()) {
     return fail(ErrorCode::input,
@@ -40,8 +40,10 @@ Result<std::vector<std::string>> masks_of_folder(const std::string& folder, Note
                 "list the files of the masks");
   }
   std::ranges::sort(names, files::NaturalLess());
+  if (others.count > 0) {
+    notes.push_back(batch::note_of_other_files(folder, "volume file", {names.size(), names.front()}, {}, others));
+  }
   for (std::string& name : names) name.insert(0, folder.ends_with('/') ? folder : folder + '/');
-  if (others > 0) notes.push_back(batch::note_of_other_files(folder, others, "a volume"));
   return names;
 }
 

@@ -44,11 +44,12 @@ constexpr std::array kGuide{
               "missing frames an error."},
     NoteGuide{newer_version, "The file has a newer version than the reader knows.",
               "Compare the result with that of the program that wrote the file."},
-    NoteGuide{other_files,
-              "The folder has files that the program does not read, because they lack the extension of the format. Or "
-              "a part of an earlier, longer animation still lies beside the new one.",
-              "Instead of the folder give the files, or a pattern such as 'frames/a_####.vdb'. Delete the part of the "
-              "earlier animation."},
+    NoteGuide{
+        other_files,
+        "The program takes one kind of files in a folder: volumes, else particles, else pictures, else meshes. It "
+        "skips all other files. Or a part of an earlier, longer animation still lies beside the new one.",
+        "Instead of the folder give the files, or a pattern such as 'frames/a_####.vdb'. Delete the part of the "
+        "earlier animation."},
     NoteGuide{placement_assumed, "The file does not say where its samples are; the note says what the reader assumes.",
               "Give --spacing and --origin, for the file of an attribute --attribute "
               "NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z."},

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/counted.hpp"
+#include "base/number_text.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/remedies.hpp"
@@ -93,7 +94,8 @@ std::string words_text(const WordCounts& words) {
 
 std::string range_text(const AttributeRange& range) {
   if (!range.read) return "no numbers";
-  std::string text = range.min ? fmt::format("{:.6g} .. {:.6g}", *range.min, *range.max) : std::string("no values");
+  std::string text =
+      range.min ? fmt::format("{} .. {}", number_text(*range.min), number_text(*range.max)) : std::string("no values");
   if (range.not_finite > 0) text += fmt::format(", {} not finite as 32-bit floats", range.not_finite);
   return text;
 }

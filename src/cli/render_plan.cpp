@@ -8,10 +8,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/counted.hpp"
 #include "base/nearest_name.hpp"
 #include "batch/find_frames.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
+#include "batch/output_template.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
@@ -27,6 +29,7 @@ namespace isoextract::cli {
 namespace {
 
 constexpr int kMostTurns = 100000;
+constexpr const char* kDigits = "0123456789";
 
 // Inputs by kind: names with a mesh extension are meshes, all other names volumes; the content decides for standard
 // input.
@@ -56,10 +59,12 @@ Result<int> turns_of(const std::string& text) {
   int count = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), count);
   if (problem != std::errc() || end != text.data() + text.size() || count < 1 || count > kMostTurns) {
+    const bool is_range =
+        batch::FrameRange::parse(text).has_value() && text.find_first_not_of(kDigits) != std::string::npos;
     return refuse_usage(
         fmt::format("--frames: expected the number of pictures for one turn of the camera, 1 to {}, found '{}'",
                     kMostTurns, text),
-        "only a sequence takes a range of frames, and the inputs are no sequence");
+        is_range ? "only a sequence takes a range of frames, and the inputs are no sequence" : "");
   }
   return count;
 }
@@ -108,6 +113,28 @@ Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderP
   return {};
 }
 
+// Refuses the placeholders of surfaces: a picture shows all of them.
+Result<void> check_placeholders(const std::string& output) {
+  const auto name = batch::OutputTemplate::parse(output);
+  if (!name) return {};  // name_outputs() reports that
+  for (const batch::OutputWord word : {batch::OutputWord::iso, batch::OutputWord::label, batch::OutputWord::name}) {
+    if (!name->uses(word)) continue;
+    return refuse_usage(fmt::format("-o {}: a picture shows all surfaces, not one", output),
+                        fmt::format("leave {{{}}} out", word_of(word)));
+  }
+  return {};
+}
+
+// Rewords the hint about two pictures of one name: only these placeholders tell pictures apart.
+Error with_hint_of_pictures(Error error, bool is_turn) {
+  for (Step& step : error.hint.steps) {
+    if (step.setting != Setting::output_name || step.text.empty()) continue;
+    step.text = is_turn ? "with {} or {:04} in it, the number of the picture"
+                        : "with {}, {:04} or {stem} in it, the number of the frame or the name of the input";
+  }
+  return error;
+}
+
 Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::vector<PicturePlan>& pictures) {
   if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
   if (flags.output == "-") {
@@ -131,7 +158,11 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
     return refuse_usage(fmt::format("-o {}: a picture shows the whole mesh, not one body", *flags.output),
                         fmt::format("leave {} out", convert::kPiecePlaceholder));
   }
-  const auto names = TRY(batch::name_outputs(sources, flags.output, mesh_io::MeshFormat::glb, "png"));
+  if (flags.output) TRY(check_placeholders(*flags.output));
+  const auto named = batch::name_outputs(sources, flags.output, mesh_io::MeshFormat::glb, "png");
+  const bool is_turn = pictures.size() > 1 && pictures[0].input == pictures[1].input;
+  if (!named) return tl::unexpected(with_hint_of_pictures(named.error(), is_turn));
+  const auto& names = *named;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     pictures[i].output = names[i].front().path;
     if (!picture_file_of(pictures[i].output)) {
@@ -153,7 +184,12 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
                                     flags.labels.chosen ? flags.labels.chosen.name() : flags.isos.name()));
   }
   if (flags.opacity && !surfaces && inputs.meshes.empty()) {
-    return refuse_usage("--opacity applies to surfaces and meshes, and the scene has none");
+    return refuse_usage("--opacity applies to surfaces and meshes, and the scene has none",
+                        "leave --opacity out, or give --iso V, or a mesh");
+  }
+  if (flags.mesh_colors && inputs.meshes.empty()) {
+    return refuse_usage("--mesh-color applies to meshes that are inputs, and this scene has none",
+                        "leave --mesh-color out, or give a mesh");
   }
   if (flags.color && flags.color->attribute) {
     return refuse_usage("--color-by: 'isoextract render' colors surfaces only by their iso values",
@@ -250,8 +286,10 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
     }
   }
   TRY(check_useful(flags, inputs, plan));
-  if (flags.surface.roi && plan.draws_volume)
-    plan.notes.push_back({NoteId::no_effect, "--roi cuts only the surfaces: render draws the whole volume"});
+  if (plan.draws_volume && (flags.surface.roi || !flags.surface.clip.empty())) {
+    plan.notes.push_back({NoteId::no_effect, fmt::format("{} cuts only the surfaces: render draws the whole volume",
+                                                         flags.surface.roi ? "--roi" : "--clip")});
+  }
   plan.transfer_range = flags.transfer_range;
   plan.unit_length = flags.unit_length;
   plan.camera = flags.view.angles();
@@ -267,8 +305,8 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
   plan.mesh_colors = flags.mesh_colors.value_or(plan.mesh_colors);
   if (plan.mesh_colors.size() > 1 && plan.mesh_colors.size() != plan.meshes.size()) {
     return refuse_usage(
-        fmt::format("--mesh-color: expected one color or one color for each mesh, found {} colors for {} meshes",
-                    plan.mesh_colors.size(), plan.meshes.size()));
+        fmt::format("--mesh-color: expected one color or one color for each mesh, found {} colors for {}",
+                    plan.mesh_colors.size(), counted(plan.meshes.size(), "mesh", "meshes")));
   }
   plan.backend = flags.backend.value_or(plan.backend);
   plan.gpu = plan_gpu(flags.device);

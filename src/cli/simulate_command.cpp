@@ -48,7 +48,8 @@ class WaterRun {
     if (plan_.format == volume_io::VolumeFileFormat::vdb) {
       TRY(volume_io::check_grid_tools(frames.front().files.front().string()));
     }
-    if (plan_.water.flow_div * plan_.water.friction < 4) {
+    // The limit is that of the conservative rule; the printed rule comes to rest with less friction.
+    if (plan_.water.rule == simulate::WaterRule::conservative && plan_.water.flow_div * plan_.water.friction < 4) {
       messages_.note(
           {NoteId::simulation_limits,
            fmt::format(

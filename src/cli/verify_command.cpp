@@ -9,6 +9,7 @@
 #include "base/byte_size.hpp"
 #include "base/counted.hpp"
 #include "base/machine.hpp"
+#include "base/number_text.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
@@ -126,8 +127,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
 std::string distance_text(const accuracy::MeshMatch& match) {
   if (match.matched == 0) return "no vertex has the same position in both";
   if (match.distance == glm::dvec3(0)) return "identical";
-  return fmt::format("largest difference {}, at {}", accuracy::point_text(match.distance),
-                     accuracy::point_text(match.farthest));
+  return fmt::format("largest difference {}, at {}", point_text(match.distance, 9), point_text(match.farthest, 9));
 }
 
 std::string match_table(const std::string& path, const NewExtraction& anew, const accuracy::MeshMatch& match) {
@@ -141,7 +141,7 @@ std::string match_table(const std::string& path, const NewExtraction& anew, cons
   counts("triangles", match.triangles.total, match.triangles.only, "");
   counts("vertices", match.vertices, match.vertices_only, " positions");
   lines.add("positions", distance_text(match));
-  lines.add("allowed", accuracy::point_text(match.allowed));
+  lines.add("allowed", point_text(match.allowed, 9));
   const bool same =
       match.vertices_only == std::array<std::uint64_t, 2>{} && match.triangles.only == std::array<std::uint64_t, 2>{};
   lines.add("same", same ? "yes" : "no");
@@ -214,10 +214,13 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
                               *plan.mesh)});
     }
     if (record) {
-      const std::string text = convert::placement_text(*record);
-      notes.note({NoteId::placement_differs,
-                  fmt::format("{}: the file states its own placement, and verify places the surface accordingly: {}",
-                              *plan.mesh, text.empty() ? "world coordinates" : text)});
+      const bool in_voxels = record->placement.space == convert::Space::index;
+      if (in_voxels || record->output_from_world() != convert::default_placement(file->y_up).output_from_world()) {
+        const std::string text = convert::placement_text(*record);
+        notes.note({NoteId::placement_differs,
+                    fmt::format("{}: the file states its own placement, and verify places the surface accordingly: {}",
+                                *plan.mesh, text.empty() ? "world coordinates" : text)});
+      }
       placed.job.source.placement = record->placement;
     }
     convert::Outcome outcome;

@@ -260,8 +260,26 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   return attribute;
 }
 
+// Returns whether a setting reads the input only: there is none like it for the file of an attribute.
+bool is_of_input(const Step& step) {
+  constexpr std::array kOfInput{Setting::particle_method, Setting::height_field, Setting::even_spacing, Setting::level,
+                                Setting::input_format};
+  return std::ranges::find(kOfInput, step.setting) != kOfInput.end();
+}
+
+// Says what the attribute can be read from.
+std::string fitting_volume(const AttributeChoice& choice, const field::ScalarField& input) {
+  std::string text = fmt::format("give the attribute '{}' the file of a volume", printable(choice.name));
+  if (const auto* dense = std::get_if<field::DenseSamples>(&input.samples)) {
+    text += fmt::format(", such as one with the {} x {} x {} samples of {} along x, y and z", dense->dims.x,
+                        dense->dims.y, dense->dims.z, input.source);
+  }
+  return text;
+}
+
 // Rewords hints about options of the input as hints about the settings of an attribute, which are different ones.
-Hint hint_of_attribute(Hint hint) {
+Hint hint_of_attribute(Hint hint, const AttributeChoice& choice, const field::ScalarField& input) {
+  if (std::erase_if(hint.steps, is_of_input) > 0) hint.steps.emplace_back(fitting_volume(choice, input));
   for (Step& step : hint.steps) {
     switch (step.setting) {
       case Setting::grid:
@@ -306,7 +324,7 @@ Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options, co
     }
     Error& error = attribute.error();
     error.message = fmt::format("the attribute '{}': {}", printable(choice.name), error.message);
-    error.hint = hint_of_attribute(std::move(error.hint));
+    error.hint = hint_of_attribute(std::move(error.hint), choice, input);
     const AttributeLocation place = attribute_location(choice);
     const bool is_missing = lacks_file(place.file) || lacks_grid(options, place, context);
     if (!is_missing || !(allow_missing || choice.optional)) return tl::unexpected(std::move(error));

@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "base/counted.hpp"
+#include "base/number_text.hpp"
 #include "base/parallel.hpp"
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
@@ -39,10 +40,10 @@ constexpr std::uint8_t kChosenBit = 0x80;  // a mask that gets a mesh has it
 // Returns "20 x 16 x 12 samples, steps (1, 0, 0), (0, 1, 0) and (0, 0, 1), first sample at (0, 0, 0)".
 std::string grid_text(const field::ScalarField& field) {
   const glm::i64vec3 dims = field.extents().dims();
-  const auto text = [](const glm::dvec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); };
   const glm::dmat3& steps = field.index_to_world.linear;
   return fmt::format("{} x {} x {} samples, steps {}, {} and {}, first sample at {}", dims.x, dims.y, dims.z,
-                     text(steps[0]), text(steps[1]), text(steps[2]), text(field.index_to_world.offset));
+                     point_text(steps[0]), point_text(steps[1]), point_text(steps[2]),
+                     point_text(field.index_to_world.offset));
 }
 
 // Returns whether all samples of two fields lie at the same positions, up to the rounding of files.

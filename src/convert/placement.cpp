@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/ascii.hpp"
+#include "base/number_text.hpp"
 #include "base/printable.hpp"
 #include "convert/field_label.hpp"
 
@@ -303,8 +304,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
 }
 
 std::string box_text(const field::Box& box) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g}) .. ({:.6g}, {:.6g}, {:.6g})", box.min.x, box.min.y, box.min.z, box.max.x,
-                     box.max.y, box.max.z);
+  return fmt::format("{} .. {}", point_text(box.min), point_text(box.max));
 }
 
 }  // namespace isoextract::convert

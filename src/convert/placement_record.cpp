@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/finite.hpp"
+#include "base/number_text.hpp"
 #include "base/parallel.hpp"
 #include "convert/json_values.hpp"
 
@@ -199,10 +200,7 @@ std::string placement_text(const ResolvedPlacement& resolved) {
     if (placement.scale != 1) parts.push_back(fmt::format("scaled by {}", placement.scale));
     if (!placement.unit.empty()) parts.push_back(fmt::format("in {}", placement.unit));
   }
-  if (placement.center) {
-    const glm::dvec3& by = resolved.moved_by;
-    parts.push_back(fmt::format("moved by ({:.12g}, {:.12g}, {:.12g})", by.x, by.y, by.z));
-  }
+  if (resolved.moved_by != glm::dvec3(0)) parts.push_back("moved by " + point_text(resolved.moved_by, 12));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/finite.hpp"
+#include "base/number_text.hpp"
 #include "field/blur.hpp"
 
 namespace isoextract::convert {
@@ -69,12 +70,11 @@ Result<void> unwrap(points::ParticleSet& particles) {
       if (crossings == 0) continue;
       // Particles in the box can have moved a little out of it since the simulation last wrapped them.
       if (!(std::abs(fraction[k] - 0.5) < 1)) {
-        return fail(
-            ErrorCode::input,
-            fmt::format("{}: expected positions in the box to unwrap, found particle {} outside of it at "
-                        "({:.6g}, {:.6g}, {:.6g}) with the image flag {} = {}: the file has unwrapped positions",
-                        particles.label, i, p.x, p.y, p.z, kImageFlags[edge], crossings),
-            {Remedy::leave_out, Setting::unwrapping});
+        return fail(ErrorCode::input,
+                    fmt::format("{}: expected positions in the box to unwrap, found particle {} outside of it at "
+                                "{} with the image flag {} = {}: the file has unwrapped positions",
+                                particles.label, i, point_text(p), kImageFlags[edge], crossings),
+                    {Remedy::leave_out, Setting::unwrapping});
       }
       p += crossings * box.edges[k];
     }

@@ -193,9 +193,10 @@ std::vector<CountedValue> count_values(const ScalarField& field, const Range& ra
 double interpolate(double min, double max, double position) { return min * (1 - position) + max * position; }
 
 void describe(const Range& range, const Histogram& histogram, FieldStatistics& statistics) {
-  statistics.min = range.min;
-  statistics.max = range.max;
-  statistics.mean = interpolate(range.min, range.max, histogram.position_sum / static_cast<double>(range.finite));
+  statistics.min = range.min + 0.0;  // -0 is 0
+  statistics.max = range.max + 0.0;
+  statistics.mean =
+      interpolate(statistics.min, statistics.max, histogram.position_sum / static_cast<double>(range.finite));
   statistics.histogram.assign(histogram.bins.begin(), histogram.bins.end());
 }
 

@@ -18,6 +18,7 @@
 #include "base/allocation_error.hpp"
 #include "base/checked.hpp"
 #include "base/hash.hpp"
+#include "base/number_text.hpp"
 #include "mesh/local_origin.hpp"
 #include "mesh_io/detail/json_tree.hpp"
 #include "mesh_io/detail/placement_entry.hpp"
@@ -139,10 +140,8 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
   const glm::dvec3 shift = surface.origin ? glm::dvec3(0) : mesh.origin;
   const glm::dvec3 farthest = glm::max(glm::abs(low - shift), glm::abs(high - shift));
   if (!(std::max({farthest.x, farthest.y, farthest.z}) <= static_cast<double>(std::numeric_limits<float>::max()))) {
-    throw DamagedMesh(fmt::format(
-        "the coordinates extend from ({:.9g}, {:.9g}, {:.9g}) to ({:.9g}, {:.9g}, {:.9g}), too far from the "
-        "mesh's origin for float32",
-        low.x, low.y, low.z, high.x, high.y, high.z));
+    throw DamagedMesh(fmt::format("the coordinates extend from {} to {}, too far from the mesh's origin for float32",
+                                  point_text(low, 9), point_text(high, 9)));
   }
   std::transform(surface.positions.begin(), surface.positions.end(), mesh.positions.begin(),
                  [&](const glm::dvec3& p) { return glm::vec3(p - shift); });

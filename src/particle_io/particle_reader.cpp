@@ -105,7 +105,9 @@ auto with_input(const std::string& input, const ParticleReadOptions& options, co
   try {
     const std::string path = must(plugin_host::unpacked_input(input, plugin_host::GzipFiles::keep, context));
     std::error_code none;
-    if (path != input && std::filesystem::is_directory(path, none)) throw Refused{plugin_host::not_one_input(input)};
+    if (path != input && std::filesystem::is_directory(path, none)) {
+      throw Refused{plugin_host::not_one_input(input, path, has_particle_extension)};
+    }
     const auto file = must(files::InputFile::open(path, context));
     return work(file);
   } catch (const Refused& refused) {

@@ -34,6 +34,9 @@ constexpr auto words_of(ParticleFileFormat /*type*/) {
   return format == ParticleFileFormat::xyz || format == ParticleFileFormat::bgeo;
 }
 [[nodiscard]] constexpr bool stores_box(ParticleFileFormat format) { return format == ParticleFileFormat::xyz; }
+// Returns whether y is the up axis of the program that the format belongs to; the other formats have no up axis.
+// write_particles() turns nothing.
+[[nodiscard]] constexpr bool is_y_up(ParticleFileFormat format) { return format == ParticleFileFormat::bgeo; }
 
 // Changes particles so that write_particles() can write them in the format. Renames attributes and words whose names
 // write_particles() refuses. Removes words if stores_words() is false, if they are ParticleWords::too_many, and for XYZ

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -13,8 +14,11 @@
 
 #include "base/ascii.hpp"
 #include "base/checked.hpp"
+#include "base/counted.hpp"
+#include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "files/file_start.hpp"
+#include "files/natural_order.hpp"
 #include "files/unpacked_files.hpp"
 #include "plugin_host/plugin_kinds.hpp"
 #include "plugin_host/plugin_samples.hpp"
@@ -23,6 +27,7 @@
 namespace isoextract::plugin_host {
 namespace {
 
+namespace fs = std::filesystem;
 using namespace std::string_view_literals;
 
 constexpr const char* kArchivePlugin = "archive";
@@ -96,6 +101,39 @@ Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFil
   return files::UnpackedFiles::make(file.path(), members, content, as_file, context);
 }
 
+// Returns the names of the files in the folder for which is_wanted() is true, relative to it, in natural order.
+std::vector<std::string> files_in(const fs::path& folder, const std::function<bool(const fs::path&)>& is_wanted) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    std::error_code none;
+    if (!at->is_regular_file(none) || !is_wanted(at->path())) continue;
+    names.push_back(at->path().lexically_relative(folder).string());
+  }
+  std::ranges::sort(names, files::NaturalLess());
+  return names;
+}
+
+// Returns "a.npy, b.npy, c.npy and 4 more".
+std::string first_names(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 3;
+  std::string text;
+  for (const std::string& name : names | std::views::take(kMost)) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", printable(name, 100));
+  }
+  return names.size() > kMost ? fmt::format("{} and {} more", text, names.size() - kMost) : text;
+}
+
+// Returns " with 'unzip two.zip'"; nothing for standard input and for names that a shell would not take as they are.
+std::string unpack_command(const fs::path& archive) {
+  const std::string path = archive.string();
+  const auto is_plain = [](char c) {
+    return is_digit(c) || is_letter(c) || "._-+/"sv.find(c) != std::string_view::npos;
+  };
+  if (files::is_standard_input(archive) || !std::ranges::all_of(path, is_plain) || path.starts_with('-')) return "";
+  return fmt::format(" with '{} {}'", to_lower(path).ends_with(".zip") ? "unzip" : "tar -xf", path);
+}
+
 }  // namespace
 
 Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, const Context& context) {
@@ -117,12 +155,17 @@ Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, con
   return unpacked->path().string();
 }
 
-Error not_one_input(const std::string& input) {
-  return {ErrorCode::input,
-          fmt::format("{}: expected the files of one input in the archive, such as the slices of a volume, found no "
-                      "input or several",
-                      files::input_label(input)),
-          "unpack the archive, then list its files, or give their folder"};
+Error not_one_input(const std::string& input, const fs::path& folder,
+                    const std::function<bool(const fs::path&)>& is_input) {
+  const std::vector<std::string> inputs = files_in(folder, is_input);
+  const std::vector<std::string> all = inputs.empty() ? files_in(folder, [](const fs::path&) { return true; }) : inputs;
+  const std::string found = inputs.empty() ? "none among " + counted(all.size(), "file") : counted(all.size(), "input");
+  return {
+      ErrorCode::input,
+      fmt::format("{}: expected the files of one input in the archive, such as the slices of a volume, found {}: {}",
+                  files::input_label(input), found, first_names(all)),
+      fmt::format("unpack the archive{}, then give one of its files, or the folder of one input",
+                  unpack_command(files::packed_source(folder)))};
 }
 
 }  // namespace isoextract::plugin_host

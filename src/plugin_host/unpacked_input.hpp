@@ -3,6 +3,8 @@
 // reader reads them.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <string>
 
 #include "base/context.hpp"
@@ -23,7 +25,9 @@ enum class GzipFiles { keep, unpack };
 // files::UnpackedFiles::make() does.
 [[nodiscard]] Result<std::string> unpacked_input(const std::string& input, GzipFiles gzip, const Context& context);
 
-// Returns the error for an archive whose folder of unpacked files is not one input. `input` starts the message.
-[[nodiscard]] Error not_one_input(const std::string& input);
+// Returns the error for an archive whose folder of unpacked files is not one input. `input` starts the message, which
+// names files of the folder: those of which is_input() is true, or all if there is none.
+[[nodiscard]] Error not_one_input(const std::string& input, const std::filesystem::path& folder,
+                                  const std::function<bool(const std::filesystem::path&)>& is_input);
 
 }  // namespace isoextract::plugin_host

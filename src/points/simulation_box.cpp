@@ -2,19 +2,16 @@
 
 #include <fmt/format.h>
 
+#include "base/number_text.hpp"
+
 namespace isoextract::points {
-namespace {
-
-std::string vector_text(const glm::dvec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); }
-
-}  // namespace
 
 std::string box_text(const SimulationBox& box) {
   if (box.is_upright()) {
-    return fmt::format("{} .. {}", vector_text(box.origin), vector_text(box.world_from_fractions()(glm::dvec3(1))));
+    return fmt::format("{} .. {}", point_text(box.origin), point_text(box.world_from_fractions()(glm::dvec3(1))));
   }
-  return fmt::format("origin {}, edges a {}, b {}, c {}", vector_text(box.origin), vector_text(box.edges[0]),
-                     vector_text(box.edges[1]), vector_text(box.edges[2]));
+  return fmt::format("origin {}, edges a {}, b {}, c {}", point_text(box.origin), point_text(box.edges[0]),
+                     point_text(box.edges[1]), point_text(box.edges[2]));
 }
 
 std::string periodic_text(const SimulationBox& box) {

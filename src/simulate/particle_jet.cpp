@@ -201,7 +201,10 @@ Result<void> ParticleJet::advance(const Context& context) {
   return {};
 }
 
-Result<points::ParticleSet> ParticleJet::particles(const Context& context) const {
+Result<points::ParticleSet> ParticleJet::particles(const Context& context, JetUp up) const {
+  const auto turned = [up](const glm::dvec3& v) {
+    return up == JetUp::y ? glm::dvec3(v.x, v.z, 0 - v.y) : v;
+  };  // no -0
   const State& s = *state_;
   const std::size_t count = s.fluid.size();
   const std::string label = fmt::format("frame {} of the jet", s.figures.frames);
@@ -216,10 +219,10 @@ Result<points::ParticleSet> ParticleJet::particles(const Context& context) const
   for_each_range(count, 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i != end; ++i) {
       const std::uint32_t number = s.fluid.numbers()[i];
-      set.positions[number] = s.fluid.places()[i];
+      set.positions[number] = turned(s.fluid.places()[i]);
+      const glm::dvec3 velocity = turned(s.fluid.velocities()[i]);
       for (int axis = 0; axis < 3; ++axis) {
-        set.attributes[0].values[3 * number + static_cast<std::size_t>(axis)] =
-            static_cast<float>(s.fluid.velocities()[i][axis]);
+        set.attributes[0].values[3 * number + static_cast<std::size_t>(axis)] = static_cast<float>(velocity[axis]);
       }
       set.attributes[1].values[number] = static_cast<float>(now - s.nozzle.emission_time(number));
       set.attributes[2].values[number] = static_cast<float>(number);

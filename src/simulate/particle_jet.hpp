@@ -53,6 +53,11 @@ struct JetFigures {
   std::uint64_t slowed_down = 0;     // how often a particle was slowed to the top speed
 };
 
+enum class JetUp {
+  z,
+  y,  // (x, y, z) of the tank becomes (x, z, -y)
+};
+
 class ParticleJet {
  public:
   // Fails with ErrorCode::usage for options that are not finite or out of range, and for a tank too small for nozzle or
@@ -70,8 +75,9 @@ class ParticleJet {
   [[nodiscard]] Result<void> advance(const Context& context);
 
   // Returns the particles in the tank, in the order in which they left the nozzle. Attributes: `velocity` (3
-  // components), `age` (since it left the nozzle), `id` (0 for the first particle). Fails as Context::reserve() does.
-  [[nodiscard]] Result<points::ParticleSet> particles(const Context& context) const;
+  // components), `age` (since it left the nozzle), `id` (0 for the first particle). `up` is the up axis of the
+  // returned positions and velocities. Fails as Context::reserve() does.
+  [[nodiscard]] Result<points::ParticleSet> particles(const Context& context, JetUp up = JetUp::z) const;
 
   // Returns the particle radius in use: JetOptions::radius or its default.
   [[nodiscard]] double radius() const;

@@ -397,6 +397,16 @@ class MissingTest(FilesTest):
                           "bad.npy")
         self.assert_fails(1, self.run_program("a_2.npz", "--grid", "d", "--iso", "0.5", "--attribute", "a=T?", "-o", "o.ply"), "a?=T")
 
+    def test_a_flat_array_gets_the_hint_of_its_attribute(self):
+        """Not the options that read the main input as particles or terrain."""
+        self.archive("v.npz", d=ball)
+        self.write("flat.npy", npy(lambda i, j, k: i, (DIMS[0], DIMS[1], 1)).replace(b"(1, ", b"(   "))
+        run = self.run_program("v.npz", "--grid", "d", "--iso", "0.5", "--attribute", "heat=flat.npy", "-o", "o.ply")
+        self.assert_fails(2, run, "the attribute 'heat': flat.npy: expected an array with 3 axes", "give the attribute 'heat' the file "
+                          "of a volume, such as one with the {} x {} x {} samples of v.npz".format(*DIMS))
+        self.assertNotIn("--particles", run.err)
+        self.assertNotIn("--heightfield", run.err)
+
     def test_grids_of_axes_are_one_vector(self):
         """As volumes of Houdini that were not merged: vel.x, vel.y and vel.z."""
         for names in (("vel.x", "vel.y", "vel.z"), ("vel_X", "vel_Y", "vel_Z"), ("velx", "vely", "velz")):

@@ -210,7 +210,16 @@ class ArchiveTest(CompressedTest):
         self.archive("out.zip", {"../a.nrrd": nrrd()})
         self.refused(2, "out.zip", said="expected relative file names inside the archive's folder, found '../a.nrrd'")
         self.archive("two.zip", {"a.nrrd": nrrd(), "b.nrrd": nrrd()})
-        self.refused(2, "two.zip", said="two.zip: expected the files of one input in the archive")
+        self.refused(2, "two.zip", said="two.zip: expected the files of one input in the archive, such as the slices of a volume, "
+                                        "found 2 inputs: a.nrrd, b.nrrd\n  hint: unpack the archive with 'unzip two.zip', then")
+        self.archive("five.tar", {f"in/d{k}/a.nrrd": nrrd() for k in (1, 2, 3, 10, 20)})
+        self.refused(2, "five.tar", said="found 5 inputs: d1/a.nrrd, d2/a.nrrd, d3/a.nrrd and 2 more\n  hint: unpack the archive "
+                                         "with 'tar -xf five.tar', then")
+        self.archive("none.zip", {"a.txt": b"x", "b.txt": b"y"})
+        self.refused(2, "none.zip", said="found none among 2 files: a.txt, b.txt\n")
+        self.archive("tables.zip", {"a.csv": b"x,y,z\n1,2,3\n", "b.csv": b"x,y,z\n1,2,3\n"})
+        run = self.run_program("tables.zip", "--particles", "sph", "-o", "no.ply", env=self.environment)
+        self.assert_fails(2, run, "found 2 inputs: a.csv, b.csv")
         run = self.run_program("two.zip", "--masks", "-o", "no.glb", env=self.environment)
         self.assert_fails(2, run, "two.zip: expected the files of one input in the archive", "unpack the archive")
         self.archive("none.tar", {"empty": b""})

@@ -77,7 +77,8 @@ class MasksTest(ProgramTest):
         self.assertEqual(list(meshes), ["kidney_left", "kidney_right"])
         self.assert_is_mask(meshes["kidney_left"], self.left)
         self.assert_is_mask(meshes["kidney_right"], self.right)
-        self.assertIn("note[other-files]: seg: the program skips 1 file that lacks", run.err)
+        self.assertIn("note[other-files]: seg: the program takes 2 volume files (such as kidney_left.nii.gz) and skips 1 other "
+                      "file (statistics.json)", run.err)
         self.assertNotIn("overlap", run.err)
 
     def test_the_default_name_is_that_of_the_folder(self):

@@ -1,6 +1,7 @@
 """Notes with their ids: what hides them, where they are kept, and what is suggested for a misspelled name."""
 
 import json
+import math
 import re
 
 from support import SPHERE, ProgramTest, main
@@ -59,6 +60,18 @@ class NotesTest(ProgramTest):
         self.assertGreater(attribute["not_finite"], 0)
         self.assertLess(attribute["not_finite"], attribute["vertices"])
         self.assertIn("note[nan-attribute]: ", run.err)
+
+    def test_nan_samples_stay_nan(self):
+        """The note counts them; without NaN samples there is none."""
+        for name, lost in (("full.raw", ()), ("holes.raw", ((1, 1, 1), (2, 1, 1)))):
+            self.write_raw(name, (4, 4, 4), lambda x, y, z, lost=lost: math.nan if (x, y, z) in lost else x)
+        read = ("--dims", "4,4,4", "--dtype", "f32", "-o", "out.nrrd")
+        for options in (("--nan", "outside"), ("--nodata", "3")):
+            run = self.convert("holes.raw", *read, *options)
+            self.assertIn(f"note[nan-samples]: holes.raw: {2 if options[0] == '--nan' else 18} of 64 samples stay NaN in the file", run.err)
+        self.assertNotIn("nan-samples", self.convert("full.raw", *read, "--nan", "outside").err)
+        self.assertNotIn("nan-samples", self.convert("full.raw", *read, "--nodata", "77").err)
+        self.assertNotIn("nan-samples", self.convert("holes.raw", *read).err)
 
     def test_report_goes_into_the_folder_that_the_run_makes(self):
         self.convert(SPHERE, "--iso", "0", "-o", "new/", "--report", "new/r.json")

@@ -59,12 +59,27 @@ class WrittenParticlesTest(ProgramTest):
     def test_houdini_geometry_reads_back(self):
         self.jet("a_{}.ply")
         self.jet("a_{}.bgeo")
+        rows = {}
         for name in ("ply", "bgeo"):
-            self.convert(f"a_6.{name}", "--radius", "0.9", "-o", f"{name}.obj", "--up", "z")
-        self.assertEqual((self.folder / "ply.obj").read_bytes(), (self.folder / "bgeo.obj").read_bytes())
+            self.convert(f"a_6.{name}", "-o", f"{name}.xyz")
+            text = (self.folder / f"{name}.xyz").read_text()
+            rows[name] = [[float(word) for word in line.split()] for line in text.splitlines()[2:]]
+        # y is up in Houdini, z in the tank.
+        turned = [[x, z, -y, u, w, -v, *rest] for x, y, z, u, v, w, *rest in rows["ply"]]
+        self.assertGreater(len(turned), 100)
+        self.assertEqual(turned, rows["bgeo"])
         about = [json.loads(self.convert("info", f"a_6.{name}", "--json").text)[0]["particles"] for name in ("ply", "bgeo")]
         self.assertEqual(about[0]["count"], about[1]["count"])
         self.assertEqual(sorted(a["name"] for a in about[0]["attributes"]), sorted(a["name"] for a in about[1]["attributes"]))
+
+    def test_houdini_geometry_stands_upright(self):
+        """info and the printed command name the up axis that the file has."""
+        run = self.convert("simulate", "jet", "--frames", "2", "--count", "300", "--radius", "0.9", "-o", "a_{}.bgeo")
+        self.assertIn("convert with: isoextract 'a_{}.bgeo' --up y --particles weight --iso ", run.err)
+        self.assertRegex(self.convert("info", "a_2.bgeo").text, r"\n  isoextract a_2\.bgeo --up y --iso ")
+        # The nozzle is three quarters up: 15 above the center of a tank of height 60.
+        low, high = (json.loads(self.convert("info", "a_2.bgeo", "--json").text)[0]["particles"]["bounds"][key] for key in ("min", "max"))
+        self.assertTrue(9 < low[1] < high[1] < 21, (low, high))
 
     @unittest.skipUnless(HAS_VTK, "the plug-in around VTK was not built")
     def test_unstructured_grids_read_back(self):

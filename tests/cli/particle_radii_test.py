@@ -33,6 +33,7 @@ class ParticleRadiiTest(ProgramTest):
             self.assertFalse(report["particles"]["radius_suggested"])
             self.assertIn(f"each particle has its own radius ('{attribute}'); the median radius is 0.125", run.err)
             self.assertIn("of radius 0.125, the median of their radii", run.err)
+            self.assertEqual(self.convert("info", "two.csv").err.count("each particle has its own radius"), 1)
         # One radius for all: the coarse block falls apart.
         report, run = self.report("two.csv", "--radius", "0.125")
         self.assertIsNone(report["particles"]["radius_attribute"])

@@ -4,7 +4,7 @@ corners lie half a voxel from that sample: every coordinate can be computed by h
 import math
 import struct
 
-from support import ProgramTest, main, read_glb, read_obj, read_ply, read_stl
+from support import SPHERE, ProgramTest, main, read_glb, read_obj, read_ply, read_stl
 
 DIMS = (3, 4, 5)
 SPIKE = (1, 2, 3)
@@ -193,6 +193,32 @@ class PlacementTest(ProgramTest):
         self.assertIn("note[", run.err)
         self.assertIn("oblique", run.err)
         self.assertEqual((self.folder / "roi.obj").read_bytes(), (self.folder / "out.obj").read_bytes())
+
+
+class ZeroTest(ProgramTest):
+    def test_a_surface_that_is_centered_already_is_not_moved(self):
+        for name in ("a.ply", "a.glb"):
+            run = self.convert(SPHERE, "--iso", "0", "--center", "-o", name)
+            self.assertNotIn("moved by", run.err)
+            self.assertNotIn("note[placement-differs]", self.convert("verify", SPHERE, name, "--iso", "0").err)
+            self.assertNotIn("moved by", self.convert(name, "--center", "-o", "b.ply").err)
+        self.assertNotIn("moved by", self.convert("compare", "a.ply", "a.glb").text)
+        self.convert(SPHERE, "--iso", "0", "--scale", "2", "-o", "c.ply")
+        self.assertIn("note[placement-differs]: c.ply: ", self.convert("verify", SPHERE, "c.ply", "--iso", "0").err)
+
+    def test_no_figure_is_negative_zero(self):
+        rows = "".join(f"{-1.0 * x},{-1.0 * y},{-1.0 * z},{-1.0 * x}\n" for x in range(3) for y in range(3) for z in range(3))
+        self.assertIn("-0.0,", rows)
+        (self.folder / "p.csv").write_text("x,y,z,heat\n" + rows)
+        self.write_raw("v.raw", (4, 4, 4), lambda x, y, z: -0.0 if x < 2 else 1.0)
+        (self.folder / "v.nhdr").write_text("NRRD0004\ntype: float\ndimension: 3\nspace: LPS\nsizes: 4 4 4\nendian: little\n"
+                                            "space directions: (-1,0,0) (0,-1,0) (0,0,1)\nspace origin: (-0,-0,-0)\n"
+                                            "encoding: raw\ndata file: v.raw\n\n")
+        texts = [self.convert("info", name).text for name in ("p.csv", "v.nhdr")]
+        texts.append(self.convert("p.csv", "--center", "--radius", "1", "-o", "a.ply").err)
+        texts.append(self.convert("demo:sphere", "--iso", "0", "--center", "-o", "a.glb").err)
+        for text in texts:
+            self.assertNotRegex(text, r"(?m)-0(?![\w.])", text)
 
 
 if __name__ == "__main__":

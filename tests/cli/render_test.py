@@ -363,6 +363,15 @@ class RenderTest(ProgramTest):
             ((SPHERE, "--frames", "3", "-o", "a.png"), 1, "a.png"),
             ((SPHERE, "--frames", "3", "-o", "-"), 1, "render writes several pictures to files"),
             ((SPHERE, "--frames", "1-5"), 1, "expected the number of pictures for one turn of the camera"),
+            ((SPHERE, "--frames", "3", "-o", "a_{stem}.png"), 1, "with {} or {:04} in it, the number of the picture\n"),
+            ((SPHERE, "demo:gyroid", "-o", "a.png"), 1, "with {}, {:04} or {stem} in it, the number of the frame"),
+            ((SPHERE, "-o", "a_{iso}.png"), 1, "-o a_{iso}.png: a picture shows all surfaces, not one\n  hint: leave {iso} out"),
+            ((SPHERE, "--iso", "0", "-o", "a_{label}.png"), 1, "leave {label} out"),
+            ((SPHERE, "--clip", "1,0,0,0"), 1, "--clip applies to surfaces of a volume and needs --iso or --labels"),
+            ((SPHERE, "--mesh-color", "ff0000"), 1, "--mesh-color applies to meshes that are inputs"),
+            ((SPHERE, "--iso", "0", "--tf", "none", "--samples", "2"), 1, "--samples applies to the drawn volume"),
+            (("a.ply", "--no-skipping"), 1, "--no-skipping applies to the drawn volume"),
+            (("a.ply", "--mesh-color", "ff0000,00ff00"), 1, "found 2 colors for 1 mesh\n"),
             ((SPHERE, "--background", "blue"), 1, "expected none, black, white or a color as RRGGBB"),
             ((SPHERE, "--antialias", "5"), 1, "--antialias: expected a whole number from 1 to 4, found '5'"),
             ((SPHERE, "--labels", "1", "--iso", "0"), 1, "--labels and --iso exclude each other"),
@@ -379,6 +388,13 @@ class RenderTest(ProgramTest):
         ):
             self.assert_fails(code, self.run_program("render", *arguments), part)
             self.assertEqual(self.files(), [], arguments)
+
+    def test_hints_fit_the_input(self):
+        run = self.run_program("render", SPHERE, "--frames", "0", "-o", "a_{}.png")
+        self.assert_fails(1, run, "expected the number of pictures for one turn of the camera, 1 to 100000, found '0'")
+        self.assertNotIn("range of frames", run.err)
+        run = self.convert("render", SPHERE, *SMALL, "--iso", "0", "--clip", "1,0,0,0", "-o", "a.png")
+        self.assertIn("note[no-effect]: --clip cuts only the surfaces: render draws the whole volume", run.err)
 
     def test_a_gpu_that_is_not_there(self):
         run = self.run_program("render", SPHERE, "--backend", "gpu", "-o", "a.png", env=NO_GPU)

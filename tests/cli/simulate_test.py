@@ -137,6 +137,9 @@ class SimulateTest(ProgramTest):
         run = self.run_program(*SMALL, "--steps", 2000, "--rule", "printed", "--friction", 0, "-o", "x.npy")
         self.assert_fails(4, run, "step 2000", "of terrain plus water below 65536 cells")
         self.assertEqual(self.files(), ["w.npy"])
+        # The limit of --flow-div and --friction belongs to the conservative rule.
+        run = self.simulate(*SMALL, "--steps", 20, "--rule", "printed", "--friction", 0.5, "-o", "w.npy")
+        self.assertNotIn("come to rest", run.err)
         run = self.simulate(*SMALL, "--steps", 100, "--friction", 0, "-o", "w.npy")
         self.assertNotIn("below 0", run.err)
         self.assertIn("note[simulation-limits]: the water does not come to rest with --flow-div 6 and --friction 0", run.err)

@@ -124,6 +124,24 @@ class TerrainTest(ProgramTest):
         y = [p[1] for p in self.mesh("tif.ply").vertices]
         self.assertEqual((min(y), max(y)), (5000 - 20 * 7.5, 5000 - 20 * 0.5))
 
+    def test_info_names_the_command(self):
+        """One slice has no surface at an iso value."""
+        numpy.save(self.folder / "h.npy", numpy.arange(20, dtype="f4").reshape(4, 5))
+        Image.fromarray(numpy.arange(20, dtype="u1").reshape(4, 5)).save(self.folder / "h.png")
+        run = self.run_program("info", "h.npy")
+        self.assert_fails(2, run, "found shape (4, 5)", "make terrain of it with 'isoextract h.npy --heightfield -o h.glb'")
+        run = self.convert("info", "h.png")
+        self.assertIn("suggestion    --heightfield: terrain", run.text)
+        self.assertNotIn("--iso", run.text)
+        for line in (run.text.splitlines()[-1], "  isoextract h.npy --heightfield -o h.glb"):
+            program, *arguments = line.split()
+            self.assertEqual((program, arguments[1:]), ("isoextract", ["--heightfield", "-o", "h.glb"]))
+            self.convert(*arguments)
+        numpy.save(self.folder / "row.npy", numpy.arange(20, dtype="f4"))
+        run = self.run_program("row.npy", "--iso", "1", "-o", "o.ply")
+        self.assert_fails(2, run, "reshape the array in NumPy first")
+        self.assertNotIn("--heightfield", run.err)
+
     def test_numbered_pictures_are_frames(self):
         for k in (1, 2):
             Image.fromarray(numpy.full((4, 5), 10 * k, "u1")).save(self.folder / f"h_{k}.png")

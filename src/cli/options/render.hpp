@@ -105,8 +105,12 @@ struct RenderFlags : OptionSet {
   Value<std::vector<glm::dvec3>> mesh_colors{in(OptionGroup::output), "--mesh-color", "RRGGBB[,...]", parse_colors,
                                              "Color of meshes without vertex colors. One for all, or one for each in "
                                              "order. Default: their materials, else gray."};
-  Value<double> samples{in(OptionGroup::output), "--samples", "N", parse_samples,
-                        "Samples per shortest voxel edge on a ray (default: 1)."};
+  Value<double> samples{in(OptionGroup::output),
+                        "--samples",
+                        "N",
+                        parse_samples,
+                        "Samples per shortest voxel edge on a ray (default: 1).",
+                        About::drawn_volume};
   Value<int> antialias{in(OptionGroup::output), "--antialias", "N", parse_rays_across,
                        "Rays per pixel along each axis, 1 to 4. Default: 2 with surfaces or meshes, whose edges it "
                        "smooths; 1 for a volume alone. The time grows with N x N."};
@@ -114,7 +118,7 @@ struct RenderFlags : OptionSet {
                             fmt::format("Remaining transmittance below which a ray ends. Default: {:.6g}.",
                                         render::RenderOptions::kTermination)};
   Flag no_skipping{in(OptionGroup::output), "--no-skipping",
-                   "Sample empty space, too. The picture is the same; for measurements of speed."};
+                   "Sample empty space, too. The picture is the same; for measurements of speed.", About::drawn_volume};
   Value<std::string> json{in(OptionGroup::output), "--json", "FILE", parse_text,
                           "Write sizes, times and counts as JSON."};
   Value<convert::Backend> backend{

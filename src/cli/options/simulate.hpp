@@ -127,7 +127,8 @@ struct JetFlags : OptionSet {
                        "tenth of the tank, but at most the nozzle's radius apart."};
   Value<glm::dvec3> tank{
       in(OptionGroup::scene), "--tank", "XxYxZ", parse_sides,
-      fmt::format("Sides of the tank, z up (default: {}). One number is for all sides. The center is the origin.",
+      fmt::format("Sides of the tank, z up (default: {}). One number is for all sides. The center is the origin. In "
+                  ".bgeo files y is up, as in Houdini: (x, y, z) becomes (x, z, -y).",
                   jet_.tank.x)};
   Value<double> nozzle{in(OptionGroup::scene), "--nozzle", "R", parse_positive,
                        "Radius of the nozzle. It is in the wall at the smallest x, three quarters up. Default: a "

@@ -76,7 +76,7 @@ struct SurfaceFlags : OptionSet {
                                   "Plane that cuts the surface; keeps the side of N. N is the plane's normal: points "
                                   "with NX x + NY y + NZ z >= D stay, in the coordinates of --roi. The surface is open "
                                   "there, or closed with --cap. Several times for several planes.",
-                                  About::surface | About::edit};
+                                  About::surface | About::edit | About::drawn_surface};
   Value<glm::ivec3> resolution{
       *this, "--resolution", "NX,NY,NZ", parse_resolution,
       "Samples of the grid to extract from, along x, y and z. One number is for all axes. The grid covers the same "

@@ -84,16 +84,26 @@ std::optional<Note> missing_facts_note(const std::string& path, const field::Sca
   const field::Affine& place = field.index_to_world;
   std::string lacks;
   if (is_npy) {
+    const glm::dvec3 origin = place.offset + 0.0;  // the sum turns -0 into 0
     const glm::dvec3 spacing(place.linear[0].x, place.linear[1].y, place.linear[2].z);
     const bool is_plain = place.linear == glm::dmat3(spacing.x, 0, 0, 0, spacing.y, 0, 0, 0, spacing.z) &&
                           glm::all(glm::greaterThan(spacing, glm::dvec3(0)));
     lacks = is_plain ? fmt::format("the spacing {},{},{} and the origin {},{},{}", spacing.x, spacing.y, spacing.z,
-                                   place.offset.x, place.offset.y, place.offset.z)
+                                   origin.x, origin.y, origin.z)
                      : "the placement, which turns or mirrors the samples";
   }
   if (is_below) lacks += fmt::format("{}that inside is below the iso value", lacks.empty() ? "" : ", nor ");
   return Note{NoteId::placement_not_stored,
               fmt::format("{}: the file does not state {}", files::output_label(path), lacks)};
+}
+
+// Returns the note for NaN samples, which the file keeps whatever the NanPolicy; nullopt without such samples.
+std::optional<Note> kept_nan_note(const Source& source) {
+  const auto found = field::measure_statistics(source.field, nullptr, field::WithPercentiles::no);
+  if (found.nan == 0) return std::nullopt;
+  return Note{NoteId::nan_samples,
+              fmt::format("{}: {} of {} samples {} NaN in the file", source.label, found.nan,
+                          found.samples + found.nan + found.infinite, found.nan == 1 ? "stays" : "stay")};
 }
 
 Result<WrittenField> write_as(const std::string& path, const field::ScalarField& field, const FieldFileOptions& file,
@@ -144,8 +154,7 @@ Result<mesh_io::WrittenFile> write_field(const Source& source, const ConversionJ
                      field.scale.is_identity() ? "" : " with a scale", 8 * field::sample_size(type))});
   }
   if (!source.of_particles && job.surface.nan != extract::NanPolicy::error) {
-    events.note(
-        {NoteId::nan_samples, fmt::format("{}: NaN samples, if there are any, stay NaN in the file", source.label)});
+    if (const auto note = kept_nan_note(source)) events.note(*note);
   }
   events.end(report);
   return mesh_io::WrittenFile{output.path, written.bytes};

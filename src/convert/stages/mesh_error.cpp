@@ -8,6 +8,7 @@
 #include "accuracy/analytic_error.hpp"
 #include "accuracy/field_error.hpp"
 #include "base/counted.hpp"
+#include "base/number_text.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "volume_io/volume_reader.hpp"
@@ -88,9 +89,8 @@ std::string sizes_text(const accuracy::ErrorStatistics& error) {
 }
 
 std::string world_text(const accuracy::ErrorStatistics& error) {
-  return fmt::format("in the mesh's units rms {:.3g}, 99 % {:.3g}, max {:.3g} at ({:.6g}, {:.6g}, {:.6g})",
-                     error.rms.world, error.percentile99.world, error.max.world, error.worst.x, error.worst.y,
-                     error.worst.z);
+  return fmt::format("in the mesh's units rms {:.3g}, 99 % {:.3g}, max {:.3g} at {}", error.rms.world,
+                     error.percentile99.world, error.max.world, point_text(error.worst));
 }
 
 // Returns "3 beside samples that are not finite, 1 beyond the outermost samples".

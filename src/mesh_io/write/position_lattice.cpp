@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/number_text.hpp"
 #include "base/parallel.hpp"
 
 namespace isoextract::mesh_io {
@@ -103,9 +104,8 @@ Result<LatticePositions> round_to_lattice(const mesh::Mesh& mesh, const Position
     const glm::dvec3 low = lattice.first * lattice.step;
     const glm::dvec3 high = low + last * lattice.step;
     return fail(ErrorCode::output,
-                fmt::format("expected vertices in the quantization box ({:.9g}, {:.9g}, {:.9g}) .. ({:.9g}, {:.9g}, "
-                            "{:.9g}), found vertices outside",
-                            low.x, low.y, low.z, high.x, high.y, high.z));
+                fmt::format("expected vertices in the quantization box {} .. {}, found vertices outside",
+                            point_text(low, 9), point_text(high, 9)));
   }
   result.facts = {lattice.bits, lattice.step, moved.axis, std::sqrt(moved.squared)};
   result.flattened_triangles = reduce_ranges(

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/finite.hpp"
+#include "base/number_text.hpp"
 
 namespace isoextract::points {
 namespace {
@@ -65,9 +66,9 @@ Result<ParticleImages> with_images(std::span<const glm::dvec3> positions, const 
     const glm::dvec3 index = box.wrapped_index(p);
     if (!(std::max({std::abs(index.x), std::abs(index.y), std::abs(index.z)}) < field::kMaxSparseIndex / 2.0)) {
       return fail(ErrorCode::input,
-                  fmt::format("{}: a particle at ({:.6g}, {:.6g}, {:.6g}) is more than {} samples away from the "
+                  fmt::format("{}: a particle at {} is more than {} samples away from the "
                               "origin of the periodic box",
-                              label, p.x, p.y, p.z, field::kMaxSparseIndex / 2),
+                              label, point_text(p), field::kMaxSparseIndex / 2),
                   {{Remedy::set, Setting::selection, "CONDITION to leave stray particles out"},
                    {Remedy::raise, Setting::cell_size}});
     }

@@ -68,7 +68,11 @@ Result<field::Affine> placement_of_file(field::ScalarField& field, const Frame& 
 
 Result<void> set_placement(field::ScalarField& field, const Frame& frame, const ReadOptions& options) {
   const bool beside = !frame.stated && options.beside;
-  if (!beside) field.notes.insert(field.notes.end(), frame.assumed.begin(), frame.assumed.end());
+  const auto tell = [&](const Notes& assumed) {
+    field.notes.insert(field.notes.end(), assumed.begin(), assumed.end());
+  };
+  if (!beside && !options.spacing) tell(frame.assumed_axes);
+  if (!beside && !options.origin) tell(frame.assumed_origin);
   auto placed = TRY(beside ? placement_by_reference(field, *options.beside) : placement_of_file(field, frame, options));
   const field::Affine& affine = placed;
   if (!affine.is_invertible()) {

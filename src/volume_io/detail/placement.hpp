@@ -16,7 +16,9 @@ struct Frame {
   field::Affine index_to_world;
   std::string problem;  // "axis 2 has no direction"; empty if valid
   bool stated = true;   // false: the file has no spacing and origin, and this is the format's default
-  Notes assumed = {};   // parts that the file does not state; reported if they matter
+  // Notes about assumed axes and an assumed origin; reported unless the options replace these.
+  Notes assumed_axes = {};
+  Notes assumed_origin = {};
 };
 
 // Sets the field's index_to_world from its file and the options' spacing, origin and beside; requires the field's

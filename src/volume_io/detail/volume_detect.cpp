@@ -95,16 +95,21 @@ bool is_folder(const std::string& input) {
   return !files::is_standard_input(input) && std::filesystem::is_directory(input, none);
 }
 
-// Returns the only file in an unpacked archive with a volume's extension, such as a header beside its data; the folder
-// itself if there is none or several.
+// Returns whether the name is that of a volume that needs no options; a header counts, its data file does not.
+bool has_name_of_volume(const std::filesystem::path& path) {
+  const VolumeFormat* format = format_by_extension(path);
+  return format != nullptr && !format->about().needs_layout;
+}
+
+// Returns the only file in an unpacked archive whose name is that of a volume, such as a header beside its data; the
+// folder itself if there is none or several.
 std::string only_volume_in(const std::string& folder) {
   namespace fs = std::filesystem;
   std::string found;
   std::error_code error;
   for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     std::error_code none;
-    const VolumeFormat* format = at->is_regular_file(none) ? format_by_extension(at->path()) : nullptr;
-    if (format == nullptr || format->about().needs_layout) continue;
+    if (!at->is_regular_file(none) || !has_name_of_volume(at->path())) continue;
     if (!found.empty()) return folder;
     found = at->path();
   }
@@ -116,7 +121,9 @@ Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOpti
   for (const VolumeFormat* format : volume_formats()) {
     if (format->probe_folder(input, context)) return DetectedFormat{format, {}};
   }
-  if (files::packed_source(input) != input) return tl::unexpected(plugin_host::not_one_input(input));
+  if (files::packed_source(input) != input) {
+    return tl::unexpected(plugin_host::not_one_input(input, input, has_name_of_volume));
+  }
   return fail(ErrorCode::input,
               fmt::format("{}: expected a file, or a folder of a format that isoextract reads, found a folder without "
                           "such files",

@@ -140,7 +140,7 @@ bool all_finite(const std::array<double, N>& values, std::size_t first = 0, std:
 }
 
 // Returns the placement by the standard's three methods: sform, qform, or spacings alone.
-Frame frame_of(const NiftiHeader& header, Notes& notes) {
+Frame frame_of(const NiftiHeader& header) {
   Frame frame;
   field::Affine& affine = frame.index_to_world;
   if (header.sform_code > 0) {
@@ -163,7 +163,7 @@ Frame frame_of(const NiftiHeader& header, Notes& notes) {
   }
   if (header.qform_code <= 0) {
     affine = field::scaling({header.pixdim[1], header.pixdim[2], header.pixdim[3]});
-    notes.push_back(
+    frame.assumed_axes.push_back(
         {NoteId::placement_assumed, "the header has no sform or qform: it states spacings but no orientation"});
     return frame;
   }
@@ -320,7 +320,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   }
   const bool is_color = header.datatype == NIFTI_TYPE_RGB24 || header.datatype == NIFTI_TYPE_RGBA32;
   if (!is_color) dense.scale = scale_of(header, dense.notes);  // the standard does not scale colors
-  dense.frame = frame_of(header, dense.notes);
+  dense.frame = frame_of(header);
   dense.pieces = {std::move(piece)};
   dense.length_unit = length_unit_of(header);
   return dense;

@@ -80,9 +80,10 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
     return fail(ErrorCode::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
-                kept <= 2                     ? Hint{"a volume has at least three axes",
-                                 {Remedy::use, Setting::particle_method},
-                                 {Remedy::use, Setting::height_field}}
+                kept < 2    ? Hint("a volume has at least three axes: reshape the array in NumPy first")
+                : kept == 2 ? Hint{"a volume has at least three axes",
+                                   {Remedy::use, Setting::particle_method},
+                                   {Remedy::use, Setting::height_field}}
                 : kept == 5 && !has_component ? read_as_vectors(header)
                                               : Hint("take a part with fewer axes in NumPy first, for example a[0]"));
   }

@@ -193,7 +193,7 @@ Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& ax
     } else if (!parsed.has(nrrdField_space_directions) && std::isfinite(spacing)) {
       frame.index_to_world.linear[i][i] = spacing;
     } else if (!parsed.has(nrrdField_space_directions) && !parsed.has(nrrdField_spacings)) {
-      if (i == 0) frame.assumed.push_back({NoteId::placement_assumed, kSpacingAssumed});
+      if (i == 0) frame.assumed_axes.push_back({NoteId::placement_assumed, kSpacingAssumed});
     } else {
       frame.problem = fmt::format("axis {} has no direction in space", axis);
     }
@@ -201,7 +201,8 @@ Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& ax
   if (std::isfinite(nrrd.spaceOrigin[0])) {
     frame.index_to_world.offset = {nrrd.spaceOrigin[0], nrrd.spaceOrigin[1], nrrd.spaceOrigin[2]};
   } else {
-    frame.assumed.push_back({NoteId::placement_assumed, "the header has no space origin: the reader assumes 0,0,0"});
+    frame.assumed_origin.push_back(
+        {NoteId::placement_assumed, "the header has no space origin: the reader assumes 0,0,0"});
     frame.stated = parsed.has(nrrdField_space_directions) || parsed.has(nrrdField_spacings);
   }
   return frame;
@@ -235,7 +236,7 @@ Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>
     frame.index_to_world.offset[i] = axis.min + (node ? 0 : spacing / 2);
   }
   frame.stated = any_spacing || any_min;
-  if (!any_spacing) frame.assumed.push_back({NoteId::placement_assumed, kSpacingAssumed});
+  if (!any_spacing) frame.assumed_axes.push_back({NoteId::placement_assumed, kSpacingAssumed});
   return frame;
 }
 

@@ -164,7 +164,7 @@ Result<Frame> frame_of(const Header& header, const glm::ivec3& dims) {
   if (corner) {
     frame.index_to_world.offset = *corner + axes * glm::dvec3(0.5);
   } else if (frame.stated) {
-    frame.assumed.push_back({NoteId::placement_assumed, "the header has no offset: the reader assumes 0,0,0"});
+    frame.assumed_origin.push_back({NoteId::placement_assumed, "the header has no offset: the reader assumes 0,0,0"});
   }
   return frame;
 }

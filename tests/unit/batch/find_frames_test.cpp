@@ -256,8 +256,10 @@ TEST_F(FindFrames, FindsSequenceInFolder) {
   fs::rename("d/f_9.VDB", "d/f_9.vdb");
   EXPECT_EQ(found({"d"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
   EXPECT_EQ(found({"d/"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
-  EXPECT_EQ(find({"d"})->notes,
-            (Notes{{NoteId::other_files, "d: the program skips 2 files that lack the extension of a volume format"}}));
+  EXPECT_EQ(
+      find({"d"})->notes,
+      (Notes{{NoteId::other_files,
+              "d: the program takes 3 volume files (such as f_8.vdb) and skips 2 other files (such as log.json)"}}));
   EXPECT_EQ(found({"d"}, "1-9x8"), "9=d/f_9.vdb | gaps 1");
 }
 
@@ -304,13 +306,28 @@ TEST_F(FindFrames, FindsParticlesInFolderWithoutVolumes) {
   EXPECT_EQ(found({"d"}), "1=d/drops_1.ply 2=d/drops_2.ply");
   EXPECT_EQ(
       find({"d"})->notes,
-      (Notes{{NoteId::other_files, "d: the program skips 1 file that lacks the extension of a particle format"}}));
+      (Notes{{NoteId::other_files,
+              "d: the program takes 2 particle files (such as drops_1.ply) and skips 1 other file (readme.txt)"}}));
   make({"packed/peri_0.csv.gz", "packed/peri_100.csv.gz"});
   EXPECT_EQ(found({"packed"}), "0=packed/peri_0.csv.gz 100=packed/peri_100.csv.gz");
   make({"d/smoke_7.vdb"});
   EXPECT_EQ(found({"d"}), "7=d/smoke_7.vdb");
+  EXPECT_EQ(
+      find({"d"})->notes,
+      (Notes{{NoteId::other_files,
+              "d: the program takes 1 volume file (smoke_7.vdb) and skips 3 other files (such as drops_1.ply)"}}));
+}
+
+TEST_F(FindFrames, NotesPicturesBesideVolumes) {
+  make({"d/a.npy", "d/s_1.png", "d/s_2.png", "d/s_10.png"});
+  EXPECT_EQ(found({"d"}), "1=d/a.npy");
   EXPECT_EQ(find({"d"})->notes,
-            (Notes{{NoteId::other_files, "d: the program skips 3 files that lack the extension of a volume format"}}));
+            (Notes{{NoteId::other_files,
+                    "d: the program takes 1 volume file (a.npy) and skips 3 pictures (such as s_1.png)"}}));
+  make({"d/notes.txt"});
+  EXPECT_EQ(find({"d"})->notes.front().text,
+            "d: the program takes 1 volume file (a.npy) and skips 3 pictures (such as s_1.png) and 1 other file "
+            "(notes.txt)");
 }
 
 TEST_F(FindFrames, FailsForFolderOfOtherFiles) {
@@ -322,7 +339,8 @@ TEST_F(FindFrames, FindsMeshesOfFolderWithoutVolumes) {
   make({"d/scan_1.stl", "d/scan_2.stl", "d/readme.txt"});
   EXPECT_EQ(found({"d"}), "1=d/scan_1.stl 2=d/scan_2.stl");
   EXPECT_EQ(find({"d"})->notes,
-            (Notes{{NoteId::other_files, "d: the program skips 1 file that lacks the extension of a mesh format"}}));
+            (Notes{{NoteId::other_files,
+                    "d: the program takes 2 mesh files (such as scan_1.stl) and skips 1 other file (readme.txt)"}}));
 }
 
 TEST_F(FindFrames, TreatsSingleInputAsFrame) {

@@ -113,6 +113,23 @@ TEST(ParticleJet, ReportsVelocityAgeAndId) {
   }
 }
 
+TEST(ParticleJet, TurnsPositionsAndVelocities) {
+  const ParticleJet jet = jet_after(small_jet(), 3);
+  const points::ParticleSet z_up = particles_of(jet);
+  const auto y_up = jet.particles(Context(), JetUp::y);
+  ASSERT_TRUE(y_up);
+  ASSERT_EQ(y_up->size(), z_up.size());
+  const auto& before = z_up.attributes[0].values;
+  const auto& turned = y_up->attributes[0].values;
+  for (std::size_t i = 0; i < z_up.size(); ++i) {
+    const glm::dvec3 place = z_up.positions[i];
+    EXPECT_EQ(y_up->positions[i], glm::dvec3(place.x, place.z, -place.y));
+    EXPECT_EQ(turned[3 * i], before[3 * i]);
+    EXPECT_EQ(turned[3 * i + 1], before[3 * i + 2]);
+    EXPECT_EQ(turned[3 * i + 2], -before[3 * i + 1]);
+  }
+}
+
 TEST(ParticleJet, IsIndependentOfThreads) {
   std::vector<points::ParticleSet> sets;
   for (const std::size_t threads : {1, 2, 5}) {

@@ -201,6 +201,14 @@ TEST(NiftiReaderPlace, NotesSpacingsAlone) {
   const field::ScalarField field = read_nifti(NiftiFile().pixdim({1, 2, 3, 4, 0, 0, 0, 0}).bytes + kSamples);
   expect_near(field.index_to_world({1, 1, 1}), {2, 3, 4});
   EXPECT_TRUE(has_note(field, "states spacings but no orientation"));
+  // A given spacing replaces the axes; a given origin does not.
+  const TempFolder folder;
+  write_bytes(folder / "v.nii", NiftiFile().pixdim({1, 2, 3, 4, 0, 0, 0, 0}).bytes + kSamples);
+  volume_io::ReadOptions options;
+  options.origin = glm::dvec3(1, 1, 1);
+  EXPECT_TRUE(has_note(must_read(folder / "v.nii", options), "states spacings but no orientation"));
+  options.spacing = glm::dvec3(2, 2, 2);
+  EXPECT_TRUE(must_read(folder / "v.nii", options).notes.empty());
 }
 
 TEST(NiftiReaderPlace, RequiresASpacingForInvalidFrames) {

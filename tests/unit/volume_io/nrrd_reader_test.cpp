@@ -216,6 +216,18 @@ TEST(NrrdReaderPlace, NotesAssumptions) {
   EXPECT_TRUE(has_note(only_origin, "no spacings"));
   expect_near(only_origin.index_to_world({1, 1, 1}), {2, 3, 4});
   EXPECT_TRUE(read_nrrd(nrrd("spacings: 1 1 1\n", kSamples)).notes.empty());
+  // Options that replace the assumed part leave no note.
+  const TempFolder folder;
+  volume_io::ReadOptions spacing;
+  spacing.spacing = glm::dvec3(2, 2, 2);
+  volume_io::ReadOptions origin;
+  origin.origin = glm::dvec3(1, 1, 1);
+  write_bytes(folder / "v.nrrd", nrrd("", kSamples));
+  EXPECT_FALSE(has_note(must_read(folder / "v.nrrd", spacing), "no spacings"));
+  EXPECT_TRUE(has_note(must_read(folder / "v.nrrd", origin), "no spacings"));
+  write_bytes(folder / "v.nrrd", no_origin);
+  EXPECT_TRUE(has_note(must_read(folder / "v.nrrd", spacing), "no space origin"));
+  EXPECT_FALSE(has_note(must_read(folder / "v.nrrd", origin), "no space origin"));
 }
 
 TEST(NrrdReaderPlace, RequiresASpacingForInvalidFrames) {
