@@ -34,7 +34,8 @@ OF_SURFACES = ("src/edit", "src/mesh", "src/check", "src/convert", "src/batch", 
 
 WORDS = [
     Word("piece", r"\bpieces?\b", "component, or body", r"--\w*pieces?|\{pieces?\}|`[^`]*`|\S+\.md\S*|\w+[/.]pieces\b"
-         r"|pieces? of (?!a surface|the surface|the mesh|a mesh)\w+( \w+)?|\bpiece by piece|'?pieces'|\"pieces?\"", OF_SURFACES),
+         r"|pieces? of (?!a surface|the surface|the mesh|a mesh)\w+( \w+)?|\bpiece by piece|'?pieces'|\"pieces?\""
+         r"|(^|[A-Za-z]+) ?piece (\d|\{)", OF_SURFACES),
     Word("crumb", r"\bcrumbs?\b", "small component", in_names=True),
     Word("lid", r"\blids?\b", "cap", in_names=True),
     Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their|ear's) borders?"

@@ -129,8 +129,8 @@ std::string error_plot_script(const std::vector<bench::BenchResult>& results, in
         fmt::format("$line{} using 1:2 with linespoints linecolor '{}' linewidth 2 dashtype {} pointtype {} "
                     "pointsize 0.8 title {}",
                     l, color, shape % 4 + 1, kPoints[shape % kPoints.size()], gnuplot_quoted(line.title)));
-    // Lines of one hue have the same grid sizes at the same errors, so only one line of each hue gets labels: on the
-    // left and below for the first hue, on the right and above for the second, then in turn.
+    // Lines of one hue have the same grid sizes at the same errors, so only one line of each hue gets labels. Labels of
+    // the first hue are on the left and below, those of the second on the right and above, then in turn.
     const std::size_t hue = place_of(hues, line.hue);
     const bool left = hue % 2 == 0;
     const bool first = l == 0 || lines[l - 1].hue != line.hue;

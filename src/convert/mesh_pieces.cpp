@@ -92,7 +92,7 @@ Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, con
   const std::string name = mesh.name;
   auto pieces = edit::split_into_bodies(std::move(mesh), into_files ? kMaxPieceFiles : kMostPieceMeshes, context);
   if (!pieces) return pieces;
-  for (std::size_t i = 0; i < pieces->size(); ++i) (*pieces)[i].name += fmt::format(" body {}", i + 1);
+  for (std::size_t i = 0; i < pieces->size(); ++i) (*pieces)[i].name += fmt::format(" piece {}", i + 1);
   if (pieces->empty() && !into_files) pieces->emplace_back().name = name;
   return pieces;
 }

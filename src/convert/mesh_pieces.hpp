@@ -23,7 +23,7 @@ struct Source;
 [[nodiscard]] Result<edit::OriginalPositions> voxel_sites(const mesh::Mesh& mesh, const Source& source,
                                                           const SurfaceOptions& surface, const Context& context);
 
-// Splits the mesh into its bodies, named `NAME body 1` and so on. An empty mesh gives one empty mesh, or none if
+// Splits the mesh into its bodies, named `NAME piece 1` and so on. An empty mesh gives one empty mesh, or none if
 // `into_files`. Fails as edit::split_into_bodies() does, with kMaxPieceFiles bodies as the limit if `into_files`, else
 // kMostPieceMeshes.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context);

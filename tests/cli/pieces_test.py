@@ -87,7 +87,7 @@ class PiecesTest(ProgramTest):
     def test_a_mesh_a_piece(self):
         _, report = self.balls("--split-components", output="a.glb")
         meshes = report["meshes"]
-        self.assertEqual([mesh["name"] for mesh in meshes], [f"balls body {n}" for n in (1, 2, 3)])
+        self.assertEqual([mesh["name"] for mesh in meshes], [f"balls piece {n}" for n in (1, 2, 3)])
         self.assertEqual([mesh["components"] for mesh in meshes], [2, 1, 1])
         self.assertEqual(sorted((mesh["area"] for mesh in meshes), reverse=True), [mesh["area"] for mesh in meshes])
         self.assertEqual(len(read_glb((self.folder / "a.glb").read_bytes())), 3)

@@ -217,7 +217,7 @@ struct EditFlags : OptionSet {
                                IfLeftOut{"1"}};
   Flag split{*this, "--split-components",
              "Write each body as a mesh of its own. The largest comes first, each with its cavities. They are called "
-             "'NAME body 1' and so on in one file, or {piece} in the name after -o gives each its own file.",
+             "'NAME piece 1' and so on in one file, or {piece} in the name after -o gives each its own file.",
              About::surface | About::edit};
   Value<convert::SmoothChoice> smooth{
       *this,

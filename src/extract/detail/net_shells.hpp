@@ -112,7 +112,7 @@ class ShellLinks {
  public:
   struct Link {
     NetFaces::Shells shells;
-    std::uint32_t area;  // that can move, in kAreaUnits
+    std::uint32_t area;  // the part that can move, in kAreaUnits
   };
 
   // Bytes besides the links.
