@@ -13,7 +13,7 @@
 using namespace isoextract;
 
 class Printer final : public batch::RunEvents {
-  void over(std::size_t /*frame*/, const batch::FrameRow& row, const convert::Outcome* /*outcome*/,
+  void over(std::size_t /*frame*/, const batch::FrameRow& row, convert::Outcome* /*outcome*/,
             const Error* error) override {
     const std::lock_guard lock(mutex_);  // several threads call over()
     fmt::print("frame {}: {}{}\n", row.frame, word_of(row.status), error != nullptr ? ": " + error->message : "");
