@@ -39,7 +39,8 @@ WORDS = [
     Word("crumb", r"\bcrumbs?\b", "small component", in_names=True),
     Word("lid", r"\blids?\b", "cap", in_names=True),
     Word("border", r"\bborders?\b", "data boundary, or boundary edge", r"border(-\w+)?:|border-\w+|(room's|their|ear's) borders?"
-         r"|borders? (of|between) (the |two )?labels|borders in common|(common|label|patch) borders?|borders? of a rectangle",
+         r"|borders? (of|between) (the |two )?labels|borders in common|(common|label|patch) borders?|borders? of a rectangle"
+         r"|^border vertices$",
          in_names=True),
     Word("neck", r"\bnecks?\b", "pinch point", in_names=True),
     Word("thing", r"\bthings?\b", "the name of the thing", in_names=True),

@@ -38,7 +38,7 @@ namespace isoextract::convert {
 #define ISOEXTRACT_FIGURES(NAME) \
   NAME(welded) NAME(without_area) NAME(duplicates) NAME(turned) NAME(contradictions) NAME(holes_filled) NAME(fill_triangles) NAME(holes_left) NAME(vertices_split) NAME(unused_removed) NAME(components_turned) NAME(verdict) \
   NAME(after) NAME(analytic) NAME(area) NAME(asked) NAME(asked_triangles) NAME(attribute) NAME(axis) NAME(backends) \
-  NAME(before) NAME(bits) NAME(bodies) NAME(boundary_vertices) NAME(bounds) NAME(box) NAME(bricks_inside) \
+  NAME(before) NAME(bits) NAME(bodies) NAME(border_vertices) NAME(bounds) NAME(box) NAME(bricks_inside) \
   NAME(bricks_stored) NAME(bytes_after) NAME(bytes_before) NAME(cap_triangles) NAME(cap_vertices) NAME(cavities) NAME(cavity) \
   NAME(changed) NAME(changed_components) NAME(chosen) NAME(chosen_of) NAME(closed) NAME(closed_form) NAME(component_table) NAME(components) \
   NAME(compression) NAME(corrected) NAME(coverage) NAME(cpu_seconds) NAME(creator) NAME(degrees) \

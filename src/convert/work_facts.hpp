@@ -74,7 +74,7 @@ constexpr auto words_of(WorkTopic /*type*/) {
                     Word{WorkTopic::normals, "normals"},
                     Word{WorkTopic::normal_copies, "normal_copies"},
                     Word{WorkTopic::error, "error"},
-                    Word{WorkTopic::junction_vertices, "junction_vertices"},
+                    Word{WorkTopic::junction_vertices, "border_vertices"},
                     Word{WorkTopic::caps, "caps"},
                     Word{WorkTopic::whole_mesh, "whole_mesh"}};
 }

@@ -174,7 +174,7 @@ class SmoothTest(ProgramTest):
                            "--report", "a.json")
         report = json.loads((self.folder / "a.json").read_text())
         (record,) = report["smoothings"]
-        self.assertEqual((record["method"], record["passes"], record["boundary_vertices"]), ("sinc", 20, 0))
+        self.assertEqual((record["method"], record["passes"], record["border_vertices"]), ("sinc", 20, 0))
         self.assertGreater(record["cap_vertices"], 100)
         full, smooth = (read_ply((self.folder / name).read_bytes()) for name in ("full.ply", "a.ply"))
         self.assertEqual(full.triangles, smooth.triangles)

@@ -61,7 +61,7 @@ class VoxelsTest(ProgramTest):
         report = json.loads((self.folder / "r.json").read_text())
         self.assertEqual(report["options"]["voxel_faces"], "rectangles")
         self.assertFalse(report["meshes"][0]["closed"])
-        self.assertIn("junction_vertices", [fact["what"] for fact in report["extractions"][0]["work"]])
+        self.assertIn("border_vertices", [fact["what"] for fact in report["extractions"][0]["work"]])
 
     def test_the_surface_is_closed_at_the_data_boundary(self):
         run = self.convert("demo:gyroid?size=20", "--iso", "0", *VOXELS, "-o", "g.stl")

@@ -99,7 +99,7 @@ Result<StageReport> smooth_surface(Surface& surface, const StageContext& stage) 
        {Key::pass_band, facts.mean_weight ? Value() : Value(asked.pass_band)},
        {Key::mean_weight, facts.mean_weight ? Value(*facts.mean_weight) : Value()},
        {Key::vertices, facts.vertices},
-       {Key::boundary_vertices, facts.boundary_vertices},
+       {Key::border_vertices, facts.boundary_vertices},
        {Key::cap_vertices, facts.wall_vertices},
        {Key::held_vertices, facts.held_vertices},
        {Key::greatest_move, Figures{{Key::voxels, facts.greatest_move}, {Key::world, facts.greatest_move_world}}},
