@@ -11,9 +11,11 @@
 #include "cli/field_plan.hpp"
 #include "cli/particle_file_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
-#include "files/output_file.hpp"
 #include "mesh_io/mesh_reader.hpp"
+#include "particle_io/particle_format.hpp"
+#include "volume_io/volume_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -130,18 +132,25 @@ Result<void> check_output(const ConvertFlags& flags, const std::string& name) {
   return {};
 }
 
-// Returns whether the file is a mesh; nullopt if it is missing. Opens PLY files only: the names of others tell it.
+// Returns whether the file is a mesh, mostly by its name; nullopt if the name does not tell or the file is unreadable.
 std::optional<bool> is_mesh_file(const std::string& input, const Context& context) {
   const auto format = mesh_io::mesh_format_by_path(input);
-  if (format != mesh_io::MeshFormat::ply) return format.has_value();
-  if (!files::is_there(input)) return std::nullopt;
-  return mesh_io::find_mesh_format(input, context.beside()).has_value();
+  if (format == mesh_io::MeshFormat::ply) {
+    if (mesh_io::find_mesh_format(input, context.beside())) return true;
+    // Reading a damaged file gives a better message than its kind.
+    return mesh_io::holds_mesh(input, context.beside()) ? std::optional(false) : std::nullopt;
+  }
+  if (format) return true;
+  const bool is_other = input.starts_with(field::kDemoPrefix) || volume_io::has_volume_extension(input) ||
+                        volume_io::has_picture_extension(input) || particle_io::has_particle_extension(input);
+  return is_other ? std::optional(false) : std::nullopt;
 }
 
 // Refuses meshes beside other inputs. Does not open frames with numbers in their names: they come from one program.
-// With --empty, PLY files without faces may be empty meshes.
+// With --empty, PLY files without faces may be empty meshes. With --input-format, names do not tell what files are.
 Result<void> check_kinds(const ConvertFlags& flags, const batch::Frames& found, const Context& context) {
   if (found.have_numbers || found.frames.size() < 2 || flags.empty.is_set()) return {};
+  if (flags.heightfield || flags.input.format) return {};
   const std::string* mesh = nullptr;
   const std::string* other = nullptr;
   for (const batch::Frame& frame : found.frames) {

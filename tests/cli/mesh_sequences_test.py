@@ -25,6 +25,10 @@ class MeshSequencesTest(ProgramTest):
         self.assertIn("out_b.ply", self.files())
         run = self.run_program("in/b.ply", "in/gone.ply", "-o", "gone_{stem}.ply")  # a missing file is of no kind
         self.assert_fails(5, run, "in/gone.ply: cannot read the file")
+        (self.folder / "in/torn.ply").write_bytes(b"")
+        run = self.run_program("in/b.ply", "in/torn.ply", "-o", "torn_{stem}.ply")  # so is a damaged one
+        self.assert_fails(5, run, "in/torn.ply: ")
+        self.assertIn("torn_b.ply", self.files())
 
     def test_a_sequence(self):
         for frame in (1, 2, 4):
