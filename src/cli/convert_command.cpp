@@ -439,7 +439,7 @@ class ConvertCommand final : public CommandOf<ConvertFlags> {
     apply_in_process(flags().input);
     if (!flags().batch.any_set() && !flags().heightfield && !flags().masks) name_volume_of_files(flags().input.inputs);
     auto done = is_batch(flags()) ? run_batch(flags(), arguments) : run_convert(flags(), arguments);
-    if (!done && done.error().code == ErrorCode::usage && flags().config) {
+    if (!done && exit_code_of(done.error().code) == exit_code_of(ErrorCode::usage) && flags().config) {
       done.error().message += fmt::format(" (some options come from {})", printable(*flags().config));
     }
     TRY(std::move(done));

@@ -92,6 +92,9 @@ class ConfigTest(ProgramTest):
         self.write("fps = 3\n")
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.ply", "--config", "job.toml"),
                           "--fps sets the speed", "(some options come from job.toml)")
+        self.write('unit = "file"\n')
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.ply", "--config", "job.toml"),
+                          "the file states no unit of length (some options come from job.toml)")
         self.assertEqual(self.files(), ["job.toml"])
 
     def test_a_file_that_cannot_be_read(self):
