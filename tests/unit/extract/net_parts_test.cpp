@@ -1,6 +1,7 @@
 // The parts of surface nets beside plain versions of them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -231,6 +232,40 @@ TEST(NetParts, CountsOneShellPerComponent) {
     }
     EXPECT_EQ(faces->shells(), components);
   }
+}
+
+TEST(NetParts, CountsShellsOfEachLabel) {
+  for (const int blocks : {1, 2, 5, 8}) {
+    SCOPED_TRACE(blocks);
+    const auto any_of_three = [&](int x, int y, int z) {
+      const int block = x / blocks + 100 * (y / blocks) + 10000 * (z / blocks);
+      return static_cast<int>(std::mt19937(static_cast<unsigned>(block))() % 3);
+    };
+    const field::ScalarField dense = test::dense_field<std::uint8_t>({72, 16, 16}, any_of_three);
+    for (const bool sparse : {false, true}) {
+      const field::ScalarField field = sparse ? test::sparse_copy<std::uint8_t>(dense, 0) : dense;
+      const auto found = LabelVoxels::find(field, net_options(1), {true, {}}, Context());
+      ASSERT_TRUE(found) << found.error().message;
+      const Labels meshes = nets_of(field, net_options(1));
+      ASSERT_EQ(meshes.size(), 2U);
+      for (const auto& [label, mesh] : meshes) {
+        const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
+        EXPECT_EQ(found->find(label)->shells, components.count()) << label;
+      }
+    }
+  }
+  // A cavity is a shell of its own.
+  const auto label = [](int x, int y, int z) {
+    const bool is_in = std::min({x, y, z}) >= 2 && std::max({x, y, z}) < 9;
+    return is_in && glm::ivec3(x, y, z) != glm::ivec3(5) ? 1 : 0;
+  };
+  const field::ScalarField hollow = test::dense_field<std::uint8_t>(glm::ivec3(11), label);
+  const auto found = LabelVoxels::find(hollow, net_options(1), {true, {}}, Context());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->find(1)->shells, 2U);
+  const auto unknown = LabelVoxels::find(hollow, net_options(0), {true, {}}, Context());
+  ASSERT_TRUE(unknown) << unknown.error().message;
+  EXPECT_EQ(unknown->find(1)->shells, 0U);
 }
 
 }  // namespace
