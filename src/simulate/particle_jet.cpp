@@ -203,8 +203,8 @@ Result<void> ParticleJet::advance(const Context& context) {
 
 Result<points::ParticleSet> ParticleJet::particles(const Context& context, JetUp up) const {
   const auto turned = [up](const glm::dvec3& v) {
-    return up == JetUp::y ? glm::dvec3(v.x, v.z, 0 - v.y) : v;
-  };  // no -0
+    return up == JetUp::y ? glm::dvec3(v.x, v.z, 0 - v.y) : v;  // 0 - 0 is 0; -0.0 would be written as -0
+  };
   const State& s = *state_;
   const std::size_t count = s.fluid.size();
   const std::string label = fmt::format("frame {} of the jet", s.figures.frames);
