@@ -81,7 +81,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   }
   if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
-                         fmt::format("{}: none of {}{} has the requested size", stage.source.label,
+                         fmt::format("{}: none of the {}{} has the requested size", stage.source.label,
                                      counted(facts.before.components, "component"), surface.id.at_text()),
                          {Remedy::use, Setting::empty_policy}};
   }

@@ -46,9 +46,10 @@ Error no_label(const Source& source, std::int64_t background, const LabelCounts&
             fmt::format("{}: no sample has a label other than {}", source.label, background),
             {Remedy::use, Setting::empty_policy}};
   }
-  return {ErrorCode::no_surface,
-          fmt::format("{}: the choice includes none of {} in the file", source.label, counted(labels.found, "label")),
-          {Remedy::use, Setting::empty_policy}};
+  return {
+      ErrorCode::no_surface,
+      fmt::format("{}: the choice includes none of the {} in the file", source.label, counted(labels.found, "label")),
+      {Remedy::use, Setting::empty_policy}};
 }
 
 Note note_of_no_label(const Error& none, const OutputFileJob& output, const std::string& besides) {
