@@ -133,6 +133,10 @@ class LabelChoiceTest(ProgramTest):
             with self.subTest(wrong=wrong, names=names):
                 run = self.run_program(*self.map, f"--labels={wrong}", *names, "-o", "x.glb")
                 self.assert_fails(2, run, f"slabs.raw: no label is '{wrong}'", f"  hint: {hint}")
+        for wrong in ("200", "-7", str(2**53 + 1)):  # numbers among terms that make a set
+            for names in ((), table):
+                run = self.run_program(*self.map, "--labels", f"1-2,{wrong}", *names, "-o", "x.glb")
+                self.assert_fails(2, run, f"slabs.raw: no label is '{wrong}'\n  hint: use --empty skip")
         (self.folder / "numbers.txt").write_text(TABLE.replace("Skull", "1.5"))  # a name, all the same
         self.assertEqual(self.names("--labels", "1.5", "--label-names", "numbers.txt")[0], ["1.5"])
 

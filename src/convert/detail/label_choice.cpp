@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -29,6 +30,13 @@ std::optional<double> number_of(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (end != text.data() + text.size() || error == std::errc::invalid_argument) return std::nullopt;
   return error == std::errc() ? number : std::numeric_limits<double>::infinity();
+}
+
+// Returns whether the text is the number of a label.
+bool is_label_number(std::string_view text) {
+  std::int64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
 }
 
 // Returns the hint if no label is `given`: "did you mean 'Spleen'?", what labels are, or the names that there are.
@@ -73,7 +81,7 @@ Result<void> select(const std::string& text, const LabelAppearance& looks, Empty
                     fmt::format("{}: no sample has the label '{}'", source, printable(term.text)),
                     {Remedy::use, Setting::empty_policy});
       }
-      Hint hint(hint_of_labels(term.text, names));
+      Hint hint = is_label_number(term.text) ? Hint() : Hint(hint_of_labels(term.text, names));
       hint.steps.emplace_back(Remedy::use, Setting::empty_policy);
       return fail(ErrorCode::no_surface, fmt::format("{}: no label is '{}'", source, printable(term.text)),
                   std::move(hint));
