@@ -32,10 +32,8 @@ struct MaskLayers::Map {
 namespace {
 
 constexpr std::size_t kRowsPerTask = 64;
-constexpr std::size_t kMostTold = 10;  // names in a note
-// Bits of a voxel while the layers are chosen.
-constexpr std::uint8_t kLayerBits = 0x7f;  // one for each of the first layers that has the voxel
-constexpr std::uint8_t kChosenBit = 0x80;  // a mask that gets a mesh has it
+constexpr std::size_t kMostTold = 10;      // names in a note
+constexpr std::uint8_t kLayerBits = 0xff;  // of a voxel: one for each of the first layers that has it
 
 // Returns "20 x 16 x 12 samples, steps (1, 0, 0), (0, 1, 0) and (0, 0, 1), first sample at (0, 0, 0)".
 std::string grid_text(const field::ScalarField& field) {
@@ -100,9 +98,14 @@ std::uint64_t count_faces(const T* voxel, const glm::ivec3& at, const glm::ivec3
   return faces;
 }
 
-// `occupied` has the bits of each voxel; null for the only mask.
+// Facts about the voxels of earlier masks. Null for the only mask.
+struct EarlierMasks {
+  const std::uint8_t* layers = nullptr;  // the bits of each voxel
+  const std::uint8_t* chosen = nullptr;  // not 0: a mask that gets a mesh has the voxel
+};
+
 template <class T>
-Scan scan(const T* values, const glm::ivec3& dims, T inside, const std::uint8_t* occupied) {
+Scan scan(const T* values, const glm::ivec3& dims, T inside, const EarlierMasks& earlier_masks) {
   const auto width = static_cast<std::size_t>(dims.x);
   const std::size_t rows = static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z);
   const auto look = [&](std::size_t begin, std::size_t end, Scan found) {
@@ -116,9 +119,10 @@ Scan scan(const T* values, const glm::ivec3& dims, T inside, const std::uint8_t*
         const std::size_t at = row * width + static_cast<std::size_t>(x);
         if (samples[x] != inside) found.other = std::min(found.other, at);
         ++found.voxels;
-        const std::uint8_t bits = occupied != nullptr ? occupied[at] : 0;
-        found.layers |= bits & kLayerBits;
-        found.shared += (bits & kChosenBit) != 0 ? 1 : 0;
+        if (earlier_masks.layers != nullptr) {
+          found.layers |= earlier_masks.layers[at];
+          found.shared += earlier_masks.chosen[at] != 0 ? 1 : 0;
+        }
         const glm::ivec3 voxel = start + glm::ivec3(x, 0, 0);
         found.faces += count_faces(samples + x, voxel, dims);
         found.box = {glm::min(found.box.min, voxel), glm::max(found.box.max, voxel)};
@@ -160,12 +164,12 @@ struct Mask {
 };
 
 template <class T>
-Result<Scan> scan_mask(const std::string& label, const field::ScalarField& field, const std::uint8_t* occupied) {
+Result<Scan> scan_mask(const std::string& label, const field::ScalarField& field, const EarlierMasks& earlier) {
   const auto& samples = std::get<field::DenseSamples>(field.samples);
   const std::span<const T> values(static_cast<const T*>(samples.data), samples.count());
   const auto first = std::ranges::find_if(values, [](T value) { return value != T(0); });
   const T inside = first != values.end() ? *first : T(0);
-  const Scan found = scan(values.data(), samples.dims, inside, occupied);
+  const Scan found = scan(values.data(), samples.dims, inside, earlier);
   if (found.other == SIZE_MAX) return found;
   const auto value = [&](T stored) { return field.scale(static_cast<double>(stored)); };
   const bool is_nan = std::isnan(static_cast<double>(inside));
@@ -181,7 +185,7 @@ Result<Scan> scan_mask(const std::string& label, const field::ScalarField& field
 }
 
 Result<Mask> read_mask(const std::string& path, const volume_io::ReadOptions& options, const field::ScalarField* grid,
-                       const std::uint8_t* occupied, const Context& context, Events& events) {
+                       const EarlierMasks& earlier, const Context& context, Events& events) {
   Mask mask;
   mask.field = TRY(read_field(path, options, context, events));
   const std::string label = field_label(mask.field);
@@ -202,7 +206,7 @@ Result<Mask> read_mask(const std::string& path, const volume_io::ReadOptions& op
                 "all masks need one grid; convert the masks of each grid in a run of their own");
   }
   mask.found = TRY(field::visit_sample_type(mask.field.type(), [&]<class T>(std::type_identity<T> /*type*/) {
-    return scan_mask<T>(label, mask.field, occupied);
+    return scan_mask<T>(label, mask.field, earlier);
   }));
   TRY(volume_io::check_mapping_intact(mask.field));
   return mask;
@@ -358,13 +362,15 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
   masks.paths_ = std::move(paths);
   masks.options_ = options;
   std::shared_ptr<ReservedBuffer<std::uint8_t>> occupied;
+  std::shared_ptr<ReservedBuffer<std::uint8_t>> has_mesh;  // of each voxel; null if all masks get a mesh
+  EarlierMasks earlier;
   Map first;
+  const bool has_unchosen = !choice.is_all();
   ChosenMasks chosen(std::move(choice));
   for (std::size_t k = 0; k < masks.paths_.size(); ++k) {
     TRY(context.check());
     const std::string& path = masks.paths_[k];
-    const Mask mask = TRY(read_mask(path, options, k > 0 ? &masks.grid_ : nullptr,
-                                    occupied ? occupied->values.data() : nullptr, context, events));
+    const Mask mask = TRY(read_mask(path, options, k > 0 ? &masks.grid_ : nullptr, earlier, context, events));
     if (k == 0) {
       masks.grid_ = mask.field;
       field::DenseSamples& none = std::get<field::DenseSamples>(masks.grid_.samples);
@@ -377,8 +383,10 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
       masks.grid_.labels.clear();
       first = TRY(make_map<Map>(masks.grid_, masks.paths_.size(), context));
       if (masks.paths_.size() > 1) {
-        occupied = TRY(make_zeros<std::uint8_t>(mask.samples().count(), context,
-                                                masks.grid_.source + ": the layers of the masks"));
+        const std::string what = masks.grid_.source + ": the layers of the masks";
+        occupied = TRY(make_zeros<std::uint8_t>(mask.samples().count(), context, what));
+        if (has_unchosen) has_mesh = TRY(make_zeros<std::uint8_t>(mask.samples().count(), context, what));
+        earlier = {occupied->values.data(), (has_mesh ? has_mesh : occupied)->values.data()};
       }
     }
     const auto label = static_cast<std::int64_t>(k) + 1;
@@ -395,10 +403,14 @@ Result<MaskLayers> MaskLayers::read(std::vector<std::string> paths, const volume
     masks.count_ = std::max(masks.count_, layer + 1);
     if (layer == 0) paint(mask, label, first);
     if (is_chosen) chosen.set_layer(name_of(path), layer);
-    const auto taken = static_cast<std::uint8_t>((has_bit ? 1U << layer : 0U) | (is_chosen ? kChosenBit : 0U));
-    if (occupied && taken != 0) {
+    if (occupied && has_bit) {
+      const auto bit = static_cast<std::uint8_t>(1U << layer);
       std::uint8_t* const bits = occupied->values.data();
-      for_each_voxel(mask, [&](std::size_t at) { bits[at] |= taken; });
+      for_each_voxel(mask, [&](std::size_t at) { bits[at] |= bit; });
+    }
+    if (has_mesh && is_chosen) {
+      std::uint8_t* const yes = has_mesh->values.data();
+      for_each_voxel(mask, [&](std::size_t at) { yes[at] = 1; });
     }
     masks.names_.push_back({label, name_of(path), std::nullopt, layer});
     masks.figures_.push_back({label, mask.found.voxels, mask.found.box});

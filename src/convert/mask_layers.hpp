@@ -2,12 +2,12 @@
 //
 // Masks without common voxels share a label map, a layer, so that the surfaces of neighbors meet without gaps. Each
 // mask goes into the first layer in which it shares no voxel with an earlier mask, so no voxel of any mask is lost. A
-// mask that shares voxels with each of the first seven layers gets a layer of its own. Each layer is a label map, as in
+// mask that shares voxels with each of the first eight layers gets a layer of its own. Each layer is a label map, as in
 // a segmentation with layers (field::LabelName::layer).
 //
 // Each mask is read once; masks of later layers are read again for their layer. Memory is the same for 3 masks and for
-// 200: layer 0, one later layer at a time, one mask and, while the layers are chosen, a byte for each voxel. A layer
-// takes a byte for each voxel, two if there are more than 255 masks.
+// 200: layer 0, one later layer at a time, one mask and, while the layers are chosen, a byte for each voxel, two if
+// only some masks get a mesh. A layer takes a byte for each voxel, two if there are more than 255 masks.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,8 @@ class MaskChoice {
   // Returns whether a mask is chosen if it has enough voxels.
   [[nodiscard]] bool names(std::int64_t label, std::string_view name);
   [[nodiscard]] std::uint64_t least_voxels() const { return least_voxels_; }
+  // Returns whether all masks that have voxels are chosen.
+  [[nodiscard]] bool is_all() const { return all_ && least_voxels_ <= 1; }
 
  private:
   bool all_ = true;
