@@ -1,5 +1,7 @@
 #include "base/printable_json.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <string_view>
 
 #include "base/printable.hpp"
@@ -7,13 +9,18 @@
 namespace isoextract {
 
 std::string printable_json(std::string json) {
-  // First bytes of the characters to escape: DEL, C1 controls (c2), separators and direction changes (e2).
-  constexpr std::string_view kFirstBytes = "\x7f\xc2\xe2";
-  std::size_t at = json.find_first_of(kFirstBytes);
-  if (at == std::string::npos) return json;
+  // Returns the position of the next character that may have to be escaped: DEL, a C1 control (c2), a separator or a
+  // change of direction (e2).
+  const auto find_from = [&](std::size_t begin) {
+    const auto may_need_escape = [](char c) { return c == '\x7f' || c == '\xc2' || c == '\xe2'; };
+    return static_cast<std::size_t>(
+        std::find_if(json.begin() + static_cast<std::ptrdiff_t>(begin), json.end(), may_need_escape) - json.begin());
+  };
+  std::size_t at = find_from(0);
+  if (at == json.size()) return json;
   std::string shown;
   std::size_t copied = 0;
-  while (at != std::string::npos) {
+  while (at != json.size()) {
     const auto lead = static_cast<unsigned char>(json[at]);
     const std::size_t bytes = lead < 0x80 ? 1 : lead < 0xe0 ? 2 : 3;
     const std::string_view character = std::string_view(json).substr(at, bytes);
@@ -25,7 +32,7 @@ std::string printable_json(std::string json) {
       shown += escaped;
       copied = at + bytes;
     }
-    at = json.find_first_of(kFirstBytes, at + 1);
+    at = find_from(at + 1);
   }
   return shown + json.substr(copied);
 }

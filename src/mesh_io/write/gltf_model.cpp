@@ -42,8 +42,8 @@ int last_number(std::size_t taken, const List& list) {
   return static_cast<int>(taken + list.size()) - 1;
 }
 
-// Returns TinyGLTF's JSON of the model, without buffers. `placement` is MeshWriteOptions::placement.
-nlohmann::json tinygltf_json(tinygltf::Model& model, const std::string& placement) {
+// Returns TinyGLTF's JSON text of the model, without buffers. `placement` is MeshWriteOptions::placement.
+std::string tinygltf_text(tinygltf::Model& model, const std::string& placement) {
   model.asset.generator = generator();
   model.asset.version = "2.0";
   std::ostringstream stream;
@@ -55,7 +55,7 @@ nlohmann::json tinygltf_json(tinygltf::Model& model, const std::string& placemen
   if (const std::size_t asset = text.find(kAsset); !placement.empty() && asset != std::string::npos) {
     text.insert(asset + kAsset.size(), fmt::format(R"("extras":{{"{}":{}}},)", kPlacementEntry, placement));
   }
-  return nlohmann::json::parse(text);
+  return text;
 }
 
 // Replaces null, which TinyGLTF writes for a node without members and a scene without nodes, and which glTF forbids.
@@ -96,7 +96,7 @@ GltfModel::Portion GltfModel::take_portion() {
 }
 
 nlohmann::json GltfModel::document_of(Portion& portion) const {
-  JsonTree tree(tinygltf_json(portion.model, placement_));
+  JsonTree tree(nlohmann::json::parse(tinygltf_text(portion.model, placement_)));
   fix_empty_entries(tree.root());
   describe_packed_views(portion, tree.root());
   return std::move(tree.root());
@@ -105,6 +105,17 @@ nlohmann::json GltfModel::document_of(Portion& portion) const {
 void GltfModel::convert_portions() {
   std::vector<std::vector<JsonLists::Member>> members(portions_.size());
   for_each_index(portions_.size(), [&](std::size_t i) {
+    if (portions_[i].meshopt_views.empty()) {
+      members[i] = JsonLists::members_of_text(tinygltf_text(portions_[i].model, placement_));
+      for (JsonLists::Member& member : members[i]) {
+        if (member.name == "nodes" && member.text == "null") member.text = "{}";
+        if (member.name == "asset") {  // the placement in it may have another order of members
+          JsonTree asset(nlohmann::json::parse(member.text));
+          member.text = printable_json(asset.root().dump());
+        }
+      }
+      return;
+    }
     JsonTree tree(document_of(portions_[i]));
     members[i] = JsonLists::members_of(tree.root());
   });

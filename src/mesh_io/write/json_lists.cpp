@@ -12,6 +12,27 @@ namespace {
 // Returns the bytes of "name":[] and a comma.
 std::uint64_t bytes_around(const std::string& name) { return name.size() + 6; }
 
+// Returns the end of the JSON value that begins at `at`, in a document without spaces between its parts.
+std::size_t end_of_value(std::string_view text, std::size_t at) {
+  std::size_t depth = 0;
+  bool in_string = false;
+  for (; at < text.size(); ++at) {
+    const char c = text[at];
+    if (in_string) {
+      if (c == '\\') ++at;
+      in_string = c != '"';
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      ++depth;
+    } else if (c == ',' || c == ':' || c == ']' || c == '}') {
+      if (depth == 0) return at;
+      if (c == ']' || c == '}') --depth;
+    }
+  }
+  return at;
+}
+
 }  // namespace
 
 std::vector<JsonLists::Member> JsonLists::members_of(const nlohmann::json& document) {
@@ -25,6 +46,31 @@ std::vector<JsonLists::Member> JsonLists::members_of(const nlohmann::json& docum
       members.push_back(
           {name, printable_json(entry.dump()), entry.is_string() ? Member::Kind::text_entry : Member::Kind::entry});
     }
+  }
+  return members;
+}
+
+std::vector<JsonLists::Member> JsonLists::members_of_text(std::string_view text) {
+  std::vector<Member> members;
+  std::size_t at = 1;  // after the brace
+  while (at < text.size() && text[at] == '"') {
+    const std::size_t colon = end_of_value(text, at);
+    const std::string name(text.substr(at + 1, colon - at - 2));
+    at = colon + 1;
+    const bool is_list = text[at] == '[';
+    const std::size_t end = end_of_value(text, at);
+    if (is_list) ++at;
+    while (at < end && text[at] != ']') {
+      const std::size_t entry_end = is_list ? end_of_value(text, at) : end;
+      const Member::Kind kind = !is_list          ? Member::Kind::whole
+                                : text[at] == '"' ? Member::Kind::text_entry
+                                                  : Member::Kind::entry;
+      std::string value(text.substr(at, entry_end - at));
+      members.push_back({name, printable_json(std::move(value)), kind});
+      at = entry_end;
+      if (is_list && text[at] == ',') ++at;
+    }
+    at = end + 1;  // after the comma, or the closing brace
   }
   return members;
 }

@@ -25,6 +25,9 @@ class JsonLists {
   };
 
   [[nodiscard]] static std::vector<Member> members_of(const nlohmann::json& document);
+  // Takes the text of a document, an object without spaces between its parts. Several times as fast as to parse the
+  // text and to write it again.
+  [[nodiscard]] static std::vector<Member> members_of_text(std::string_view text);
 
   // Appends each list of the document to the list of the same name. Repeated strings (names of extensions) are kept
   // once. Members that are not lists keep their first value.
