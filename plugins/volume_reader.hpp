@@ -68,7 +68,7 @@ struct Label {
   bool has_color = false;
 };
 
-// Members as in isoextract_volume_grid. volume_times counts only with one time for each volume.
+// Members as in isoextract_volume_grid. volume_times has no effect unless it has one time for each volume.
 struct Grid {
   std::string name;
   std::string type_name;
@@ -140,7 +140,7 @@ inline std::uint64_t sample_size(std::int32_t type) {
   }
 }
 
-// Returns the type of the samples that a selection is read as.
+// Returns the sample type of a selection's box: the type of the grid, or a float type for lengths of vectors.
 inline std::int32_t selected_type(const Grid& grid, const isoextract_volume_selection& selection) {
   if (selection.component != ISOEXTRACT_COMPONENT_LENGTH) return grid.sample_type;
   const bool wide =
@@ -165,8 +165,8 @@ decltype(auto) with_sample_type(std::int32_t type, F&& use) {
   }
 }
 
-// Samples of a grid in memory. Component c of sample (i, j, k) is number i * step[0] + j * step[1] + k * step[2] +
-// c * component_step from `data`.
+// Samples of a grid in memory. Component c of sample (i, j, k) is the element i * step[0] + j * step[1] + k * step[2] +
+// c * component_step of `data`.
 struct SamplesInMemory {
   const void* data = nullptr;
   std::array<std::int64_t, 3> step{};
@@ -200,7 +200,8 @@ void visit_box(const SamplesInMemory& from, const isoextract_volume_selection& s
 
 }  // namespace detail
 
-// Fills the selection's box from samples that are all in memory. Throws ReadError for lengths of half floats.
+// Fills the selection's box from samples that are all in memory. Throws ReadError for lengths of vectors
+// (ISOEXTRACT_COMPONENT_LENGTH) of half floats.
 inline void fill_box(const Grid& grid, const SamplesInMemory& from, const isoextract_volume_selection& selection) {
   with_sample_type(grid.sample_type, [&]<class T>(T) {
     if (selection.component != ISOEXTRACT_COMPONENT_LENGTH) {
@@ -309,7 +310,7 @@ inline void check_selection(const Grid& grid, const isoextract_volume_selection&
 
 // Returns the table of a plug-in. `kOpen(const Request&, const isoextract_plugin_host&)` opens a file and returns a
 // std::unique_ptr<VolumeFile>, never null; `kProbe(const unsigned char* start, std::size_t bytes, const std::string&
-// path)` returns a bool. Both are named functions.
+// path)` returns a bool.
 template <auto kOpen, auto kProbe>
 isoextract_volume_plugin_v4 volume_plugin(const char* id, const char* format) {
   isoextract_volume_plugin_v4 table{};

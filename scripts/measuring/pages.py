@@ -43,7 +43,7 @@ def header(measured):
     commands_text = "\n".join(measured["commands"])
     return f"""{table(["condition", "value"], rows)}
 
-To repeat it: `scripts/measure run {measured['measurement']}`, which runs
+To repeat it: `scripts/measure run {measured['measurement']}`, which runs commands such as
 
 ```sh
 {commands_text}

@@ -127,8 +127,9 @@ def costs_section(rows):
     return f"""
 ## Processor time and memory, commit by commit
 
-Figures are for the simplification alone, with `--simplify {BOUND}` and an optimized build. The programs ran in turn on two cores that
-other processes used too. So compare only rows of the same mesh; times on an idle machine are lower.
+Measured once, by hand, before the run that the rest of this page shows. Figures are for the simplification alone, with
+`--simplify {BOUND}` and an optimized build. The builds of these commits ran in turn on two cores that other processes used, too. So
+compare only rows of the same mesh; times on an idle machine are lower.
 
 {table(heads, lines)}
 """
@@ -161,8 +162,8 @@ def page(measured):
     return f"""`--simplify {bound}` removes triangles while the distance to the full mesh stays below {bound} voxels: at every point of both meshes, not
 only at vertices. *Measured distance* is an interval that contains the largest distance.
 
-A conversion simplifies once, in a process of its own, so all times are **cold**. `box.npy` has the distances from the surface of a
-cube 220 voxels wide, whose sides lie on planes of samples.
+Times are for the simplification alone, and **cold**: each is the first simplification of a new process. `box.npy` has the distances,
+clamped to 3 voxels, from the surface of a cube 220 voxels wide, whose sides lie on planes of samples.
 
 {table(columns, rows)}
 
@@ -172,8 +173,10 @@ cube 220 voxels wide, whose sides lie on planes of samples.
 
 ## Beside `gltfpack` and VTK
 
-Each program simplifies to as many triangles as `--simplify {bound}` leaves. `isoextract compare` measures the largest distance over all
-points of both meshes, the components, the genus, and whether the mesh is closed; changes are in bold type.
+Each program is asked for as many triangles as `--simplify {bound}` leaves; the tables show how many it leaves. All meshes are in voxel
+coordinates without normals, so counts differ a little from those above. `isoextract compare` measures the largest distance over all
+points of both meshes, the components, the genus, and whether the mesh is closed; changes are in bold type. A mesh that is not closed
+has no genus, so its table has a dash.
 
 Times are for the simplification alone: the least of {figures['rounds']} runs, each in a process of its own. `gltfpack` is the npm package, which
 runs in Node: its time is that of the whole command minus the least time of a run that simplifies nothing. `gltfpack` and VTK use one

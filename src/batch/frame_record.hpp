@@ -27,8 +27,8 @@ struct SurfaceFigures {
   std::optional<double> area;
   std::optional<double> volume;  // of a closed mesh
   // Set if the surface was written to files of its frame. If several outputs contain it, only the first one counts.
-  std::string output;                  // the first file of that output
-  std::optional<std::uint64_t> bytes;  // size of that output's files with the surface; they may hold others, too
+  std::string output;                  // the first file of that output that contains the surface
+  std::optional<std::uint64_t> bytes;  // size of all its files that contain the surface, with what else they contain
   // Set if the error was measured. In voxels; error: distances from the mesh to the isosurface of the data, coverage:
   // distances from that isosurface to the mesh.
   std::optional<double> error_rms;
@@ -45,13 +45,13 @@ struct SurfaceFigures {
 
 struct FrameFigures {
   std::vector<SurfaceFigures> surfaces;  // extracted, or the meshes of a mesh file
-  std::uint64_t bytes = 0;               // written in all
+  std::uint64_t bytes = 0;               // size of all written files
   double wall_seconds = 0;
   std::uint64_t memory = 0;                    // peak of the reserved memory, in bytes
   particle_io::FrameTime time;                 // of a frame of particles
   std::vector<std::string> lacked_attributes;  // optional attributes that the input lacks
   std::string unit = {};                       // of lengths in the meshes: "mm"; empty if unknown
-  double front = 0;  // azimuth in degrees that shows the front of a scan's patient; 0 for other inputs (Outcome::front)
+  double front = 0;  // camera azimuth, in degrees, that shows a patient's front; 0 for other inputs (Outcome::front)
 
   friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
 };
@@ -64,7 +64,7 @@ struct FrameFigures {
 struct FileRecord {
   std::string path;
   files::ContentState state;
-  // The bytes that state.hash covers; empty: the whole file. Inputs with several frames have the bytes of the frame.
+  // The bytes that state.hash covers; empty: the whole file. In a file of several frames these are the frame's bytes.
   std::vector<files::ByteRange> ranges = {};
 
   friend bool operator==(const FileRecord&, const FileRecord&) = default;
@@ -72,7 +72,7 @@ struct FileRecord {
 
 struct FrameRecord {
   std::int64_t frame = 0;
-  std::string job;                  // convert::hash_of()
+  std::string job;                  // convert::hash_of() of the frame's job
   std::vector<FileRecord> inputs;   // including data files that headers (.nhdr, .hdr) name; none for a demo field
   std::vector<FileRecord> outputs;  // none if the surface was empty and skipped
   FrameFigures figures;

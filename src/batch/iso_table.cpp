@@ -184,7 +184,7 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
                               printable(iso_field, kShownField)),
                   iso_field.find(',') == std::string::npos
                       ? ""
-                      : "use a point as decimal mark, or a comma if tabs or semicolons separate the fields");
+                      : "use a decimal point; a decimal comma works only if tabs or semicolons separate the fields");
     }
     table.rows_.push_back({*frame, number, *iso});
   }

@@ -89,7 +89,8 @@ Result<void> meet_requirements(const CheckReport& report) {
   const auto& joined = report.whole.welded;
   const bool would_close = joined && joined->open_edges == 0 && report.whole.topology.open_edges > 0;
   return fail(ErrorCode::verification,
-              fmt::format("{}: the mesh fails {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),
+              fmt::format("{}: the mesh does not meet the requirement{} {}: {}", report.file,
+                          words.size() == 1 ? "" : "s", fmt::join(words, ", "), fmt::join(found, "; ")),
               would_close ? "with --weld, which welds vertices at equal positions, the mesh is closed" : "");
 }
 

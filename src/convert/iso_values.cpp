@@ -130,7 +130,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
     }
     if (choice.is_label()) {
       return fail(ErrorCode::usage,
-                  fmt::format("{}: expected a label map, a volume of integers, found particles", label));
+                  fmt::format("{}: expected a label map (a volume of integers), found particles", label));
     }
     if (choice.kind == IsoChoice::Kind::zero && info.kind != field::FieldKind::level_set) {
       if (choice.by_default) {

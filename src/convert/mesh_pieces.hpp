@@ -15,8 +15,8 @@ namespace isoextract::convert {
 struct Source;
 
 // Returns for each vertex of a surface net the voxel corner from which relaxation moved the vertex, relative to
-// Mesh::origin. The corner is the middle of a cell that the vertex never leaves. With these positions, inside and
-// outside of shells follow the samples, even where relaxed parts touch.
+// Mesh::origin. The corner is the middle of a cell that the vertex never leaves. From these positions, `edit` finds
+// which shell encloses which: relaxed shells may touch.
 //
 // Vertices on planes of source.clip keep their own position, because they come from no corner. Returns an empty result
 // unless SurfaceOptions::relaxes(). Fails as Context::reserve() does.

@@ -14,7 +14,8 @@ namespace isoextract::files {
 
 class InputFile;
 
-// Identifies one version of a file by its metadata; as reliable as the resolution of the system's clock.
+// Identifies one version of a file by its metadata. Two writes within one tick of the system's clock may give the same
+// version (is_reliable()).
 struct FileVersion {
   std::uint64_t device = 0;
   std::uint64_t inode = 0;

@@ -1,12 +1,12 @@
-// Vertex normals from the adjacent triangles, for meshes whose triangles do not follow the field as extracted ones do:
-// where a cap meets the surface at an angle, and where triangles were removed.
+// Vertex normals from the adjacent triangles, for vertices where the field's gradient does not fit them: where a cap
+// meets the surface at an angle, and where triangles were removed.
 //
 // Two triangles around a vertex are in one group if they share an edge that has no other triangle and is not a crease.
-// Each group has its own normal and its own copy of the vertex, so that flat parts look flat. A group keeps the
-// vertex's old normal if that points against none of its triangles. If the triangles have a plane number
-// (ShadingOptions::planes), it must also be the plane's normal. If they have none and crease_degrees is set, the old
-// normal must be close to the group's mean. The allowed angle is the largest one between the mean and a triangle of the
-// group, but at least 1 degree.
+// Each group gets one normal, and groups with different normals get separate copies of the vertex, so that flat parts
+// look flat. A group keeps the vertex's old normal if this normal points against none of its triangles. If the
+// triangles have a plane number (ShadingOptions::planes), the old normal must also be the plane's normal. If they have
+// none and crease_degrees is set, the old normal must be close to the group's mean. The allowed angle is the largest
+// angle between the mean and a triangle of the group, but at least 1 degree.
 //
 // Else the group gets the mean, weighted by area, so that large flat triangles decide and slivers count little. If even
 // the mean points against a triangle, it is turned until it agrees with all of them. If that is impossible, the group
@@ -30,8 +30,9 @@ struct ShadingOptions {
   // The number of each triangle's plane, 0 for none; or empty. Edges between different numbers are creases, and
   // triangles with a number get the normal of their plane.
   std::span<const std::uint8_t> planes;
-  // Makes edges of flat parts creases, too, where the planes turn by more than this angle, and has every normal checked
-  // against its triangles. A triangle belongs to a flat part if it and a neighbor are coplanar within kFlatDegrees.
+  // If set, an edge of a flat part is a crease, too, if its two triangles turn by more than this angle, and every
+  // normal is checked against its triangles. A triangle belongs to a flat part if it and a neighbor are coplanar within
+  // kFlatDegrees.
   // Elsewhere, as in rough data, a group is split only if a normal points the wrong way.
   // If empty, vertices whose triangles have no plane number keep their normal.
   std::optional<double> crease_degrees;

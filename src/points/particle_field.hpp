@@ -28,11 +28,11 @@ namespace isoextract::points {
 // Parameters of Method::anisotropic; see make_anisotropic_kernels() for the equations.
 struct AnisotropyOptions {
   double neighborhood = 2;  // above 0: radius within which neighbors count, in kernel supports
-  double lambda = 1;        // 0 to 1: how far kernel centers move to the mean depth of their layer
+  double lambda = 1;        // 0 to 1: how far a kernel center moves along the normal to the mean of its neighbors
   double shortest = 0.7;    // above 0 and at most 1: shortest axis, in supports
   double widest = 1.8;      // at least 1: length of the axes along a surface, in supports
   double k_n = 0.5;         // above 0 and at most 1: axis length where there are few neighbors, in supports
-  int few = 25;             // at least 0: N_eps: with at most this many neighbors, a kernel is a ball of radius k_n
+  int few = 25;             // at least 0 (N_eps); with at most this many neighbors, a kernel is a ball of radius k_n
 
   friend bool operator==(const AnisotropyOptions&, const AnisotropyOptions&) = default;
 };
@@ -42,13 +42,13 @@ struct AnisotropyOptions {
 // particle-based fluids. VMV 2023, section 3; splashsurf_lib, density_map and kernel). The kernel is a cubic spline
 // whose support is twice the smoothing length. The field at x is
 //   sum_j m / rho_j W(x - x_j),   rho_j = sum_k m W(x_j - x_k), including the particle itself.
-// The field is about 1 within the liquid. The mass m cancels (splashsurf: the mass of a liquid cube two radii wide).
+// The field is about 1 within the liquid. The mass m cancels.
 struct FieldOptions {
   Method method = Method::sph;
   // Particle radius in world units. Without it, an attribute of kRadiusAttributes (sphere_set.hpp) gives each particle
   // its radius. With Method::sph, the support of a kernel is then proportional to the radius of its particle, and the
-  // mass to the cube of the radius; the other methods use the median radius for all. Lengths in radii refer to the
-  // median.
+  // mass to the cube of the radius. Method::spheres and Method::smooth use the radius of each particle, the other
+  // methods the median radius for all. Lengths in radii refer to the median.
   std::optional<double> radius;
   // Particle radius in world units if `radius` is unset and no attribute gives the radii; default suggest_radius().
   std::optional<double> suggested_radius;
@@ -63,8 +63,8 @@ struct FieldOptions {
   AnisotropyOptions anisotropy;
   NonFiniteParticles non_finite = NonFiniteParticles::error;
 
-  // For a periodic box: how many layers of samples around the region store the periodic continuation for filters of the
-  // field, in addition to the layers that an extraction needs. At least 0.
+  // For a periodic box: the layers of samples around the region, beyond those that an extraction needs, that store the
+  // periodic continuation, so that filters of the field find it there. At least 0.
   int margin = 0;
 
   // The iso value of the later extraction. If given, a tile of value 1 replaces each brick that is deep inside: all
@@ -90,16 +90,16 @@ struct ParticleFieldStatistics {
   std::string radius_attribute;  // name of the attribute of the particles' radii, whose median is `radius`; or empty
   // Particles omitted because their radius is below least_radius: so small that they could fall between samples.
   std::uint64_t particles_too_small = 0;
-  double least_radius = kMinSphereRadius;  // in sample spacings; smaller particles are omitted
+  double least_radius = kMinSphereRadius;  // in sample spacings; holds only if particles_too_small is above 0
 };
 
 struct ParticleField {
   field::ScalarField field;  // has the particles' name and the format "particles"
-  // Set for a periodic box: the samples of one period, from 0 to the number of cells along each periodic edge; all
-  // indices along other edges. Sample 0 lies at the origin of the box, and the sample axes are parallel to its edges.
-  // The spacing along a periodic edge is adjusted so that a whole number of cells, at least 4, fills it; so the last
-  // samples repeat the first ones. Extract only from the cells in this region. Stored samples outside the region have
-  // the periodic continuation of the field.
+  // Set for a periodic box: the samples of one period. Along a periodic edge these are the samples from 0 to the number
+  // of cells; along other edges the region is unbounded. Sample 0 lies at the origin of the box, and the sample axes
+  // are parallel to its edges. The spacing along a periodic edge is adjusted so that a whole number of cells, at least
+  // 4, fills it; so the last samples repeat the first ones. Extract only from the cells in this region. Stored samples
+  // outside the region have the periodic continuation of the field.
   std::optional<field::IndexBox> region;
   ParticleFieldStatistics figures;
 };
@@ -114,8 +114,9 @@ struct ParticleField {
 // - if particles are too far apart or too far from 0 for the spacing,
 // - if the field needs 2^31 bricks or more,
 // - if a periodic box has too many samples, or kernels reach across it too many times,
-// - if the radius is so large that the grid cells within reach of a position hold more than 32,768 positions on
-//   average; with unlike radii, within reach of the largest kernel,
+// - if the radius is so large that, on average, the cells searched for the neighbors of a particle hold more than
+// 32,768
+//   particles; if radii differ, the largest kernel decides which cells these are,
 // - if a radius of the attribute is negative or not finite.
 // It fails with ErrorCode::out_of_memory if memory does not suffice.
 // It fails with ErrorCode::cancelled if the context is cancelled.

@@ -126,7 +126,7 @@ class CheckTest(ProgramTest):
 
     def assert_fails_after_report(self, run):
         self.assertEqual(run.code, 6, run.err)
-        self.assertIn("isoextract: error: standard input: the mesh fails closed", run.err)
+        self.assertIn("isoextract: error: standard input: the mesh does not meet the requirement closed", run.err)
 
     def test_normals_in_every_format(self):
         """Of facets, of vertices, and of corners whose vertices were welded."""
@@ -172,7 +172,7 @@ class CheckTest(ProgramTest):
         run = self.run_program("check", "open.obj", "--require", "manifold,closed,normals")
         self.assertEqual(run.code, 6)
         self.assertIn("closed        no", run.text)
-        self.assertEqual(run.err, "isoextract: error: open.obj: the mesh fails closed, normals: 3 open edges in 1 loop; no normals\n")
+        self.assertEqual(run.err, "isoextract: error: open.obj: the mesh does not meet the requirements closed, normals: 3 open edges in 1 loop; no normals\n")
         run = self.run_program("check", "open.obj", "--json", "--require", "closed", "--report", "report.json")
         self.assertEqual(run.code, 6)
         document = json.loads(run.text)
@@ -320,7 +320,7 @@ class CheckTest(ProgramTest):
         self.assertEqual((report["mesh"]["triangles"], report["mesh"]["closed"]), (0, False))
         run = self.run_program("check", "empty.obj", "--require", "closed")
         self.assertEqual(run.code, 6)
-        self.assertIn("empty.obj: the mesh fails closed: no triangles", run.err)
+        self.assertIn("empty.obj: the mesh does not meet the requirement closed: no triangles", run.err)
         self.write_obj("one.obj", CUBE[:3], [(0, 1, 2)])
         one = self.json("one.obj")["mesh"]
         self.assertEqual((one["components"], one["open_edges"], one["loops"]), (1, 3, 1))

@@ -121,7 +121,7 @@ class LabelsTest(ProgramTest):
         self.assertTrue(all(entry["met"] for entry in report["required"]))
         run = self.run_program("check", "a.glb", "--require", "normals")
         self.assertEqual(run.code, 6)
-        self.assertIn("the mesh fails normals: map label 1 has no normals; 3 of 3 meshes fail", run.err)
+        self.assertIn("the mesh does not meet the requirement normals: map label 1 has no normals; 3 of 3 meshes fail", run.err)
 
     def test_the_choice_changes_no_mesh(self):
         everything, _ = self.glb("--labels", "all")

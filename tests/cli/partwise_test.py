@@ -203,7 +203,7 @@ class PartwiseTest(ProgramTest):
         whole = self.run_program(*GYROID, "--require", "closed,no-duplicates", "-o", "a.ply")
         for form in ("ply", "obj", "stl", "glb"):
             run = self.run_program(*GYROID, "--require", "closed,one-component", "-o", "-", "--format", form)
-            self.assert_fails(6, run, "the mesh fails closed", "open edges", "--cap")
+            self.assert_fails(6, run, "the mesh does not meet the requirement closed", "open edges", "--cap")
             self.assertEqual(run.out, b"")
             count = re.search(r"([0-9]+) open edges", whole.err)
             self.assertIn(count[0], run.err)

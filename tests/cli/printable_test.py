@@ -35,22 +35,22 @@ class PrintableTest(ProgramTest):
         # With the whole mesh in memory, the loops of the open edges are known, too.
         for more, found in (((), "1050 open edges\n"), (("--drop-components", "1"), "1050 open edges in ")):
             run = self.run_program("demo:gyroid?size=16", "--iso", "0", "--require", "closed,manifold", *more, "-o", "out.ply")
-            self.assert_fails(6, run, f"the mesh fails closed: {found}", "use --cap")
+            self.assert_fails(6, run, f"the mesh does not meet the requirement closed: {found}", "use --cap")
             self.assertNotIn("out.ply", self.files())
         run = self.run_program(*NOISE, "--require", "one-component", "-o", "out.ply")
-        self.assert_fails(6, run, "the mesh fails one-component")
+        self.assert_fails(6, run, "the mesh does not meet the requirement one-component")
         run = self.run_program(*NOISE, "--require", "normals", "-o", "out.ply")
         self.assert_fails(1, run, "isoextract check --require normals")
 
     def test_an_open_surface_is_not_untangled(self):
         run = self.run_program(*NOISE[:3], "--require", "printable", "-o", "out.ply")
-        self.assert_fails(6, run, "the mesh fails closed, ", "no-self-intersections: ", "use --cap")
+        self.assert_fails(6, run, "the mesh does not meet the requirements closed, ", "no-self-intersections: ", "use --cap")
         self.assertNotIn("untangled", run.err)
         self.convert(*NOISE[:3], "-o", "open.ply")
         run = self.run_program("open.ply", "--require", "closed", "-o", "out.ply")
-        self.assert_fails(6, run, "the mesh fails closed: ", "use --repair")
+        self.assert_fails(6, run, "the mesh does not meet the requirement closed: ", "use --repair")
         run = self.run_program("open.ply", "--repair=4", "--require", "closed", "-o", "out.ply")
-        self.assert_fails(6, run, "the mesh fails closed: ", "give a larger --repair EDGES")
+        self.assert_fails(6, run, "the mesh does not meet the requirement closed: ", "give a larger --repair EDGES")
         self.assertRegex(self.convert("open.ply", "--repair=4", "-o", "out.ply").err, r"left \d+ holes open, \d+ of more than 4 edges")
 
     def test_a_mesh_that_repair_helps_is_told_so(self):
@@ -59,7 +59,7 @@ class PrintableTest(ProgramTest):
         lines = [" ".join([line.split()[0], *line.split()[:0:-1]]) if line.startswith("f ") else line for line in text.splitlines()]
         (self.folder / "turned.obj").write_text("\n".join(lines) + "\n")
         run = self.run_program("turned.obj", "--require", "printable", "-o", "out.stl")
-        self.assert_fails(6, run, "the mesh fails outward: 1 component inside out", "use --repair")
+        self.assert_fails(6, run, "the mesh does not meet the requirement outward: 1 component inside out", "use --repair")
         self.convert("turned.obj", "--require", "printable", "--repair", "-o", "out.stl")
 
     def test_met_requirements_change_nothing(self):
@@ -121,7 +121,7 @@ class PrintableTest(ProgramTest):
 
     def test_coarse_coordinates_are_named(self):
         far = (*NOISE, "--origin", "600000,6000000,0", "--require", "printable")
-        self.assert_fails(6, self.run_program(*far, "-o", "out.stl"), "the mesh fails manifold, ", "use --center, ")
+        self.assert_fails(6, self.run_program(*far, "-o", "out.stl"), "the mesh does not meet the requirements manifold, ", "use --center, ")
         self.convert(*far, "-o", "out.ply")
 
     @needs_data("vdb/smoke.vdb")

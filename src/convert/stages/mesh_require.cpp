@@ -97,8 +97,8 @@ Result<void> check_requirements(const check::MeshCheck& found, const Surface& su
   }
   if (unmet.empty()) return {};
   return fail(ErrorCode::verification,
-              fmt::format("{}: the mesh fails {}: {}", stage.subject(surface), fmt::join(words, ", "),
-                          fmt::join(reasons, "; ")),
+              fmt::format("{}: the mesh does not meet the requirement{} {}: {}", stage.subject(surface),
+                          words.size() == 1 ? "" : "s", fmt::join(words, ", "), fmt::join(reasons, "; ")),
               hint_for(unmet, surface, stage));
 }
 

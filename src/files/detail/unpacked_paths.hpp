@@ -1,4 +1,4 @@
-// The packed files that paths of unpacked files come from. Private to the room.
+// Finds the archive or compressed file from which a file was unpacked. Private to src/files.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ struct PackedPlace {
   bool is_only_file = false;  // the source is a compressed file, not an archive
 };
 
-// Returns nothing for a path that is not one of an unpacked file.
+// Returns the origin of a path in the temporary folder of an unpacked file; nullopt for any other path.
 [[nodiscard]] std::optional<PackedPlace> packed_place(const std::filesystem::path& path);
 
 }  // namespace isoextract::files

@@ -60,8 +60,8 @@ std::string VdbCursor::read_name() {
   constexpr std::uint32_t kMaxLength = 64 << 10;
   const auto length = read_value<std::uint32_t>();
   if (length > end_ - position()) {
-    throw InvalidVdb(
-        fmt::format("expected a name of {} bytes, the {} has {} bytes left", length, range_name(), end_ - position()));
+    throw InvalidVdb(fmt::format("expected a name of {} bytes, found {} bytes left in the {}", length,
+                                 end_ - position(), range_name()));
   }
   if (length > kMaxLength) {
     throw UnsupportedVdb(fmt::format("a name is {} characters long, the limit is {}", length, kMaxLength));
