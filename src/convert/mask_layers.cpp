@@ -436,7 +436,7 @@ Result<field::ScalarField> MaskLayers::layer(std::int64_t number, const Context&
       if (names_[k].layer != number) continue;
       TRY(context.check());
       const std::string& path = paths_[static_cast<std::size_t>(names_[k].label) - 1];
-      const Mask mask = TRY(read_mask(path, options_, &grid_, nullptr, context, unheard));
+      const Mask mask = TRY(read_mask(path, options_, &grid_, {}, context, unheard));
       if (mask.found.voxels != figures_[k].voxels || mask.found.box != figures_[k].box) {
         return fail(ErrorCode::input,
                     fmt::format("{}: the mask has changed since the program first read it", field_label(mask.field)),
