@@ -6,8 +6,8 @@
 // a segmentation with layers (field::LabelName::layer).
 //
 // Each mask is read once; masks of later layers are read again for their layer. Memory is the same for 3 masks and for
-// 200: layer 0, one later layer at a time, one mask and, while the layers are chosen, a byte for each voxel, two if
-// only some masks get a mesh. A layer takes a byte for each voxel, two if there are more than 255 masks.
+// 200: layer 0, one later layer at a time, and one mask. While the layers are chosen, it is also a byte for each voxel,
+// two if only some masks get a mesh. A layer takes a byte for each voxel, two if there are more than 255 masks.
 #pragma once
 
 #include <cstdint>
