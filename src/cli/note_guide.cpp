@@ -32,8 +32,10 @@ constexpr std::array kGuide{
               "Check the sizes and types in the header; if they are right, the file may be damaged."},
     NoteGuide{format_not_by_name, "The content or --format says another format than the name of the file.",
               "Rename the file, or choose the format with --input-format or --format."},
-    NoteGuide{frame_order, "The names of the frames allow several orders; the note says which one the program uses.",
-              "Check the order with --dry-run; number the files with whole numbers of equal length."},
+    NoteGuide{
+        frame_order,
+        "The names of the files allow several orders or choices of frames; the note says which one the program uses.",
+        "Check the frames with --dry-run; number the files with whole numbers of equal length."},
     NoteGuide{grid_chosen, "The file has several grids; the reader takes the only one with scalar values.",
               "To use another grid, give --grid NAME."},
     NoteGuide{incomplete_frame, "The file ends within its last frame: the simulation is still running, or ended early.",

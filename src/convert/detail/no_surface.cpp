@@ -37,8 +37,8 @@ Error no_label(const Source& source, std::int64_t background, const LabelCounts&
   if (source.empty) return empty_source(source);
   if (labels.too_small > 0) {
     return {ErrorCode::no_surface,
-            fmt::format("{}: every chosen label ({} of them) has fewer voxels than required", source.label,
-                        labels.too_small),
+            fmt::format("{}: {} chosen, none with as many voxels as required", source.label,
+                        counted(labels.too_small, "label")),
             {Remedy::use, Setting::empty_policy}};
   }
   if (labels.found == 0) {

@@ -1,6 +1,7 @@
 #include "extract/detail/net_faces.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -95,9 +96,7 @@ Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, 
   TRY(context.check());
   faces.join_shells(grid, labels);
   TRY(context.check());
-  faces.number_shells();
-  held = TRY(context.reserve(faces.first_nodes_.size() * sizeof(std::uint32_t), what));
-  faces.memory_.push_back(std::move(held));
+  TRY(faces.number_shells(context, what));
   return faces;
 }
 
@@ -200,16 +199,26 @@ void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
 }
 
 // Numbers the shells by their first face.
-void NetFaces::number_shells() {
+Result<void> NetFaces::number_shells(const Context& context, const std::string& what) {
   constexpr std::size_t kGrain = 1 << 13;
   const DisjointSets sets(of_shells_.span());
-  for_each_index(
-      of_shells_.size(),
-      [&](std::size_t i) {
-        const auto node = static_cast<std::uint32_t>(i);
-        if (const std::uint32_t parent = sets.load(node); parent != kNoShell) sets.store(node, sets.root(parent));
+  const std::size_t shells = reduce_ranges(
+      of_shells_.size(), kGrain, std::size_t{0},
+      [&](std::size_t begin, std::size_t end, std::size_t roots) {
+        for (std::size_t i = begin; i != end; ++i) {
+          const auto node = static_cast<std::uint32_t>(i);
+          const std::uint32_t parent = sets.load(node);
+          if (parent == kNoShell) continue;
+          const std::uint32_t root = sets.root(parent);
+          sets.store(node, root);
+          roots += root == node ? 1 : 0;
+        }
+        return roots;
       },
-      kGrain);
+      std::plus<>());
+  auto held = TRY(context.reserve(shells * sizeof(std::uint32_t), what));
+  memory_.push_back(std::move(held));
+  first_nodes_.reserve(shells);
   // Each parent, a root or not, is a lower node, so its number is known before its children need it.
   for (std::uint32_t node = 0; node < of_shells_.size(); ++node) {
     std::uint32_t& root = of_shells_[node];
@@ -220,6 +229,7 @@ void NetFaces::number_shells() {
       root = of_shells_[root];
     }
   }
+  return {};
 }
 
 std::vector<LabelShells> NetFaces::count_shells(const NetGrid& grid, const LabelChunks& labels) const {

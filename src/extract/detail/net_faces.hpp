@@ -89,7 +89,7 @@ class NetFaces {
   [[nodiscard]] Result<void> number_faces(const NetGrid& grid, const Context& context, const std::string& what);
   void mark_labeled(const NetGrid& grid, const LabelChunks& labels);
   void join_shells(const NetGrid& grid, const LabelChunks& labels);
-  void number_shells();
+  [[nodiscard]] Result<void> number_shells(const Context& context, const std::string& what);
   [[nodiscard]] glm::ivec3 voxel_at(const NetGrid& grid, std::uint32_t node) const;
 
   Buffer<std::uint16_t> sides_;          // of each point
