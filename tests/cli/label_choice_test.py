@@ -199,7 +199,7 @@ class LabelChoiceTest(ProgramTest):
         names, _ = self.names("--labels", "1,5", "--labels-min-voxels", "21", "--roi", "0,0,0,4,3,20")
         self.assertEqual(names, ["slabs label 5"])
         self.assert_fails(2, self.run_program(*self.map, "--labels", "1,2", "--labels-min-voxels", "99", "-o", "x.glb"),
-                          "slabs.raw: every chosen label (2 of them) has fewer voxels than required")
+                          "slabs.raw: 2 labels chosen, none with as many voxels as required")
         self.assert_fails(1, self.run_program(*self.map, "--iso", "1", "--labels-min-voxels", "9", "-o", "x.glb"),
                           "--labels-min-voxels needs --labels")
 

@@ -143,7 +143,7 @@ class MasksTest(ProgramTest):
         self.assert_fails(2, self.run_program("seg", "--masks", "--labels", "spleen*", "-o", "none.glb"),
                           "the choice includes none of the 3 labels in the file")
         self.assert_fails(2, self.run_program("seg", "--masks", "--labels-min-voxels", "99999", "-o", "none.glb"),
-                          "every chosen label (3 of them) has fewer voxels than required")
+                          "3 labels chosen, none with as many voxels as required")
 
     def test_masks_apart_because_of_one_without_a_mesh(self):
         self.write("a.nii", self.left)
