@@ -80,7 +80,7 @@ struct SampleRow {
   std::array<Beside, 2> beside;
 };
 
-// A type in which adding 1 to a label is exact, except to 2^24 (f32) and 2^53 (f64).
+// A type in which adding 1 to a label is exact, except to 2^24 (f32) and 2^53 (f64), which stay what they are.
 template <class T>
 using LabelNumber =
     std::conditional_t<is_floating_sample<T>, std::conditional_t<std::is_same_v<T, double>, double, float>,
@@ -97,8 +97,11 @@ void count_pairs(T value, std::span<const T> others, std::size_t axis, LabelTall
   for (const T sample : others) {
     const N other = static_cast<N>(sample);  // NOLINT(bugprone-signed-char-misuse): likewise
     equal += other == number ? 1U : 0U;
-    different += static_cast<std::uint32_t>(other < number) | static_cast<std::uint32_t>(other > number);
-    steps += static_cast<std::uint32_t>(other == number + 1) | static_cast<std::uint32_t>(other == number - 1);
+    const auto differs = static_cast<std::uint32_t>(other < number) | static_cast<std::uint32_t>(other > number);
+    different += differs;
+    // `differs` is for the largest labels of floating-point types, where adding 1 changes nothing.
+    steps +=
+        differs & (static_cast<std::uint32_t>(other == number + 1) | static_cast<std::uint32_t>(other == number - 1));
   }
   tally.equal[axis] += equal;
   all.different[axis] += different;
