@@ -319,12 +319,14 @@ LabelTallies tally_all(const ScalarField& field, std::uint64_t most_values, Prog
   return all;
 }
 
-// Adds the tiles of a sparse field. Returns the number of pairs within tiles of labels other than 0.
+// Adds the tiles of a sparse field. Returns the number of pairs within tiles of labels other than 0. Tiles of the
+// background do not count, even if a field has some.
 std::uint64_t add_tiles(const ScalarField& field, LabelTallies& all) {
   std::uint64_t pairs = 0;
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   if (sparse == nullptr) return pairs;
   for (const SparseTile& tile : sparse->tiles) {
+    if (tile.value == sparse->background) continue;
     LabelTally& tally = all.values[static_cast<std::int64_t>(tile.value)];
     tally.add(tile_voxels(tile), tile.origin, tile.origin + tile.size - 1);
     const auto side = static_cast<std::uint64_t>(tile.size);

@@ -255,6 +255,15 @@ TEST(LabelMap, MeasuresSparseIntegersWithTiles) {
   EXPECT_FALSE(map->background);
   EXPECT_EQ(map->labels, (std::vector<LabelFigures>{{4, 5 * 64 + 512, {{8, 0, -8}, {23, 7, -1}}},
                                                     {6, 32 * 32 * 32, {{64, 64, 64}, {95, 95, 95}}}}));
+  // A tile of the background changes nothing.
+  sparse.tiles.push_back({{128, 0, 0}, 64, 9});
+  field.samples = sparse;
+  const auto with_background_tile = measure_label_map(field);
+  ASSERT_TRUE(with_background_tile);
+  EXPECT_EQ(with_background_tile->labels, map->labels);
+  EXPECT_EQ(with_background_tile->faces, map->faces);
+  EXPECT_GT(map->faces, 6U * (32 * 32 + 8 * 8));
+  EXPECT_LT(map->faces, 7000U);
   // Floating-point grids with one value in them are densities.
   SparseSamples fog;
   fog.tiles = {{{0, 0, 0}, 8, 1}};
