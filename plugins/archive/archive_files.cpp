@@ -194,7 +194,7 @@ void walk(const std::string& path, const isoextract_plugin_host& host, OnFile&& 
       memory.take_for(unpacked + kPart);
       const la_ssize_t got = archive_read_data(opened.get(), part.data(), part.size());
       if (got == 0) break;
-      if (got < 0) check(opened.get(), static_cast<int>(got), "whole content", memory);
+      if (got < 0) check(opened.get(), ARCHIVE_FAILED, "whole content", memory);  // a zip's wrong checksum is a warning
       unpacked += static_cast<std::uint64_t>(got);
       bytes(part.data(), static_cast<std::uint64_t>(got));
       check_cancelled(host);

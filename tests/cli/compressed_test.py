@@ -259,6 +259,14 @@ class ArchiveTest(CompressedTest):
         self.archive("text.zip", {"read.me": b"hello there"})
         self.refused(2, "text.zip", said="text.zip")
 
+    def test_a_zip_with_a_wrong_checksum(self):
+        with zipfile.ZipFile(self.folder / "a.zip", "w", zipfile.ZIP_STORED) as opened:
+            opened.writestr("a.npy", npy())
+        packed = bytearray((self.folder / "a.zip").read_bytes())
+        packed[len(packed) // 2] ^= 0x55
+        self.write("a.zip", packed)
+        self.refused(2, "a.zip", said="a.zip: expected whole content, found damaged data: ZIP bad CRC")
+
     def test_damaged_archives(self):
         for name in ("a.zip", "a.tar", "a.tar.xz"):
             self.archive(name, {"a.npy": npy()})
