@@ -40,6 +40,7 @@
 #include "cli/rank_run.hpp"
 #include "cli/remedies.hpp"
 #include "cli/report_file.hpp"
+#include "cli/stage_lines.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
 #include "convert/output_checks.hpp"
@@ -48,10 +49,6 @@
 
 namespace isoextract::cli {
 namespace {
-
-std::string times_text(const StageTime& time) {
-  return fmt::format("{:.2f} s ({:.2f} s of processor time)", time.wall_seconds, time.cpu_seconds);
-}
 
 // Returns the option that would have enabled the work.
 std::string_view option_for(const convert::WorkFact& fact) {
@@ -89,11 +86,11 @@ class ConversionPrinter final : public convert::Events {
 
   void end(const convert::StageReport& report) override {
     if (!report.did.empty() && report.time) {
-      const bool has_details = !report.details.empty();
-      tell_stage(fmt::format("{}: {} in {}{}{}", report.subject, report.did, times_text(*report.time),
-                             has_details ? ": " : "", has_details ? report.details.front() : ""));
-      for (std::size_t i = 1; i < report.details.size(); ++i) {
-        tell_stage(fmt::format("{}: {}", report.subject, report.details[i]));
+      // Explanations of a label follow its own lines.
+      if (report.id && report.id->is_label() && !plan_.explain) {
+        label_stages_.add(report);
+      } else {
+        for (const std::string& line : stage_lines(report)) tell_stage(line);
       }
     }
     if (report.lines.empty()) {
@@ -103,6 +100,10 @@ class ConversionPrinter final : public convert::Events {
       lines_.push_back({of_grid(report.label, line.text), line.explains, stage_info(report.stage).line_rank});
     }
     if (report.output) tell_written(report, *report.output);
+  }
+
+  void end_labels(const convert::LabelTimes& times) override {
+    for (const std::string& line : label_stages_.take_lines(times)) tell_stage(line);
   }
 
  private:
@@ -197,6 +198,7 @@ class ConversionPrinter final : public convert::Events {
   std::string_view word_;
   Stopwatch watch_;          // runs since the start or the last file
   std::vector<Line> lines_;  // for the current file
+  LabelStages label_stages_;
 };
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
