@@ -97,7 +97,8 @@ class ConversionPrinter final : public convert::Events {
       for (const convert::WorkFact& fact : report.work) explain(fact);
     }
     for (const convert::StageReport::Line& line : report.lines) {
-      lines_.push_back({of_grid(report.label, line.text), line.explains, stage_info(report.stage).line_rank});
+      lines_.push_back(
+          {of_grid(report.label, line.text), report.id, line.explains, stage_info(report.stage).line_rank});
     }
     if (report.output) tell_written(report, *report.output);
   }
@@ -136,11 +137,11 @@ class ConversionPrinter final : public convert::Events {
                          counted(output.triangles, "triangle"), counted(output.vertices, "vertex", "vertices"), bytes,
                          closed_or_open_text(output, plan_.job), output.placement, seconds);
     }
-    std::ranges::stable_sort(lines_, {}, &Line::rank);
+    std::ranges::stable_sort(lines_, {}, &SurfaceLine::rank);
     if (!line.empty()) {
       bar_.above([&] {
         messages_.summary(line);
-        for (const Line& other : lines_) tell(other);
+        for (const SurfaceLine& other : join_equal_lines(lines_)) tell(other);
         if (!output.surfaces.empty() && output.surfaces.front().id.is_label()) {
           for (const std::string& row : label_table(output)) messages_.detail(row);
         }
@@ -176,13 +177,7 @@ class ConversionPrinter final : public convert::Events {
     return fmt::format(" {} labels from {} to {}", ids.size(), least.id.text(), greatest.id.text());
   }
 
-  struct Line {
-    std::string text;
-    bool explains = false;
-    int rank = 0;
-  };
-
-  void tell(const Line& line) const {
+  void tell(const SurfaceLine& line) const {
     if (!line.explains) messages_.summary("  " + line.text);
     if (line.explains && plan_.explain) messages_.explanation("  " + line.text);
   }
@@ -196,8 +191,8 @@ class ConversionPrinter final : public convert::Events {
   const Messages& messages_;
   ProgressBar& bar_;
   std::string_view word_;
-  Stopwatch watch_;          // runs since the start or the last file
-  std::vector<Line> lines_;  // for the current file
+  Stopwatch watch_;                 // runs since the start or the last file
+  std::vector<SurfaceLine> lines_;  // for the current file
   LabelStages label_stages_;
 };
 

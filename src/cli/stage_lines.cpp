@@ -1,7 +1,13 @@
 #include "cli/stage_lines.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <iterator>
+#include <map>
+#include <string_view>
+#include <system_error>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +29,40 @@ StageTime whole_time(const convert::StageReport& report) {
     if (part.stage == convert::StageName::classify) time += part.time;
   }
   return time;
+}
+
+// The parts of a line about a label: "hollowed", ": no cavity" and 0.31 of "hollowed at label 3: no cavity; 0.31 s".
+// Other lines are `start` as a whole.
+struct LineParts {
+  std::string start;
+  std::string end = {};
+  bool has_label = false;
+  std::optional<double> seconds = {};
+};
+
+LineParts parts_of(const SurfaceLine& line) {
+  LineParts parts{.start = line.text};
+  if (!line.id || !line.id->is_label()) return parts;
+  const std::string label = line.id->at_text();
+  const std::size_t at = line.text.find(label);
+  if (at == std::string::npos) return parts;
+  std::string end = line.text.substr(at + label.size());
+  if (!end.empty() && std::isdigit(static_cast<unsigned char>(end.front())) != 0) return parts;  // of a longer number
+  constexpr std::string_view kUnit = " s";
+  const std::size_t time = end.rfind("; ");
+  if (time != std::string::npos && end.ends_with(kUnit)) {
+    double seconds = 0;
+    const char* const last = end.data() + end.size() - kUnit.size();
+    const auto [stop, status] = std::from_chars(end.data() + time + 2, last, seconds);
+    if (status == std::errc{} && stop == last) {
+      parts.seconds = seconds;
+      end.resize(time);
+    }
+  }
+  parts.start.resize(at);
+  parts.end = std::move(end);
+  parts.has_label = true;
+  return parts;
 }
 
 }  // namespace
@@ -67,6 +107,36 @@ std::vector<std::string> LabelStages::take_lines(const convert::LabelTimes& time
     }
   }
   return lines;
+}
+
+std::vector<SurfaceLine> join_equal_lines(const std::vector<SurfaceLine>& lines) {
+  struct Joined {
+    LineParts parts;
+    std::size_t count = 0;
+  };
+  std::vector<SurfaceLine> joined;
+  std::vector<Joined> facts;  // of `joined`
+  std::map<std::tuple<std::string, std::string, bool, bool, bool>, std::size_t> places;
+  for (const SurfaceLine& line : lines) {
+    LineParts parts = parts_of(line);
+    const auto [place, is_new] = places.try_emplace(
+        {parts.start, parts.end, parts.has_label, parts.seconds.has_value(), line.explains}, joined.size());
+    if (is_new) {
+      joined.push_back(line);
+      facts.push_back({std::move(parts), 1});
+      continue;
+    }
+    Joined& same = facts[place->second];
+    ++same.count;
+    if (parts.seconds) *same.parts.seconds += *parts.seconds;
+  }
+  for (std::size_t i = 0; i < joined.size(); ++i) {
+    const auto& [parts, count] = facts[i];
+    if (count == 1) continue;
+    joined[i].text = fmt::format("{}{}{}{}", parts.start, parts.has_label ? fmt::format(" at {} labels", count) : "",
+                                 parts.end, parts.seconds ? fmt::format("; {:.2f} s", *parts.seconds) : "");
+  }
+  return joined;
 }
 
 }  // namespace isoextract::cli

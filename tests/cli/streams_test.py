@@ -153,6 +153,15 @@ class StreamsTest(ProgramTest):
         self.assertRegex(err, r"(?m)^map\.raw label 5: extracted in .+ s to compare samples, .+ s to count, ")
         self.assertRegex(err, r"(?m)^map\.raw label 5: smoothed in ")
 
+    def test_equal_lines_of_many_labels_are_one(self):
+        self.write_raw("map.raw", (12, 12, 12), lambda x, y, z: 1 + x // 4 + 3 * (y // 4) + 9 * (z // 4), "B")
+        map_of_27 = ("map.raw", "--dims", "12,12,12", "--require", "printable", "-o", "out.glb", "--labels")
+        self.assertRegex(self.convert(*map_of_27, "all").err, r"(?m)^  no triangles intersect at 27 labels; [\d.]+ s$")
+        err = self.convert(*map_of_27, "1,11").err
+        self.assertEqual(err.count("no triangles intersect"), 1, err)
+        self.assertIn("at 2 labels", err)
+        self.assertIn("  no triangles intersect at label 11; ", self.convert(*map_of_27, "11").err)
+
     def test_explain_tells_what_was_left_out(self):
         err = self.convert("demo:sphere?size=64", "--iso", "0", "--explain", "-o", "out.ply").err
         self.assertRegex(err, r"left out: [1-9]\d* of [1-9]\d* bricks \(.+\), which the iso value does not cross")
