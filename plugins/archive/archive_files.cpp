@@ -47,8 +47,8 @@ std::string reason_of(archive* opened) {
   return text != nullptr ? text : "the library gave no reason";
 }
 
-// The memory of a file's decoder, reserved in the host as its window fills: xz -9 states a window of 64 MiB and zstd
-// --ultra -22 one of 128 MiB, of which a small file touches little.
+// Reserves the memory of a file's decoder in the host as its window fills. The windows of xz -9 (64 MiB) and of zstd
+// --ultra -22 (128 MiB) stay mostly unused if the file is small.
 class DecoderMemory {
  public:
   DecoderMemory(const std::string& path, const isoextract_plugin_host& host)
