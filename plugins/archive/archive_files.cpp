@@ -5,6 +5,7 @@
 // state none. Nothing is kept in memory between the list and the reading.
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <fstream>
 #include <memory>
@@ -17,6 +18,7 @@
 #include <archive_entry.h>
 #include <zlib.h>
 
+#include "decoder_window.hpp"
 #include "volume_reader.hpp"
 
 namespace {
@@ -30,8 +32,9 @@ using isoextract_plugin::Request;
 using isoextract_plugin::VolumeFile;
 
 constexpr std::size_t kPart = std::size_t{1} << 20;
-// Estimate for the decoders. Windows of xz (up to 64 MiB at its program's levels) and zstd (128 MiB) may exceed it.
+// What the decoders need for small windows: those of gzip and bzip2, and xz and zstd at low levels.
 constexpr std::uint64_t kDecoderBytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t kBufferBytes = std::uint64_t{4} << 20;  // of this, all but the window
 constexpr std::size_t kMaxFiles = 100000;
 
 struct ArchiveDeleter {
@@ -44,9 +47,44 @@ std::string reason_of(archive* opened) {
   return text != nullptr ? text : "the library gave no reason";
 }
 
-void check(archive* opened, int status, const char* what) {
+// Reserves the memory of a file's decoder in the host as its window fills. The windows of xz -9 (64 MiB) and of zstd
+// --ultra -22 (128 MiB) stay mostly unused if the file is small.
+class DecoderMemory {
+ public:
+  DecoderMemory(const std::string& path, const isoextract_plugin_host& host)
+      : memory_(host), window_(isoextract_archive::stated_window(path)) {
+    memory_.take(taken_);
+  }
+
+  // Reserves what the decoder needs to unpack `bytes` in total.
+  void take_for(std::uint64_t bytes) {
+    const std::uint64_t needed = kBufferBytes + std::min(window_, bytes);
+    if (needed <= taken_) return;
+    memory_.take(needed - taken_);
+    taken_ = needed;
+  }
+
+  [[nodiscard]] std::uint64_t window() const { return window_; }
+
+ private:
+  HostMemory memory_;
+  std::uint64_t window_;
+  std::uint64_t taken_ = kDecoderBytes;
+};
+
+void check(archive* opened, int status, const char* what, DecoderMemory& memory) {
   if (status == ARCHIVE_OK || status == ARCHIVE_WARN) return;
-  throw ReadError(std::string("expected ") + what + ", found damaged data: " + reason_of(opened));
+  const std::string reason = reason_of(opened);
+  // libarchive has no error code for a window of zstd that the system refuses, or that zstd refuses for its size.
+  if (archive_errno(opened) == ENOMEM || reason.find("not enough memory") != std::string::npos) {
+    memory.take_for(memory.window());  // throws with the host's message if the memory limit is the reason
+    throw std::bad_alloc();
+  }
+  if (reason.find("too much memory") != std::string::npos) {
+    throw ReadError("expected a window that the library accepts, found one of " +
+                    std::to_string(memory.window() >> 20U) + " MiB: " + reason);
+  }
+  throw ReadError(std::string("expected ") + what + ", found damaged data: " + reason);
 }
 
 bool is_zip(const std::string& path) {
@@ -56,7 +94,7 @@ bool is_zip(const std::string& path) {
 
 enum class Content { raw, tar };
 
-Archive open_archive(const std::string& path, Content content) {
+Archive open_archive(const std::string& path, Content content, DecoderMemory& memory) {
   Archive opened(archive_read_new());
   if (!opened) throw std::bad_alloc();
   if (is_zip(path)) {
@@ -71,16 +109,17 @@ Archive open_archive(const std::string& path, Content content) {
     if (content == Content::tar) archive_read_support_format_tar(opened.get());
     if (content == Content::raw) archive_read_support_format_raw(opened.get());
   }
-  check(opened.get(), archive_read_open_filename(opened.get(), path.c_str(), kPart), "a compressed file or an archive");
+  check(opened.get(), archive_read_open_filename(opened.get(), path.c_str(), kPart), "a compressed file or an archive",
+        memory);
   return opened;
 }
 
 // Returns `tar` if the unpacked content has tar's signature, else `raw`; zip files need neither.
-Content content_of(const std::string& path) {
+Content content_of(const std::string& path, DecoderMemory& memory) {
   if (is_zip(path)) return Content::raw;
-  const Archive opened = open_archive(path, Content::raw);
+  const Archive opened = open_archive(path, Content::raw, memory);
   archive_entry* entry = nullptr;
-  check(opened.get(), archive_read_next_header(opened.get(), &entry), "the start of a file");
+  check(opened.get(), archive_read_next_header(opened.get(), &entry), "the start of a file", memory);
   constexpr std::size_t kTarHeader = 512;
   std::array<char, kTarHeader> start{};
   const la_ssize_t got = archive_read_data(opened.get(), start.data(), start.size());
@@ -129,19 +168,21 @@ void read_gzip(const std::string& path, gzFile opened, const isoextract_plugin_h
 // Calls file(name) at the start of each regular file, and bytes(data, count) for its content in order.
 template <class OnFile, class OnBytes>
 void walk(const std::string& path, const isoextract_plugin_host& host, OnFile&& file, OnBytes&& bytes) {
+  DecoderMemory memory(path, host);
   if (const Gzip packed = open_gzip(path)) {
     file(std::string());
     read_gzip(path, packed.get(), host, bytes);
     return;
   }
-  const Archive opened = open_archive(path, content_of(path));
+  const Archive opened = open_archive(path, content_of(path, memory), memory);
   std::vector<char> part(kPart);
+  std::uint64_t unpacked = 0;
   archive_entry* entry = nullptr;
   for (;;) {
     check_cancelled(host);
     const int status = archive_read_next_header(opened.get(), &entry);
     if (status == ARCHIVE_EOF) return;
-    check(opened.get(), status, "the start of a file");
+    check(opened.get(), status, "the start of a file", memory);
     if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_hardlink(entry) != nullptr) continue;
     if (archive_entry_is_encrypted(entry) != 0)
       throw ReadError("expected files without a password, found an encrypted one");
@@ -150,9 +191,11 @@ void walk(const std::string& path, const isoextract_plugin_host& host, OnFile&& 
     const bool is_raw = archive_format(opened.get()) == ARCHIVE_FORMAT_RAW;
     file(std::string(name == nullptr || is_raw ? "" : name));
     for (;;) {
+      memory.take_for(unpacked + kPart);
       const la_ssize_t got = archive_read_data(opened.get(), part.data(), part.size());
       if (got == 0) break;
-      if (got < 0) check(opened.get(), static_cast<int>(got), "whole content");
+      if (got < 0) check(opened.get(), ARCHIVE_FAILED, "whole content", memory);  // a zip's wrong checksum is a warning
+      unpacked += static_cast<std::uint64_t>(got);
       bytes(part.data(), static_cast<std::uint64_t>(got));
       check_cancelled(host);
     }
@@ -171,8 +214,6 @@ Grid grid_of_bytes(std::string name) {
 class ArchiveFile final : public VolumeFile {
  public:
   ArchiveFile(std::string path, const isoextract_plugin_host& host) : path_(std::move(path)) {
-    HostMemory memory(host);
-    memory.take(kDecoderBytes);
     grids.push_back(grid_of_bytes(""));
     walk(
         path_, host,
@@ -192,8 +233,6 @@ class ArchiveFile final : public VolumeFile {
   ReadFacts read(const isoextract_volume_selection& selection, const isoextract_plugin_host& host) override {
     const std::uint64_t all = grids.front().dims[0];
     if (selection.grid != 0 || selection.count[0] != all) throw ReadError("expected a request for all files together");
-    HostMemory memory(host);
-    memory.take(kDecoderBytes);
     auto* const to = static_cast<char*>(selection.box);
     std::uint64_t filled = 0;
     walk(

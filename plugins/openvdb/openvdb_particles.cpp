@@ -75,9 +75,16 @@ void check_bytes(const points::AttributeArray& array, const std::string& name) {
   }
 }
 
-// Returns the unique name, as file.beginName() lists it, of the wanted point grid, or of the only one.
+// Returns whether `wanted` is the name of a grid, also as a path: "/drops".
+bool is_name(std::string_view wanted, std::string_view name) {
+  return wanted == name || (wanted.starts_with('/') && wanted.substr(1) == name);
+}
+
+// Returns the unique name, as file.beginName() lists it, of the wanted point grid, or of the only one. The unique name
+// has precedence over other grids with this name.
 std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
   std::vector<std::string> sets;
+  std::vector<std::string> called;  // the sets with the wanted name
   std::string all;
   std::string others;
   for (auto name = file.beginName(); name != file.endName(); ++name) {
@@ -91,12 +98,18 @@ std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
       others += (others.empty() ? "" : ", ") + grid->type() + " '" + *name + "'";
       continue;
     }
-    if (wanted != nullptr && (*name == wanted || grid->getName() == wanted)) return *name;
+    if (wanted != nullptr && *name == wanted) return *name;
+    if (wanted != nullptr && (is_name(wanted, *name) || is_name(wanted, grid->getName()))) called.push_back(*name);
     all += (sets.empty() ? "'" : ", '") + *name + "'";
     sets.push_back(*name);
   }
   if (sets.empty()) {
     throw PluginError("expected a grid of points, found " + (others.empty() ? std::string("no grid") : others));
+  }
+  if (called.size() == 1) return called.front();
+  if (called.size() > 1) {
+    throw PluginError(std::to_string(called.size()) + " grids of points are named '" + std::string(wanted) +
+                      "'; there is " + all);
   }
   if (wanted != nullptr) throw PluginError("there is no grid of points '" + std::string(wanted) + "'; there is " + all);
   if (sets.size() > 1) throw PluginError("expected the name of one of the grids of points: " + all);

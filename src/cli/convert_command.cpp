@@ -40,6 +40,7 @@
 #include "cli/rank_run.hpp"
 #include "cli/remedies.hpp"
 #include "cli/report_file.hpp"
+#include "cli/stage_lines.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
 #include "convert/output_checks.hpp"
@@ -48,10 +49,6 @@
 
 namespace isoextract::cli {
 namespace {
-
-std::string times_text(const StageTime& time) {
-  return fmt::format("{:.2f} s ({:.2f} s of processor time)", time.wall_seconds, time.cpu_seconds);
-}
 
 // Returns the option that would have enabled the work.
 std::string_view option_for(const convert::WorkFact& fact) {
@@ -89,20 +86,25 @@ class ConversionPrinter final : public convert::Events {
 
   void end(const convert::StageReport& report) override {
     if (!report.did.empty() && report.time) {
-      const bool has_details = !report.details.empty();
-      tell_stage(fmt::format("{}: {} in {}{}{}", report.subject, report.did, times_text(*report.time),
-                             has_details ? ": " : "", has_details ? report.details.front() : ""));
-      for (std::size_t i = 1; i < report.details.size(); ++i) {
-        tell_stage(fmt::format("{}: {}", report.subject, report.details[i]));
+      // Explanations of a label follow its own lines.
+      if (report.id && report.id->is_label() && !plan_.explain) {
+        label_stages_.add(report);
+      } else {
+        for (const std::string& line : stage_lines(report)) tell_stage(line);
       }
     }
     if (report.lines.empty()) {
       for (const convert::WorkFact& fact : report.work) explain(fact);
     }
     for (const convert::StageReport::Line& line : report.lines) {
-      lines_.push_back({of_grid(report.label, line.text), line.explains, stage_info(report.stage).line_rank});
+      lines_.push_back(
+          {of_grid(report.label, line.text), report.id, line.explains, stage_info(report.stage).line_rank});
     }
     if (report.output) tell_written(report, *report.output);
+  }
+
+  void end_labels(const convert::LabelTimes& times) override {
+    for (const std::string& line : label_stages_.take_lines(times)) tell_stage(line);
   }
 
  private:
@@ -135,11 +137,11 @@ class ConversionPrinter final : public convert::Events {
                          counted(output.triangles, "triangle"), counted(output.vertices, "vertex", "vertices"), bytes,
                          closed_or_open_text(output, plan_.job), output.placement, seconds);
     }
-    std::ranges::stable_sort(lines_, {}, &Line::rank);
+    std::ranges::stable_sort(lines_, {}, &SurfaceLine::rank);
     if (!line.empty()) {
       bar_.above([&] {
         messages_.summary(line);
-        for (const Line& other : lines_) tell(other);
+        for (const SurfaceLine& other : join_equal_lines(lines_)) tell(other);
         if (!output.surfaces.empty() && output.surfaces.front().id.is_label()) {
           for (const std::string& row : label_table(output)) messages_.detail(row);
         }
@@ -175,13 +177,7 @@ class ConversionPrinter final : public convert::Events {
     return fmt::format(" {} labels from {} to {}", ids.size(), least.id.text(), greatest.id.text());
   }
 
-  struct Line {
-    std::string text;
-    bool explains = false;
-    int rank = 0;
-  };
-
-  void tell(const Line& line) const {
+  void tell(const SurfaceLine& line) const {
     if (!line.explains) messages_.summary("  " + line.text);
     if (line.explains && plan_.explain) messages_.explanation("  " + line.text);
   }
@@ -195,8 +191,9 @@ class ConversionPrinter final : public convert::Events {
   const Messages& messages_;
   ProgressBar& bar_;
   std::string_view word_;
-  Stopwatch watch_;          // runs since the start or the last file
-  std::vector<Line> lines_;  // for the current file
+  Stopwatch watch_;                 // runs since the start or the last file
+  std::vector<SurfaceLine> lines_;  // for the current file
+  LabelStages label_stages_;
 };
 
 Result<void> check_stdout(const convert::ConversionJob& job) {

@@ -154,7 +154,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
 // Returns the named grid, or without a name the first scalar grid; null if there is none.
 const volume_io::GridInfo* described_grid(const InfoPlan& plan, const std::vector<volume_io::GridInfo>& grids) {
   const auto is_it = [&](const volume_io::GridInfo& grid) {
-    return plan.read.grid ? grid.label == *plan.read.grid || grid.name == *plan.read.grid : grid.scalar;
+    return plan.read.grid ? grid.matches_name(*plan.read.grid) : grid.scalar;
   };
   const auto found = std::ranges::find_if(grids, is_it);
   return found == grids.end() ? nullptr : &*found;

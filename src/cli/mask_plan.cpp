@@ -73,10 +73,13 @@ std::string name_of_masks(std::span<const std::string> masks) {
   return folder.empty() || folder == "." || folder == ".." ? "masks" : folder;
 }
 
-Result<void> check_mask_input(const InputFlags& input, const Flag& masks) {
+Result<void> check_mask_input(const InputFlags& input, const ParticleFlags& particles, const Flag& masks) {
   if (!masks) return {};
   TRY(refuse_both(masks, input.volume, "the file of each mask has one volume"));
   TRY(refuse_both(masks, input.inside, "the inside of a mask is every value but 0"));
+  for (const Option* option : particles.options()) {
+    if (option->is_set()) return refuse_both(masks, *option, "the files of masks are volumes, not particles");
+  }
   if (input.grids.size() < 2) return {};
   return refuse_usage("--masks takes one --grid, the name of the grid in all files",
                       "write each mask to a file of its own");
@@ -84,7 +87,7 @@ Result<void> check_mask_input(const InputFlags& input, const Flag& masks) {
 
 Result<void> take_masks(ConvertFlags& flags) {
   if (!flags.masks) return {};
-  TRY(check_mask_input(flags.input, flags.masks));
+  TRY(check_mask_input(flags.input, flags.particles, flags.masks));
   const auto refuse = [&](const Option& other, std::string_view why) {
     return other.is_set() ? refuse_both(flags.masks, other, why) : Result<void>();
   };

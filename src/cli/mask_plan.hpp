@@ -24,7 +24,7 @@ namespace isoextract::cli {
 // --masks.
 [[nodiscard]] Result<void> take_masks(ConvertFlags& flags);
 
-// Refuses options of the input that do not work with --masks. Does nothing without --masks.
-[[nodiscard]] Result<void> check_mask_input(const InputFlags& input, const Flag& masks);
+// Refuses options of the input and of particles that do not work with --masks. Does nothing without --masks.
+[[nodiscard]] Result<void> check_mask_input(const InputFlags& input, const ParticleFlags& particles, const Flag& masks);
 
 }  // namespace isoextract::cli

@@ -246,7 +246,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags) {
   plan.inputs = flags.input.inputs;
   if (!flags.frames && !flags.masks) name_volume_of_files(plan.inputs);
   if (flags.masks) {
-    TRY(check_mask_input(flags.input, flags.masks));
+    TRY(check_mask_input(flags.input, flags.particles, flags.masks));
     TRY(refuse_both(flags.masks, flags.frames, "masks are no sequence"));
     plan.masks = TRY(find_masks(plan.inputs, plan.notes));
   }

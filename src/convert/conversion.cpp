@@ -164,6 +164,7 @@ class Conversion {
         TRY(add_surfaces(isos, *file, in_pieces));
         skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
       }
+      events_.end_labels({std::exchange(finding_labels_, {}), extracting_labels_.take()});
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
     // A surface split into bodies has one file for each body, so `output` itself names no file.
@@ -305,13 +306,10 @@ class Conversion {
     return_large_blocks();
     looks_ = TRY(LabelAppearance::open(job_, source_.field, opened_->second, context_));
     if (masks_) looks_.add_names_without_voxels(masks_->names_without_voxels());
-    if (!backends_.extractor()->has(job_.surface.method)) {
-      const Error error{ErrorCode::unavailable,
-                        fmt::format("the {} backend does not have {}", backends_.extractor()->name(), method().title),
-                        {Remedy::use, Setting::cpu_backend}};
-      if (!backends_.fall_back_to_cpu(error)) return tl::unexpected(error);
-    }
+    TRY(backends_.require(job_.surface.method));
+    const Stopwatch watch;
     labels_ = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
+    finding_labels_ += watch.elapsed();
     TRY(volume_io::check_mapping_intact(source_.field));
     release_free_memory();  // finding and relaxing labels takes more memory than keeping them
     for (const Note& note : labels_->notes()) events_.note(note);
@@ -326,12 +324,10 @@ class Conversion {
     return tl::unexpected(no_label(source_, job_.surface.background, chosen_.counts));
   }
 
-  [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
-
   [[nodiscard]] SurfaceMaker maker(PartwiseOutput* sink = nullptr) {
     const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
     return {job_, source_,        backends_.extractor(), backends_.other(), labels, looks_,
-            all_, source_.meshes, extras_.mesh_facts,    context_,          sink};
+            all_, source_.meshes, extras_.mesh_facts,    context_,          sink,   &extracting_labels_};
   }
 
   Result<void> add(Surface surface, OutputMeshes& file) {
@@ -465,6 +461,8 @@ class Conversion {
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
   ChosenLabels chosen_;                         // of labels_
   LabelCounts label_counts_;                    // of all layers of the current output
+  StageTime finding_labels_;                    // of all layers of the current grid
+  ActiveTime extracting_labels_;                // likewise
   SurfaceList all_;                             // surfaces of the current grid
   LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output

@@ -5,9 +5,17 @@
 #include <string>
 
 #include "base/note.hpp"
+#include "base/stopwatch.hpp"
 #include "convert/stage_report.hpp"
 
 namespace isoextract::convert {
+
+// How long the extraction of labels took. StageReport::time of one label cannot tell: labels are made side by side, and
+// the samples are compared once for all of them.
+struct LabelTimes {
+  StageTime compare;  // the pass over the samples
+  StageTime make;     // making the meshes, without the stages that edit them
+};
 
 // Override the functions of interest; by default they do nothing.
 class Events {
@@ -18,6 +26,8 @@ class Events {
   virtual void note(const Note& /*note*/) {}
   // Receives a report of a stage. A stage may send several, such as one with times and one with skipped work.
   virtual void end(const StageReport& /*report*/) {}
+  // Receives the times of all labels of a grid, after the reports of their stages.
+  virtual void end_labels(const LabelTimes& /*times*/) {}
 };
 
 }  // namespace isoextract::convert

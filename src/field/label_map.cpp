@@ -80,7 +80,7 @@ struct SampleRow {
   std::array<Beside, 2> beside;
 };
 
-// A type in which adding 1 to a label is exact, except to 2^24 (f32) and 2^53 (f64).
+// A type in which adding 1 to a label is exact, except to 2^24 (f32) and 2^53 (f64), which stay what they are.
 template <class T>
 using LabelNumber =
     std::conditional_t<is_floating_sample<T>, std::conditional_t<std::is_same_v<T, double>, double, float>,
@@ -97,8 +97,11 @@ void count_pairs(T value, std::span<const T> others, std::size_t axis, LabelTall
   for (const T sample : others) {
     const N other = static_cast<N>(sample);  // NOLINT(bugprone-signed-char-misuse): likewise
     equal += other == number ? 1U : 0U;
-    different += static_cast<std::uint32_t>(other < number) | static_cast<std::uint32_t>(other > number);
-    steps += static_cast<std::uint32_t>(other == number + 1) | static_cast<std::uint32_t>(other == number - 1);
+    const auto differs = static_cast<std::uint32_t>(other < number) | static_cast<std::uint32_t>(other > number);
+    different += differs;
+    // `differs` is for the largest labels of floating-point types, where adding 1 changes nothing.
+    steps +=
+        differs & (static_cast<std::uint32_t>(other == number + 1) | static_cast<std::uint32_t>(other == number - 1));
   }
   tally.equal[axis] += equal;
   all.different[axis] += different;
@@ -316,12 +319,14 @@ LabelTallies tally_all(const ScalarField& field, std::uint64_t most_values, Prog
   return all;
 }
 
-// Adds the tiles of a sparse field. Returns the number of pairs within tiles of labels other than 0.
+// Adds the tiles of a sparse field. Returns the number of pairs within tiles of labels other than 0. Tiles of the
+// background do not count, even if a field has some.
 std::uint64_t add_tiles(const ScalarField& field, LabelTallies& all) {
   std::uint64_t pairs = 0;
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   if (sparse == nullptr) return pairs;
   for (const SparseTile& tile : sparse->tiles) {
+    if (tile.value == sparse->background) continue;
     LabelTally& tally = all.values[static_cast<std::int64_t>(tile.value)];
     tally.add(tile_voxels(tile), tile.origin, tile.origin + tile.size - 1);
     const auto side = static_cast<std::uint64_t>(tile.size);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <new>
 #include <tuple>
 #include <utility>
@@ -154,6 +155,8 @@ tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextra
     const bool has_size =
         tile.size >= field::SparseBlock::kSize && std::has_single_bit(static_cast<unsigned>(tile.size));
     if (!has_size || !is_within_limits(origin, tile.size)) return wrong("a tile with an invalid size or origin");
+    const bool both_nan = std::isnan(tile.value) && std::isnan(given.background);
+    if (tile.value == given.background || both_nan) continue;
     samples.tiles.push_back({origin, tile.size, tile.value});
   }
   samples.active_box = {vector_of(given.active_min), vector_of(given.active_max)};

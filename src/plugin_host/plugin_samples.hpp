@@ -65,9 +65,9 @@ class PluginMemory {
   std::optional<Error> refusal_;
 };
 
-// Converts a plug-in's sparse samples. Copies the lists of blocks and tiles; the values stay in place, kept alive by
-// `owner`. The error completes the sentence "the plug-in returns ...": "blocks that are not in order". Does not check
-// whether tiles overlap, nor the box and number of active voxels.
+// Converts a plug-in's sparse samples. Copies the lists of blocks and tiles, but no tiles of the background's value;
+// the values stay in place, kept alive by `owner`. The error completes the sentence "the plug-in returns ...": "blocks
+// that are not in order". Does not check whether tiles overlap, nor the box and number of active voxels.
 [[nodiscard]] tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextract_sparse_samples& given,
                                                                                 std::shared_ptr<const void> owner);
 

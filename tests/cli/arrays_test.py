@@ -64,6 +64,9 @@ class ArraysTest(ProgramTest):
             self.assert_fails(2, run, "there is no grid 'rr' (did you mean 'r'?)", "--grid NAME")
         listed = json.loads(self.convert("info", "--json", "packed.npz").text)[0]
         self.assertEqual([(grid["name"], grid["volumes"]) for grid in listed["grids"]], [("v", 10), ("r", 1)])
+        # info takes the first of 10 volumes, whether the grid is named as itself or as a path.
+        for name in ("v", "/v"):
+            self.assertIn(f"--grid {name} --volume 0", self.convert("info", "packed.npz", "--grid", name).text)
 
     def test_a_component_and_the_length_of_all(self):
         alone = self.mesh("r.npy", "--iso", RADIUS, "--inside", "below")

@@ -14,14 +14,19 @@ import subprocess
 import tarfile
 import zipfile
 
-from support import ProgramTest, main
+from support import ProgramTest, main, needs_program
 
 TEST_PLUGINS = pathlib.Path(os.environ["ISOEXTRACT_TEST_PLUGINS"])
 DIMS = (12, 11, 10)
 
 
-def zstd(data):
-    return subprocess.run(["zstd", "-q", "-c"], input=data, stdout=subprocess.PIPE, check=True).stdout
+def zstd(data, *options):
+    return subprocess.run(["zstd", "-q", "-c", *options], input=data, stdout=subprocess.PIPE, check=True).stdout
+
+
+def xz(data, window):
+    """With a window of any size, which the decoder takes whatever the size of the data."""
+    return lzma.compress(data, filters=[{"id": lzma.FILTER_LZMA2, "preset": 0, "dict_size": window}])
 
 
 PACKERS = {".xz": lzma.compress, ".zst": zstd, ".bz2": bz2.compress, ".gz": gzip.compress}
@@ -180,6 +185,33 @@ class OneFileTest(CompressedTest):
         self.write("zeros.raw.xz", data)
         self.refused(2, "zeros.raw.xz", "--dims", "1024,1024,300", "--memory-limit", "100M", said="memory")
 
+    def test_the_memory_limit_holds_for_the_window_of_the_decoder(self):
+        data = bytearray(40 << 20)
+        data[len(data) // 2 + 500 * 1024 + 500] = 255
+        layout = ("--dims", "1024,1024,40", "--dtype", "u8", "--iso", "100", "-o", "out.ply", "--memory-limit", "82M")
+        for megabytes, code in ((1, 0), (64, 2)):
+            self.write("a.raw.xz", xz(bytes(data), megabytes << 20))
+            run = self.run_program("a.raw.xz", *layout, env=self.environment)
+            self.assertEqual(run.code, code, run.err)
+        self.assertIn("the limit is 82 MiB", run.err)
+
+    @needs_program("zstd")
+    def test_a_small_file_with_a_large_window(self):
+        self.write("a.npy", npy())
+        plain = self.mesh("a.npy")
+        # The decoder fills little of this window.
+        self.write("a.npy.xz", xz(npy(), 64 << 20))
+        self.assertEqual(self.mesh("a.npy.xz", "--memory-limit", "24M"), plain)
+        # The process that unpacks cannot get this window, and the memory limit is the reason.
+        self.write("a.npy.zst", zstd(npy(), "-1", "--long=27"))
+        run = self.refused(2, "a.npy.zst", "--memory-limit", "64M", said="the limit is 64 MiB")
+        self.assertNotIn("damaged", run.err)
+        self.assertEqual(self.mesh("a.npy.zst", "--memory-limit", "256M"), plain)
+        # The library accepts at most 128 MiB.
+        self.write("a.npy.zst", zstd(npy(), "-1", "--long=31"))
+        run = self.refused(2, "a.npy.zst", said="expected a window that the library accepts, found one of 2048 MiB")
+        self.assertNotIn("damaged", run.err)
+
 
 class ArchiveTest(CompressedTest):
     def archive(self, name, members):
@@ -226,6 +258,14 @@ class ArchiveTest(CompressedTest):
         self.refused(2, "none.tar", said="none.tar")
         self.archive("text.zip", {"read.me": b"hello there"})
         self.refused(2, "text.zip", said="text.zip")
+
+    def test_a_zip_with_a_wrong_checksum(self):
+        with zipfile.ZipFile(self.folder / "a.zip", "w", zipfile.ZIP_STORED) as opened:
+            opened.writestr("a.npy", npy())
+        packed = bytearray((self.folder / "a.zip").read_bytes())
+        packed[len(packed) // 2] ^= 0x55
+        self.write("a.zip", packed)
+        self.refused(2, "a.zip", said="a.zip: expected whole content, found damaged data: ZIP bad CRC")
 
     def test_damaged_archives(self):
         for name in ("a.zip", "a.tar", "a.tar.xz"):

@@ -335,10 +335,13 @@ class MasksTest(ProgramTest):
     def test_options_that_do_not_go_with_masks(self):
         self.write_balls()
         for options in (["--iso", "0.5"], ["--volume", "0"], ["--label-names", "x.txt"], ["--background", "1"],
-                        ["--frames", "1-2"], ["--jobs", "2"], ["--inside", "below"]):
+                        ["--frames", "1-2"], ["--jobs", "2"], ["--inside", "below"], ["--particles", "sph"], ["--radius", "2"],
+                        ["--periodic", "x"]):
             with self.subTest(options=options):
                 self.assert_fails(1, self.run_program("seg", "--masks", *options, "-o", "out.glb"),
                                   f"--masks and {options[0]} exclude each other")
+        self.assert_fails(1, self.run_program("info", "seg", "--masks", "--stride", "2"),
+                          "--masks and --stride exclude each other: the files of masks are volumes, not particles")
         for option, value, said in (("--method", "mc", "marching cubes"), ("--blur", "1", ""), ("--component", "length", "")):
             run = self.run_program("seg", "--masks", option, value, "-o", "out.glb")  # not --labels, which was not given
             self.assert_fails(1, run, f"--masks does not work with {said}" if said else " does not work with --masks: ")

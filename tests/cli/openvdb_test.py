@@ -50,6 +50,16 @@ class OpenVdbTest(ProgramTest):
             ended = run(*arguments)
             self.assertEqual(ended.returncode, 3, ended.stderr)
             self.assertIn("isoextract-particles-openvdb.so", ended.stderr)
+        # Names are chosen as those of volumes are.
+        (self.folder / "several.vdb").write_bytes(vdb(grid("density", VOXELS), points, points))
+        for arguments in (("both.vdb", "--grid", "/drops"), ("several.vdb", "--grid", "drops[1]")):
+            ended = run(*arguments, "-o", "a.ply")
+            self.assertEqual(ended.returncode, 3, ended.stderr)
+            self.assertIn("isoextract-particles-openvdb.so", ended.stderr)
+        ended = run("several.vdb", "--grid", "drops", "-o", "a.ply")
+        self.assertEqual(ended.returncode, 2, ended.stderr)
+        self.assertIn("several.vdb: 2 grids are named 'drops'", ended.stderr)
+        self.assertIn("drops[1]", ended.stderr)
         ended = run("both.vdb", "--iso", "0.5", "-o", "a.ply")
         self.assertEqual(ended.returncode, 0, ended.stderr)
         self.assertIn("both.vdb[density]", ended.stderr)

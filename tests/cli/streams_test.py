@@ -2,6 +2,7 @@
 
 import os
 import pty
+import re
 import select
 import signal
 import subprocess
@@ -135,6 +136,31 @@ class StreamsTest(ProgramTest):
         err = self.convert(SPHERE, "--iso", "0", "-v").err
         for part in ("read in ", "extracted in ", "written in ", "peak memory "):
             self.assertIn(part, err)
+
+    def test_verbose_tells_many_labels_in_a_line_for_each_stage(self):
+        self.write_raw("map.raw", (12, 12, 12), lambda x, y, z: 1 + x // 4 + 3 * (y // 4) + 9 * (z // 4), "B")
+        map_of_27 = ("map.raw", "--dims", "12,12,12", "--smooth", "3", "-v", "-o", "out.glb", "--labels")
+        err = self.convert(*map_of_27, "all").err
+        (line,) = [line for line in err.splitlines() if "extracted in " in line]
+        found = re.fullmatch(r"map\.raw: 27 labels extracted in ([\d.]+) s \([\d.]+ s of processor time\): "
+                             r"([\d.]+) s to compare samples, ([\d.]+) s to make the meshes", line)
+        self.assertIsNotNone(found, line)
+        whole, compare, make = (float(seconds) for seconds in found.groups())
+        self.assertAlmostEqual(whole, compare + make, delta=0.01)
+        (line,) = [line for line in err.splitlines() if "smoothed in " in line]
+        self.assertRegex(line, r"^map\.raw: 27 labels smoothed in [\d.]+ s, the sum over the labels$")
+        err = self.convert(*map_of_27, "5").err
+        self.assertRegex(err, r"(?m)^map\.raw label 5: extracted in .+ s to compare samples, .+ s to count, ")
+        self.assertRegex(err, r"(?m)^map\.raw label 5: smoothed in ")
+
+    def test_equal_lines_of_many_labels_are_one(self):
+        self.write_raw("map.raw", (12, 12, 12), lambda x, y, z: 1 + x // 4 + 3 * (y // 4) + 9 * (z // 4), "B")
+        map_of_27 = ("map.raw", "--dims", "12,12,12", "--require", "printable", "-o", "out.glb", "--labels")
+        self.assertRegex(self.convert(*map_of_27, "all").err, r"(?m)^  no triangles intersect at 27 labels; [\d.]+ s$")
+        err = self.convert(*map_of_27, "1,11").err
+        self.assertEqual(err.count("no triangles intersect"), 1, err)
+        self.assertIn("at 2 labels", err)
+        self.assertIn("  no triangles intersect at label 11; ", self.convert(*map_of_27, "11").err)
 
     def test_explain_tells_what_was_left_out(self):
         err = self.convert("demo:sphere?size=64", "--iso", "0", "--explain", "-o", "out.ply").err

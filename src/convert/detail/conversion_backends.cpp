@@ -33,6 +33,14 @@ bool ConversionBackends::fall_back_to_cpu(const Error& error) {
   return true;
 }
 
+Result<void> ConversionBackends::require(extract::Method method) {
+  if (extractor_->has(method)) return {};
+  Error error{ErrorCode::unavailable,
+              fmt::format("the {} backend does not have {}", extractor_->name(), extract::method_info(method).title),
+              {Remedy::use, Setting::cpu_backend}};
+  return fall_back_to_cpu(error) ? Result<void>() : tl::unexpected(std::move(error));
+}
+
 void ConversionBackends::extract_with(OpenedBackend backend, const StageTime& time) {
   extractor_ = std::move(backend.extractor);
   outcome_.backend = extractor_->name();

@@ -27,6 +27,9 @@ class ConversionBackends {
   // does so when verifying. Returns whether it fell back.
   bool fall_back_to_cpu(const Error& error);
 
+  // Fails, or falls back to the CPU, if the backend does not have the method. Call it after open().
+  [[nodiscard]] Result<void> require(extract::Method method);
+
   // Returns null before open(), and for jobs that extract nothing.
   [[nodiscard]] extract::Extractor* extractor() const { return extractor_.get(); }
   // Returns null without verification.

@@ -18,6 +18,7 @@ class Recorder final : public Events {
 
   void note(const Note& note) override;
   void end(const StageReport& report) override;
+  void end_labels(const LabelTimes& times) override { listener_.end_labels(times); }
 
   // Call before reading a grid, in jobs with several grids. For a grid that was read before, the recorder drops all
   // notes until end_reading(), and reduces reports to the time and, for reading stages, StageReport::did.

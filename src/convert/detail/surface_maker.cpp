@@ -24,6 +24,7 @@ Result<extract::Extraction> extract_field(const SurfaceMaker& maker, const Resol
     return extract_heights(field, *heights, options, maker.context);
   }
   if (maker.labels == nullptr) return maker.extractor->extract(field, options, maker.context);
+  const ActiveTime::Task task(maker.extracting);
   auto extraction = maker.labels->extract(field, asked.id.label(), options, maker.context);
   if (extraction) extraction->mesh.name = field.name;
   return extraction;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "base/active_time.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
@@ -46,7 +47,8 @@ struct SurfaceMaker {
   std::vector<mesh::Mesh>& meshes;     // of a mesh file; make() takes the mesh of its surface out of them
   bool mesh_facts;                     // measure Surface::facts
   const Context& context;
-  PartwiseOutput* sink = nullptr;  // takes the mesh while it is made, if nothing edits it as a whole; null: none
+  PartwiseOutput* sink = nullptr;    // takes the mesh while it is made, if nothing edits it as a whole; null: none
+  ActiveTime* extracting = nullptr;  // measures how long labels are extracted; null: not measured
 
   // Makes one surface. The source's inside must be set for it (Source::set_inside_side()). For labels, calls from
   // several threads do not disturb each other. Throws nothing but keeps exceptions in the result: an exception that

@@ -228,13 +228,25 @@ class OpenVdbParticles final : public PluginParticles {
   }
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    must(volume_io::check_vdb_header(file));
-    return PluginParticles::info(file, options);
+    return PluginParticles::info(file, checked(file, options));
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    return PluginParticles::read(file, checked(file, options));
+  }
+
+  [[nodiscard]] DescribedParticles describe(const files::InputFile& file,
+                                            const ParticleReadOptions& options) const override {
+    return PluginParticles::describe(file, checked(file, options));
+  }
+
+ private:
+  // Checks the header. Returns the options with OpenVDB's name of the selected grid.
+  static ParticleReadOptions checked(const files::InputFile& file, const ParticleReadOptions& options) {
     must(volume_io::check_vdb_header(file));
-    return PluginParticles::read(file, options);
+    ParticleReadOptions named = options;
+    if (named.grid) named.grid = must(volume_io::vdb_points_name(file, *named.grid));
+    return named;
   }
 };
 

@@ -36,15 +36,6 @@ std::vector<std::size_t> indices_where(std::span<const GridInfo> grids, const F&
   return found;
 }
 
-// Returns the grid with this label; if there is none, all grids with this name, as stored or as shown.
-std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std::string& wanted) {
-  auto found = indices_where(grids, [&](const GridInfo& grid) { return grid.label == wanted; });
-  if (!found.empty()) return found;
-  return indices_where(grids, [&](const GridInfo& grid) {
-    return grid.matches_name(wanted) || printable(grid.name, kMaxLabel) == wanted;
-  });
-}
-
 }  // namespace
 
 void label_grids(std::span<GridInfo> grids) {
@@ -61,6 +52,20 @@ void label_grids(std::span<GridInfo> grids) {
       grid.label = fmt::format("{}[{}]", name, next[name]++);
     } while (names.contains(grid.label));
   }
+}
+
+std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std::string& wanted) {
+  auto found = indices_where(grids, [&](const GridInfo& grid) { return grid.label == wanted; });
+  if (!found.empty()) return found;
+  return indices_where(grids, [&](const GridInfo& grid) {
+    return grid.matches_name(wanted) || printable(grid.name, kMaxLabel) == wanted;
+  });
+}
+
+tl::unexpected<Error> fail_for_several(const std::string& file, std::size_t count, const std::string& wanted,
+                                       Hint hint) {
+  return fail(ErrorCode::input, fmt::format("{}: {} grids are named '{}'", file, count, printable(wanted, kMaxLabel)),
+              std::move(hint));
 }
 
 std::string grid_table(std::span<const GridInfo> grids) {
@@ -103,11 +108,7 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
         fmt::format("{}: there is no grid '{}'{}", file, printable(*wanted, kMaxLabel), did_you_mean(*wanted, names)),
         listed());
   }
-  if (found.size() > 1) {
-    return fail(ErrorCode::input,
-                fmt::format("{}: {} grids are named '{}'", file, found.size(), printable(*wanted, kMaxLabel)),
-                listed());
-  }
+  if (found.size() > 1) return fail_for_several(file, found.size(), *wanted, listed());
   if (!grids[found.front()].scalar) {
     return fail(ErrorCode::input,
                 fmt::format("{}: expected a grid of scalars, such as float or int32, but '{}' has values of type {}",

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "volume_io/volume_format.hpp"
@@ -16,6 +17,14 @@ inline constexpr std::size_t kMaxLabel = 200;  // longest part of a name that is
 // Sets GridInfo::label from the names. Names that look alike become NAME[k], with k counting from 0 in file order;
 // skips labels that are another grid's name.
 void label_grids(std::span<GridInfo> grids);
+
+// Returns the index of the grid with the label `wanted`; if there is none, of all grids with this name, as stored, as
+// shown or as a path.
+[[nodiscard]] std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std::string& wanted);
+
+// Returns the failure for a name that `count` grids of a file have.
+[[nodiscard]] tl::unexpected<Error> fail_for_several(const std::string& file, std::size_t count,
+                                                     const std::string& wanted, Hint hint);
 
 // Returns a table of at most 100 grids, one per line: label, type, class, active voxels, box.
 [[nodiscard]] std::string grid_table(std::span<const GridInfo> grids);

@@ -195,6 +195,20 @@ TEST(LabelMap, RejectsNoiseScansAndSmoothFields) {
   EXPECT_FALSE(kind_of(field_of<std::uint8_t>({8, 20, 20}, [](int x, int, int) { return x; })));
 }
 
+// 2^24 + 1 is no f32 and 2^53 + 1 is no f64: adding 1 to the largest label of a type gives the same label.
+TEST(LabelMap, TakesPairsOfTheLargestLabelForNoStepsOfOne) {
+  const glm::ivec3 dims(40, 40, 40);
+  const auto with_block_of = [](double largest) {
+    return [largest](int x, int y, int z) { return x < 20 ? random_cells(5, 3)(x, y, z) : largest; };
+  };
+  for (const double sign : {1.0, -1.0}) {
+    const ValueAt in_f32 = with_block_of(sign * 0x1p24);
+    EXPECT_EQ(kind_of(field_of<float>(dims, in_f32)), LabelMapKind::label_map);
+    expect_counts(measure_label_map(field_of<float>(dims, in_f32)).value(), dims, in_f32);
+    EXPECT_EQ(kind_of(field_of<double>(dims, with_block_of(sign * 0x1p53))), LabelMapKind::label_map);
+  }
+}
+
 TEST(LabelMap, RejectsScaledLevelSetSmallAndConstantFields) {
   const ValueAt mask = [](int x, int y, int z) { return in_ball(x, y, z, 12) ? 1 : 0; };
   ScalarField field = field_of<std::uint8_t>({40, 40, 40}, mask);
@@ -241,6 +255,15 @@ TEST(LabelMap, MeasuresSparseIntegersWithTiles) {
   EXPECT_FALSE(map->background);
   EXPECT_EQ(map->labels, (std::vector<LabelFigures>{{4, 5 * 64 + 512, {{8, 0, -8}, {23, 7, -1}}},
                                                     {6, 32 * 32 * 32, {{64, 64, 64}, {95, 95, 95}}}}));
+  // A tile of the background changes nothing.
+  sparse.tiles.push_back({{128, 0, 0}, 64, 9});
+  field.samples = sparse;
+  const auto with_background_tile = measure_label_map(field);
+  ASSERT_TRUE(with_background_tile);
+  EXPECT_EQ(with_background_tile->labels, map->labels);
+  EXPECT_EQ(with_background_tile->faces, map->faces);
+  EXPECT_GT(map->faces, 6U * (32 * 32 + 8 * 8));
+  EXPECT_LT(map->faces, 7000U);
   // Floating-point grids with one value in them are densities.
   SparseSamples fog;
   fog.tiles = {{{0, 0, 0}, 8, 1}};

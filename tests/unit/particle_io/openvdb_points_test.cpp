@@ -240,6 +240,19 @@ TEST(OpenVdbPoints, DetectsFilesWithOnlyPoints) {
   EXPECT_EQ(kind("both.vdb"), "none");
   EXPECT_EQ(kind("both.vdb", "drops"), "openvdb");
   EXPECT_EQ(kind("both.vdb", "density"), "none");
+  // The rule for names is that of volumes: labels, and names as paths.
+  EXPECT_EQ(kind("both.vdb", "/drops"), "openvdb");
+  write_vdb(folder / "several.vdb", {drops, two_voxels<openvdb::FloatGrid>("density", 1, 2), drops->copy()});
+  EXPECT_EQ(kind("several.vdb", "drops[1]"), "openvdb");
+  EXPECT_EQ(kind("several.vdb", "drops[2]"), "none");
+  particle_io::ParticleReadOptions options;
+  options.grid = "drops";
+  const auto several = particle_io::detect_particles((folder / "several.vdb").string(), options, Context());
+  ASSERT_FALSE(several);
+  EXPECT_EQ(several.error().code, ErrorCode::input);
+  expect_in(several.error().message, "several.vdb: 2 grids are named 'drops'");
+  ASSERT_FALSE(several.error().hint.steps.empty());
+  expect_in(several.error().hint.steps.front().text, "drops[1]");
   const auto formats = particle_io::find_particle_plugins({"/nowhere"});
   const auto missing = try_points(folder / "points.vdb", {}, *formats[1]);
   ASSERT_FALSE(missing);
@@ -264,6 +277,26 @@ TEST(OpenVdbPoints, SelectsAGridByName) {
   expect_in(unnamed.error().message, "expected the name of one of the grids of points: 'drops', 'foam'");
   options.grid = "density";
   expect_in(try_points(folder / "p.vdb", options).error().message, "there is no grid of points 'density'");
+}
+
+TEST(OpenVdbPoints, SelectsAGridByLabelAndPath) {
+  NEEDS_OPENVDB_PLUGIN();
+  const TempFolder folder;
+  auto few = some_places();
+  few.resize(3);
+  write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5), point_grid("drops", few, 0.5),
+                               point_grid("foam", {few.front()}, 0.5)});
+  particle_io::ParticleReadOptions options;
+  for (const auto& [name, count] : {std::pair("drops[0]", 50), {"drops[1]", 3}, {"foam", 1}, {"/foam", 1}}) {
+    options.grid = name;
+    const auto read = try_points(folder / "p.vdb", options);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->particles.size(), static_cast<std::size_t>(count)) << name;
+  }
+  for (const std::string& name : {std::string("drops"), std::string("/drops")}) {
+    options.grid = name;
+    expect_in(try_points(folder / "p.vdb", options).error().message, "2 grids are named '" + name + "'");
+  }
 }
 
 TEST(OpenVdbPoints, RejectsTruncatedFiles) {

@@ -1,5 +1,8 @@
 // Tests volume plug-ins: found by their tables, opened on demand, with validated results.
 #include "volume_io/detail/plugin_volumes.hpp"
+
+#include <limits>
+
 #include "plugin_host/plugin_samples.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
@@ -79,6 +82,19 @@ TEST(PluginHost, ReportsAFailedAllocationAsLackOfMemory) {
   const Error error = memory.refusal_or({ErrorCode::input, "damaged", {}});
   EXPECT_EQ(error.code, ErrorCode::out_of_memory);
   expect_in(error.message, "v.tvol: not enough memory");
+}
+
+TEST(PluginHost, DropsTilesOfTheBackground) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double background : {5.0, nan}) {
+    const std::vector<isoextract_sparse_tile> tiles{{{0, 0, 0}, 8, background}, {{8, 0, 0}, 8, 7}};
+    const isoextract_sparse_samples given{ISOEXTRACT_F32, nullptr,   0,          tiles.data(), tiles.size(),
+                                          background,     {0, 0, 0}, {15, 7, 7}, 1024};
+    const auto samples = plugin_host::sparse_samples_of(given, nullptr);
+    ASSERT_TRUE(samples) << samples.error();
+    ASSERT_EQ(samples->tiles.size(), 1U);
+    EXPECT_EQ(samples->tiles.front().value, 7);
+  }
 }
 
 TEST(PluginHost, RejectsOtherVersions) {
