@@ -80,13 +80,6 @@ struct Frames {
 [[nodiscard]] Result<Frames> find_frames(std::span<const std::string> given, const std::optional<FrameRange>& range,
                                          bool pictures_are_frames = false);
 
-// Returns whether the file has samples only and its header lies beside it: scan.raw beside scan.nhdr.
-[[nodiscard]] bool has_header_beside(const std::string& folder, const std::string& name);
-
-// Returns the inputs without sample files whose header is another input, such as a shell's list for tooth/* with
-// tooth.nhdr and tooth.raw.
-[[nodiscard]] std::vector<std::string> without_sample_files(std::span<const std::string> inputs);
-
 // Files of a folder, for a note: their number, and the first name in natural order.
 struct CountedFiles {
   std::size_t count = 0;

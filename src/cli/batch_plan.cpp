@@ -12,6 +12,7 @@
 #include "base/printable.hpp"
 #include "batch/batch_run.hpp"
 #include "batch/find_frames.hpp"
+#include "batch/header_files.hpp"
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"

@@ -14,6 +14,7 @@
 #include "cli/info_report.hpp"
 #include "cli/info_sequence.hpp"
 #include "cli/mask_plan.hpp"
+#include "cli/options/convert.hpp"
 #include "cli/planned_command.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/wrong_file_kind.hpp"
@@ -90,7 +91,7 @@ Error with_terrain_command(Error error, const InfoPlan& plan, const std::string&
   for (Step& step : error.hint.steps) {
     if (step.setting != Setting::height_field) continue;
     step = fmt::format("make terrain of it with '{}', if the numbers are heights",
-                       example_command(plan, input, {}, "--heightfield", false, {}));
+                       example_command(plan, input, {}, ConvertFlags().heightfield.name(), false, {}));
   }
   return error;
 }
@@ -101,7 +102,8 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
   if (report.is_slice) {
     report.suggestion.separates = false;
     report.ct.reset();
-    report.command = example_command(plan, input, described, "--heightfield", false, report.field.creator);
+    report.command =
+        example_command(plan, input, described, ConvertFlags().heightfield.name(), false, report.field.creator);
   }
   const bool separates = report.suggestion.separates && !report.labels;
   report.size =

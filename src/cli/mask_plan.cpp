@@ -9,6 +9,7 @@
 
 #include "base/printable.hpp"
 #include "batch/find_frames.hpp"
+#include "batch/header_files.hpp"
 #include "cli/plan_parts.hpp"
 #include "convert/iso_choice.hpp"
 #include "files/file_bytes.hpp"

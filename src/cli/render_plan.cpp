@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
 #include "base/counted.hpp"
 #include "base/nearest_name.hpp"
 #include "batch/find_frames.hpp"
@@ -29,7 +30,6 @@ namespace isoextract::cli {
 namespace {
 
 constexpr int kMostTurns = 100000;
-constexpr const char* kDigits = "0123456789";
 
 // Inputs by kind: names with a mesh extension are meshes, all other names volumes; the content decides for standard
 // input.
@@ -287,8 +287,9 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
   }
   TRY(check_useful(flags, inputs, plan));
   if (plan.draws_volume && (flags.surface.roi || !flags.surface.clip.empty())) {
-    plan.notes.push_back({NoteId::no_effect, fmt::format("{} cuts only the surfaces: render draws the whole volume",
-                                                         flags.surface.roi ? "--roi" : "--clip")});
+    plan.notes.push_back(
+        {NoteId::no_effect, fmt::format("{} cuts only the surfaces: render draws the whole volume",
+                                        flags.surface.roi ? flags.surface.roi.name() : flags.surface.clip.name())});
   }
   plan.transfer_range = flags.transfer_range;
   plan.unit_length = flags.unit_length;

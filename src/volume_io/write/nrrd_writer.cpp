@@ -42,7 +42,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-std::string vector_text(const glm::dvec3& v) { return fmt::format("({},{},{})", v.x, v.y, v.z); }
+std::string nrrd_vector(const glm::dvec3& v) { return fmt::format("({},{},{})", v.x, v.y, v.z); }
 
 }  // namespace
 
@@ -59,8 +59,8 @@ std::string nrrd_header(const field::ScalarField& field, const field::DenseSampl
     header += fmt::format("space units: \"{}\" \"{}\" \"{}\"\n", unit, unit, unit);
   }
   header += fmt::format("space directions: {} {} {}\nspace origin: {}\nendian: {}\nencoding: raw\n\n",
-                        vector_text(place.linear[0]), vector_text(place.linear[1]), vector_text(place.linear[2]),
-                        vector_text(place.offset), std::endian::native == std::endian::little ? "little" : "big");
+                        nrrd_vector(place.linear[0]), nrrd_vector(place.linear[1]), nrrd_vector(place.linear[2]),
+                        nrrd_vector(place.offset), std::endian::native == std::endian::little ? "little" : "big");
   return header;
 }
 
