@@ -178,6 +178,11 @@ void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames)
 Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
                                                                   const ParticleReadOptions& options,
                                                                   const Context& context) {
+  // The other readers tell what an archive without particles holds.
+  if (const auto path = plugin_host::unpacked_input(input, plugin_host::GzipFiles::keep, context);
+      path && *path != input && plugin_host::has_no_input(*path, has_particle_extension)) {
+    return std::optional<ParticleFormatDescription>();
+  }
   return with_input(input, options, context,
                     [&](const files::InputFile& file) -> std::optional<ParticleFormatDescription> {
                       const ParticleFormat* format = format_of(file, options, true);

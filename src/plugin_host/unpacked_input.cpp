@@ -168,4 +168,9 @@ Error not_one_input(const std::string& input, const fs::path& folder,
                   unpack_command(files::packed_source(folder)))};
 }
 
+bool has_no_input(const fs::path& folder, const std::function<bool(const fs::path&)>& is_input) {
+  std::error_code none;
+  return fs::is_directory(folder, none) && files_in(folder, is_input).empty();
+}
+
 }  // namespace isoextract::plugin_host

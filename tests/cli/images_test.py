@@ -222,7 +222,10 @@ class ImagesTest(ProgramTest):
         (self.folder / "out").mkdir()
         run = self.convert(self.folder, "--iso", "100", "-o", "out/f_{}.ply")
         self.assertEqual(sorted(path.name for path in (self.folder / "out").glob("*.ply")), ["f_1.ply", "f_2.ply"])
-        self.assertIn("the program skips 2 files", run.err)
+        self.assertIn("the program takes 2 volume files (such as f_1.npy) and skips 2 pictures (such as preview_1.png)", run.err)
+        (self.folder / "notes.txt").write_text("notes")
+        run = self.convert(self.folder, "--iso", "100", "-o", "out/g_{}.ply")
+        self.assertIn("skips 2 pictures (such as preview_1.png) and 1 other file (notes.txt)", run.err)
 
     @needs_data("exr/headmr_stack/slice_0000.exr")
     def test_exr_stack_gives_the_mesh_of_the_same_raw_volume(self):

@@ -9,7 +9,7 @@ import struct
 import unittest.mock
 
 from support import (
-    DATA, NO_GPU, SOURCE, SPHERE, ProgramTest, main, needs_data, read_glb, read_obj, read_ply, read_stl)
+    DATA, NO_GPU, SOURCE, SPHERE, ProgramTest, glb_json, main, needs_data, read_glb, read_obj, read_ply, read_stl)
 
 ITK_SNAP = '# labels\n1 255 0 0 1 1 1 "Left kidney"\n5 0 255 0 1 1 1 "Tumour"\n6 0 0 255 1 1 1 "not there"\n'
 FREE_SURFER = "#No. Label Name: R G B A\n1  Left-Kidney  0 0 255 0\n5  Tumour  255 255 0 0\n"
@@ -32,11 +32,6 @@ def without_gaps(meshes):
         everywhere.update(placed_triangles(mesh))
     assert max(everywhere.values()) == 1
     return sum((a, c, b) in everywhere for a, b, c in everywhere) // 2
-
-
-def model_of(path):
-    data = path.read_bytes()
-    return json.loads(data[20:20 + int.from_bytes(data[12:16], "little")])
 
 
 class LabelsTest(ProgramTest):
@@ -66,7 +61,7 @@ class LabelsTest(ProgramTest):
                 meshes, run = self.glb(*where, *cut)
                 report = json.loads((self.folder / "r.json").read_text())
                 colors = {m["name"]: m["pbrMetallicRoughness"]["baseColorFactor"]
-                           for m in model_of(self.folder / "out.glb")["materials"]}
+                           for m in glb_json((self.folder / "out.glb").read_bytes())["materials"]}
                 return meshes, {m["name"]: m for m in report["meshes"]}, colors, run.err
 
             whole, facts, colors, _ = made()
@@ -156,7 +151,7 @@ class LabelsTest(ProgramTest):
         meshes, _ = self.glb("--labels", "all", "--label-names", "snap.txt")
         self.assertEqual(list(meshes), ["Left kidney", "Tumour", "map label 9"])
         colors = [material["pbrMetallicRoughness"]["baseColorFactor"] for material in
-                   model_of(self.folder / "out.glb")["materials"]]
+                   glb_json((self.folder / "out.glb").read_bytes())["materials"]]
         self.assertEqual(colors[:2], [[1, 0, 0, 1], [0, 1, 0, 1]])
         self.assertNotIn(colors[2], colors[:2])
         self.convert(*self.map, "--labels", "all", "--label-names", "snap.txt", "-o", "o.obj")
@@ -168,7 +163,7 @@ class LabelsTest(ProgramTest):
             for extension in ("glb", "gltf"):
                 out = self.folder / f"named.{extension}"
                 self.convert(*self.map, "--labels", "all", *table, "-o", out.name)
-                model = model_of(out) if extension == "glb" else json.loads(out.read_text())
+                model = glb_json(out.read_bytes()) if extension == "glb" else json.loads(out.read_text())
                 nodes = [node for node in model["nodes"] if "mesh" in node]
                 self.assertEqual([node["name"] for node in nodes], names)
                 for node in nodes:
@@ -180,7 +175,7 @@ class LabelsTest(ProgramTest):
     def test_names_and_colors_of_freesurfer(self):
         meshes, _ = self.glb("--labels", "1", "--label-names", "lut.txt", "--opacity", "0.5")
         self.assertEqual(list(meshes), ["Left-Kidney"])
-        factor = model_of(self.folder / "out.glb")["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"]
+        factor = glb_json((self.folder / "out.glb").read_bytes())["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"]
         self.assertEqual(factor, [0, 0, 1, 0.5])
         self.convert(*self.map, "--labels", "5", "--label-names", "lut.txt", "--ascii", "-o", "o.ply")
         text = (self.folder / "o.ply").read_text()
@@ -191,7 +186,7 @@ class LabelsTest(ProgramTest):
 
     def test_colors_without_a_table_differ_and_colors_by_number_are_asked_for(self):
         self.glb("--labels", "all")
-        self.assertEqual(len(model_of(self.folder / "out.glb")["materials"]), 3)
+        self.assertEqual(len(glb_json((self.folder / "out.glb").read_bytes())["materials"]), 3)
         usual = (self.folder / "out.glb").read_bytes()
         self.glb("--labels", "all", "--color-by", "iso")
         self.assertNotEqual((self.folder / "out.glb").read_bytes(), usual)

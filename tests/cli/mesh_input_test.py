@@ -1,11 +1,10 @@
 """A mesh file as the input of a conversion: formats, edits, placement, and the options that need a field."""
 
 import json
-import struct
 import subprocess
 
 import jsonschema
-from support import SOURCE, SPHERE, ProgramTest, main, needs_modules, read_glb, read_obj, read_ply, read_stl
+from support import SOURCE, SPHERE, ProgramTest, main, glb_json, needs_modules, read_glb, read_obj, read_ply, read_stl
 from written_meshes import box, ply_text, scene_bytes, stl_bytes  # beside mesh_readers
 
 needs_modules("numpy")
@@ -133,7 +132,7 @@ class MeshInputTest(ProgramTest):
         found = {tuple(float(x) for x in line.split()[:3]): tuple(int(x) for x in line.split()[3:6]) for line in lines}
         self.assertEqual(found, dict(zip(vertices, colors)))
         data = (self.folder / "b.glb").read_bytes()
-        model = json.loads(data[20:20 + struct.unpack_from("<I", data, 12)[0]])
+        model = glb_json(data)
         entry = model["accessors"][model["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"]]
         view = model["bufferViews"][entry["bufferView"]]
         start = data.index(b"BIN\0") + 4 + view["byteOffset"]
@@ -271,10 +270,6 @@ class MeshInputTest(ProgramTest):
 
     # Scenes
 
-    def model(self, name):
-        data = (self.folder / name).read_bytes()
-        return json.loads(data[20:20 + struct.unpack_from("<I", data, 12)[0]])
-
     def test_a_scene_keeps_names_materials_and_places(self):
         (self.folder / "a.glb").write_bytes(scene_bytes())
         run = self.convert("a.glb", "-o", "b.glb")
@@ -286,7 +281,7 @@ class MeshInputTest(ProgramTest):
         self.assertEqual(meshes["lamp"].bounds(), ([3, 0, 0], [5, 1, 1]))
         self.assertAlmostEqual(meshes["lamp"].volume(), 2)
         self.assertEqual(meshes["table glass"].bounds()[0][1], 3)
-        model = self.model("b.glb")
+        model = glb_json((self.folder / "b.glb").read_bytes())
         looks = {node["name"]: model["materials"][model["meshes"][node["mesh"]]["primitives"][0]["material"]]
                  for node in model["nodes"]}
         color = {name: look["pbrMetallicRoughness"]["baseColorFactor"] for name, look in looks.items()}
@@ -295,7 +290,7 @@ class MeshInputTest(ProgramTest):
         self.assertEqual((looks["table glass"]["alphaMode"], looks["table glass"]["doubleSided"]), ("BLEND", True))
         # The same again, from isoextract's own file.
         run = self.convert("b.glb", "-o", "c.glb")
-        again = self.model("c.glb")
+        again = glb_json((self.folder / "c.glb").read_bytes())
         self.assertEqual(again["materials"], model["materials"])
         self.assertEqual([n["name"] for n in again["nodes"]], [n["name"] for n in model["nodes"]])
         run = self.convert("b.glb", "-o", "d.obj")

@@ -23,7 +23,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 
-from mesh_readers import read_glb, read_obj, read_ply, read_stl  # noqa: E402, F401 - for the tests
+from mesh_readers import glb_json, read_glb, read_obj, read_ply, read_stl  # noqa: E402, F401 - for the tests
 from png_reader import Png  # noqa: E402, F401 - likewise
 
 PROGRAM = os.environ["ISOEXTRACT_PROGRAM"]

@@ -117,6 +117,11 @@ def read_ply(data):
                 [tuple(row[i] for i in normal) for row in records] if normal else ())
 
 
+def glb_json(data):
+    """The JSON of a GLB file."""
+    return json.loads(data[20:20 + int.from_bytes(data[12:16], "little")])
+
+
 def read_glb(data):
     """Reads all meshes of a GLB file by node name, with the nodes' translations applied."""
     magic, version, length = struct.unpack_from("<4sII", data)

@@ -318,18 +318,6 @@ TEST_F(FindFrames, FindsParticlesInFolderWithoutVolumes) {
               "d: the program takes 1 volume file (smoke_7.vdb) and skips 3 other files (such as drops_1.ply)"}}));
 }
 
-TEST_F(FindFrames, NotesPicturesBesideVolumes) {
-  make({"d/a.npy", "d/s_1.png", "d/s_2.png", "d/s_10.png"});
-  EXPECT_EQ(found({"d"}), "1=d/a.npy");
-  EXPECT_EQ(find({"d"})->notes,
-            (Notes{{NoteId::other_files,
-                    "d: the program takes 1 volume file (a.npy) and skips 3 pictures (such as s_1.png)"}}));
-  make({"d/notes.txt"});
-  EXPECT_EQ(find({"d"})->notes.front().text,
-            "d: the program takes 1 volume file (a.npy) and skips 3 pictures (such as s_1.png) and 1 other file "
-            "(notes.txt)");
-}
-
 TEST_F(FindFrames, FailsForFolderOfOtherFiles) {
   make({"d/readme.txt"});
   EXPECT_EQ(found({"d"}), "2: d: no file in the folder has the extension of a volume, particle or mesh format");

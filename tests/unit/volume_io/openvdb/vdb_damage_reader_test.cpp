@@ -302,7 +302,7 @@ TEST(VdbDamage, RejectsMetadataPastTheEndOfTheGrid) {
   const OneLeafFile file;
   std::int64_t grid = 0;
   std::memcpy(&grid, &file.bytes[file.offsets], sizeof grid);
-  expect_all_refused("v.vdb", {{"in an entry", with(file.bytes, file.offsets + 16, grid + 20), "the grid has"},
+  expect_all_refused("v.vdb", {{"in an entry", with(file.bytes, file.offsets + 16, grid + 20), "left in the grid"},
                                {"before it", with(file.bytes, file.offsets + 16, grid + 6), "the grid has 2"}});
   // Points at the size of a skipped entry, after the count, its name and its type.
   std::string jump = file.bytes;
