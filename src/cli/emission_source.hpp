@@ -26,8 +26,8 @@ struct EmissionSource {
 
 // Reads the grid from the input of `source`, which `options` describe, and places it like the source. Returns nothing
 // if the grid has no voxels, and notes so; also notes a grid whose values emit no light.
-// Fails with ErrorCode::input if the file has no such grid, or one that holds vectors or labels, and if its values are
-// too small for kelvins and the choice gives no range; the hint then names the range. Also fails as read_field() does.
+// Fails with ErrorCode::input if the file has no such grid, or if the grid holds vectors or labels. Without a range it
+// also fails if the values are too small for kelvins; the hint then names a range. Fails as read_field() does.
 [[nodiscard]] Result<std::optional<EmissionSource>> read_emission(const EmissionChoice& choice,
                                                                   const convert::SourceOptions& options,
                                                                   const convert::Source& source, const Context& context,

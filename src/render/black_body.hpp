@@ -1,9 +1,9 @@
 // The light of hot gas: colors of black bodies, and functions that turn the values of a grid into emitted light.
 //
-// The chromaticity of a black body is the rational approximation of the Planckian locus of Krystek ("An algorithm to
-// calculate correlated colour temperature", Color Research & Application 10, 1985, pp. 38-40), which states it for 1000
-// to 15,000 K; kelvins beyond have the chromaticity of the nearest end. The color is that chromaticity in linear sRGB
-// (IEC 61966-2-1) with the luminance 1; negative channels, outside of the gamut, are 0.
+// The chromaticity of a black body is the rational approximation of the Planckian locus of Krystek (Color Research &
+// Application 10, 1985, pp. 38-40), which states it for 1000 to 15,000 K; kelvins beyond have the chromaticity of the
+// nearest end. The color is that chromaticity in linear sRGB (IEC 61966-2-1) with the luminance 1; negative channels,
+// outside of the gamut, are 0.
 //
 // The energy follows the law of Stefan and Boltzmann, minus that of a body at kGlowBegins: the Draper point, 798 K,
 // rounded. Below it bodies do not visibly glow. With t = T / kReference and g = kGlowBegins / kReference:

@@ -8,7 +8,6 @@ import sys
 
 from support import INSTALL, SOURCE, SPHERE, ProgramTest, main
 from vdb_files import grid, vdb
-from vdb_files import grid, vdb
 from word_tables import CodeWords
 
 try:
