@@ -1,5 +1,5 @@
 // Casts one ray a pixel through the volume and past the surfaces: steps 2 to 7 of the model (render/renderer.hpp).
-// VOLUME and SURFACES tell which of them exist.
+// VOLUME and SURFACES tell which of them exist, EMISSION whether the volume emits light.
 layout(location = 0) out vec4 picture_color;  // premultiplied
 layout(location = 1) out vec3 picture_normal;
 layout(location = 2) out float picture_depth;
@@ -72,6 +72,15 @@ float taken_by(float x) {
   return x < 0.125 ? x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0))))) : 1.0 - exp(-x);
 }
 
+#ifdef EMISSION
+// Adds the light that a part of a slab emits: `way` unit lengths long, with the extinction sigma and the opacity `taken`.
+// The share (1 - exp(-tau)) / tau of it leaves the slab.
+void add_glow(vec3 glow, float way, float sigma, float taken) {
+  float tau = sigma * way;
+  color += light * glow * (way * (tau > 1e-3 ? taken / tau : 1.0 - tau * (0.5 - tau / 6.0)));
+}
+#endif
+
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   dvec3 direction = direction_of(pixel);
@@ -101,20 +110,38 @@ void main() {
   double from = 0.0lf;
   double middle = 0.0lf;
   vec4 entry = vec4(0.0);
+  int all_slabs = 0;
+  int before = 0;  // slabs in earlier parts of the ray
 #ifdef VOLUME
   dvec3 along = index_of_view * direction;  // index steps per depth
-  dvec2 limits = depths_in_box(along, near_depth, far_depth);
   double world_length = length(direction) * unit;  // world length of one unit of depth
   double depth_step = world_step / world_length;
   float per_depth = float(world_length * unit_lengths);
+  const Brick kNoBrick = Brick(ivec3(-2147483647), 3, -1, ivec3(0));
+  Brick brick = kNoBrick;
+#ifdef EMISSION
+  dvec3 emission_along = emission_index_of_view * direction;
+  volume_depths = depths_in_box(along, near_depth, far_depth);
+  emission_depths = emission_depths_in_box(emission_along, near_depth, far_depth);
+  Brick emission_brick = kNoBrick;
+  vec4 glow = vec4(0.0);
+  bool in_volume = false;  // for the current part of the ray
+  bool in_emission = false;
+  int part = -1;
+  dvec2 limits = dvec2(0.0lf);
+  for (int number = 0; number < 3; ++number) all_slabs += slabs_in(part_at(number), depth_step);
+  rays = all_slabs > 0 ? 1u : 0u;
+#else
+  dvec2 limits = depths_in_box(along, near_depth, far_depth);
   if (limits.y > limits.x) {
     rays = 1u;
     slabs = int(ceil((limits.y - limits.x) / depth_step));
   }
-  Brick brick = Brick(ivec3(-2147483647), 3, -1, ivec3(0));
+  all_slabs = slabs;
+#endif
 #endif
   // Each round handles one of: a part of a slab, up to its end or to a fragment; a fragment outside the volume; a
-  // skipped brick.
+  // skipped brick; the next part of a ray through an emission.
   for (;;) {
 #ifdef SURFACES
     if (fetch) {
@@ -130,6 +157,18 @@ void main() {
       }
     }
 #endif
+#ifdef EMISSION
+    if (!inside && k >= slabs && part < 2) {
+      before += slabs;
+      ++part;
+      limits = part_at(part);
+      slabs = slabs_in(limits, depth_step);
+      k = 0;
+      in_volume = is_in(volume_depths, limits);
+      in_emission = is_in(emission_depths, limits);
+      continue;
+    }
+#endif
 #ifdef VOLUME
     if (!inside && k < slabs) {
       first = limits.x + double(k) * depth_step;
@@ -138,6 +177,33 @@ void main() {
         middle = first + (last - first) / 2.0lf;
         dvec3 index = volume_eye + middle * along;
         ivec3 cell = clamp(ivec3(floor(index)), first_cell, last_cell);
+#ifdef EMISSION
+        dvec3 emission_index = emission_eye + middle * emission_along;
+        ivec3 emission_cell = clamp(ivec3(floor(emission_index)), emission_first_cell, emission_last_cell);
+        if (in_volume && cell >> brick.shift != brick.at) brick = find_brick(cell);
+        if (in_emission && emission_cell >> emission_brick.shift != emission_brick.at) {
+          emission_brick = emission_find_brick(emission_cell);
+        }
+        bool absorbs = in_volume && brick.slot >= 0;
+        bool shines = in_emission && emission_brick.slot >= 0;
+        if (!absorbs && !shines) {
+          int beyond = slabs;
+          if (in_volume) beyond = slab_beyond(brick, along, limits.x, depth_step, k, slabs);
+          if (in_emission) {
+            beyond = min(beyond, emission_slab_beyond(emission_brick, emission_along, limits.x, depth_step, k, slabs));
+          }
+          skipped += uint(beyond - k);
+          k = beyond;
+          continue;
+        }
+        entry = vec4(0.0);
+        if (absorbs) entry = entry_at(brick, cell, vec3(index - dvec3(cell)));
+        glow = vec4(0.0);
+        if (shines) {
+          glow = emission_entry_at(emission_brick, emission_cell,
+                          vec3(emission_index - dvec3(emission_cell)));
+        }
+#else
         if (cell >> brick.shift != brick.at) brick = find_brick(cell);
         if (brick.slot < 0) {
           int beyond = slab_beyond(brick, along, limits.x, depth_step, k, slabs);
@@ -145,8 +211,9 @@ void main() {
           k = beyond;
           continue;
         }
-        ++samples;
         entry = entry_at(brick, cell, vec3(index - dvec3(cell)));
+#endif
+        ++samples;
         inside = true;
         from = first;
       }
@@ -155,9 +222,18 @@ void main() {
     bool meets = fragment_depth < (inside ? last : kNever);
     if (!inside && !meets) break;
 #ifdef VOLUME
-    if (inside && entry.a > 0.0) {
+#ifdef EMISSION
+    bool has_effect = entry.a > 0.0 || glow.a > 0.0;
+#else
+    bool has_effect = entry.a > 0.0;
+#endif
+    if (inside && has_effect) {
       double to = meets ? fragment_depth : last;
-      add(entry.rgb, taken_by(entry.a * per_depth * float(max(to - from, 0.0lf))));
+      float taken = taken_by(entry.a * per_depth * float(max(to - from, 0.0lf)));
+#ifdef EMISSION
+      add_glow(glow.rgb, per_depth * float(max(to - from, 0.0lf)), entry.a, taken);
+#endif
+      add(entry.rgb, taken);
       if (!settled && light <= 0.5) {
         settled = true;
         settle(middle, vec3(0.0));
@@ -184,11 +260,15 @@ void main() {
 #endif
   }
   // Does not use a flag that the loop sets at its exits: compilers assume after the loop that it is set.
-  is_whole = is_whole && (has_ended() || (k >= slabs && fragment_depth >= kNever));
-  int reached = inside ? k + 1 : k;
+  bool is_last_part = true;
+#ifdef EMISSION
+  is_last_part = part == 2;
+#endif
+  is_whole = is_whole && (has_ended() || (is_last_part && k >= slabs && fragment_depth >= kNever));
+  int reached = before + (inside ? k + 1 : k);
   float left = has_ended() ? 0.0 : light;
   picture_color = vec4(color + left * background.a * background.rgb, 1.0 - left * (1.0 - background.a));
   picture_normal = normal_found;
   picture_depth = found_depth ? float(depth_found * unit) : uintBitsToFloat(0x7f800000u);
-  picture_counts = uvec4(is_whole ? rays : rays | kCutOff, samples, skipped, uint(max(slabs - reached, 0)));
+  picture_counts = uvec4(is_whole ? rays : rays | kCutOff, samples, skipped, uint(max(all_slabs - reached, 0)));
 }

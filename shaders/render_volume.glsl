@@ -1,9 +1,10 @@
 // A volume of bricks: 8x8x8 cells, 9 samples a side, as positions in the table of the transfer function. Invisible
-// bricks are not stored. Nodes have 16 bricks a side.
+// bricks are not stored. Nodes have 16 bricks a side. A program with an emission has this file twice, the second time
+// with the names of render_emission_names.glsl.
 uniform isampler3D nodes;          // node number; -1: invisible; below -1: ~slot - 1 if the node has only one slot
 uniform isamplerBuffer bricks;     // bricks of all nodes, z fastest: slot in the atlas, or -1
 uniform sampler3D atlas;
-uniform samplerBuffer transfer;    // red, green, blue, extinction
+uniform samplerBuffer transfer;    // red, green, blue, extinction; of an emission red, green, blue, the largest of them
 uniform ivec3 first_node;
 uniform ivec3 atlas_slots;         // along each axis
 uniform ivec3 first_cell;
@@ -13,6 +14,7 @@ uniform dvec3 box_max;
 uniform dvec3 volume_eye;
 uniform dmat3 index_of_view;       // of directions
 
+#ifndef EMISSION_NAMES
 const int kBrickSamples = 9;
 const float kNanThreshold = 2e30;  // positions are smaller; larger values mean NaN
 
@@ -23,6 +25,7 @@ struct Brick {
   int slot;     // -1: invisible
   ivec3 texel;  // of its first sample
 };
+#endif
 
 Brick find_brick(ivec3 cell) {
   ivec3 brick = cell >> 3;

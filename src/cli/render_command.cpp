@@ -59,6 +59,12 @@ Result<void> write_picture(const render::Picture& picture, const std::string& pa
   return file.commit();
 }
 
+convert::Json json_of(const EmissionSource& emission, const std::optional<std::array<double, 2>>& range) {
+  return {{"grid", emission.field.grid},
+          {"greatest_value", emission.greatest},
+          {"range", range ? convert::Json(*range) : convert::Json()}};
+}
+
 convert::Json json_of(const PicturePlan& plan, const render::Rendered& rendered, const render::Camera& camera,
                       const StageTime& reading, const StageTime& drawing, const StageTime& writing) {
   const render::RenderStatistics& statistics = rendered.statistics;
@@ -177,10 +183,12 @@ class Pictures {
     render::enclose_box(camera, *box_);
     const Stopwatch watch;
     const int rays_across = plan_.rays_across.value_or(scene.surfaces.empty() ? 1 : 2);
-    const auto rendered = TRY(render::draw_antialiased(renderer_, scene, camera, plan_.options, rays_across, context_));
+    auto rendered = TRY(render::draw_antialiased(renderer_, scene, camera, plan_.options, rays_across, context_));
     TRY(source.check_mapping_intact());
     const StageTime drawing = watch.elapsed();
     const Stopwatch write_watch;
+    const bool emits = scene.volume != nullptr && scene.volume->emission != nullptr;
+    if (emits && picture_file_of(picture.output) == PictureFile::png) render::cover_light(rendered.picture);
     TRY(write_picture(rendered.picture, picture.output, context_));
     const StageTime writing = write_watch.elapsed();
     const bool is_empty = shows_something && shows_nothing(rendered.picture, plan_.background);
@@ -205,6 +213,7 @@ class Pictures {
           writing.wall_seconds, renderer_.device(), format_byte_size(peak_memory())));
     });
     records_.push_back(json_of(picture, rendered, camera, reading, drawing, writing));
+    if (emits) records_.back()["emission"] = json_of(*source.emission(), plan_.emission->range);
     return {};
   }
 

@@ -293,6 +293,7 @@ Result<RenderPlan> plan_render(const RenderFlags& given) {
   }
   plan.transfer_range = flags.transfer_range;
   plan.unit_length = flags.unit_length;
+  plan.emission = flags.emission;
   plan.camera = flags.view.angles();
   plan.fovy = flags.view.fovy();
   if (flags.up) plan.up = convert::render_up_axis(*flags.up);

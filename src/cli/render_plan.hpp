@@ -45,6 +45,7 @@ struct RenderPlan {
   render::BuiltInTransfer transfer = render::BuiltInTransfer::gray;
   std::optional<std::array<double, 2>> transfer_range;
   std::optional<double> unit_length;  // see render::Volume::unit_length
+  std::optional<EmissionChoice> emission;
   render::ViewAngles camera;
   double fovy = render::Camera::kDefaultFovy;  // vertical field of view in radians
   // Default: y if all inputs are meshes whose placement records state y up, otherwise z.

@@ -104,6 +104,7 @@ Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const
 
 void SceneSource::remove_volume() {
   volume_.reset();
+  emission_.reset();
   source_.reset();
   surfaces_.clear();
   front_ = 0;
@@ -114,6 +115,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   remove_volume();
   convert::ConversionJob job = plan_->job;
   job.source.input = input;
+  if (plan_->emission) TRY(check_emission_input(*plan_->emission, job.source, context));
   const auto field_notes = [&](const field::ScalarField& field) {
     Notes notes;
     if (!std::exchange(printed_label_note_, true)) {
@@ -152,7 +154,15 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
       TRY(render::add_normals(mesh, input, context));
     }
   }
-  return plan_->draws_volume ? place_volume(context, events) : Result<void>();
+  if (!plan_->draws_volume) return {};
+  TRY(place_volume(context, events));
+  if (!plan_->emission) return {};
+  emission_ = TRY(read_emission(*plan_->emission, job.source, *source_, context, events));
+  if (emission_) {
+    emission_volume_ = render::Volume{&emission_->field, emission_->output_from_index, emission_->light};
+    volume_->emission = &emission_volume_;
+  }
+  return {};
 }
 
 Result<void> SceneSource::place_volume(const Context& context, convert::Events& events) {
@@ -197,6 +207,7 @@ render::Scene SceneSource::scene() const {
 }
 
 Result<void> SceneSource::check_mapping_intact() const {
+  if (emission_) TRY(volume_io::check_mapping_intact(emission_->field));
   return source_ ? volume_io::check_mapping_intact(source_->field) : Result<void>();
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "cli/emission_source.hpp"
 #include "cli/render_plan.hpp"
 #include "convert/events.hpp"
 #include "convert/source.hpp"
@@ -16,8 +17,8 @@
 
 namespace isoextract::cli {
 
-// Holds one volume with its surfaces at a time. Keeps the mesh files for all volumes. Also keeps the transfer function
-// and its unit length, which options or the first volume determine.
+// Holds one volume with its emission and surfaces at a time. Keeps the mesh files for all volumes. Also keeps the
+// transfer function and its unit length, which options or the first volume determine.
 class SceneSource {
  public:
   // Reads the meshes, and the transfer function if it is a file. `plan` must outlive the result.
@@ -36,6 +37,8 @@ class SceneSource {
   // Returns the current scene. The scene refers to this object: it is valid until the next call of read_volume() or
   // remove_volume(), and until this object is moved.
   [[nodiscard]] render::Scene scene() const;
+  // Returns the grid that emits light; null without one, or if it has no voxels.
+  [[nodiscard]] const EmissionSource* emission() const { return emission_ ? &*emission_ : nullptr; }
   // Returns the up axis of the options. Default: y without a volume and if the placement records of all mesh files
   // state y up, otherwise z.
   [[nodiscard]] render::UpAxis up() const { return plan_->up.value_or(up_of_meshes_); }
@@ -58,6 +61,8 @@ class SceneSource {
   render::UpAxis up_of_meshes_ = render::UpAxis::z;
   std::optional<convert::Source> source_;
   std::optional<render::Volume> volume_;
+  std::optional<EmissionSource> emission_;
+  render::Volume emission_volume_;  // refers to emission_
   std::vector<mesh::Mesh> surfaces_;
   double front_ = 0;
   std::optional<render::TransferFunction> transfer_;

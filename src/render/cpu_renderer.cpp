@@ -6,7 +6,9 @@
 #include "base/first_error.hpp"
 #include "base/machine.hpp"
 #include "base/parallel.hpp"
+#include "render/detail/glowing_ray_caster.hpp"
 #include "render/detail/ray_caster.hpp"
+#include "render/detail/volume_pixels.hpp"
 #include "render/renderer.hpp"
 
 namespace isoextract::render {
@@ -32,12 +34,41 @@ struct PreparedVolume {
       auto bricks = TRY(detail::VolumeBricks::measure(made->samples, context));
       made->bricks.emplace(std::move(bricks));
     }
+    if (volume.emission != nullptr) {
+      made->emission = TRY(make(*volume.emission, skipping, context));
+    }
     return made;
+  }
+
+  void count_bricks(RenderStatistics& statistics) const {
+    if (bricks) {
+      statistics.bricks += bricks->count();
+      statistics.bricks_skipped += bricks->count_invisible();
+    }
+    if (emission) emission->count_bricks(statistics);
   }
 
   detail::VolumeSamples samples;
   std::optional<detail::VolumeBricks> bricks;  // of `samples`; unset if nothing is skipped
+  std::unique_ptr<PreparedVolume> emission;    // null without Volume::emission
 };
+
+// Returns the volume as the camera sees it, without its emission. `lengths` is the volume whose step and unit length
+// apply.
+detail::VolumeView view_of(const Volume& volume, const PreparedVolume& prepared, const Volume& lengths,
+                           const Camera& camera, const RenderOptions& options) {
+  const field::Affine index_of_world = volume.index_to_world.inverse();
+  detail::VolumeView view;
+  view.samples = &prepared.samples;
+  if (prepared.bricks) view.bricks = &*prepared.bricks;
+  view.box = *volume_box(*volume.field);
+  view.eye = index_of_world(camera.eye);
+  view.index_of_view = index_of_world.linear * camera.world_from_view().linear;
+  view.unit = camera.unit();
+  view.step = step_of(lengths, options);
+  view.per_length = 1 / lengths.unit_length;
+  return view;
+}
 
 class CpuRenderer : public Renderer {
  public:
@@ -51,6 +82,7 @@ class CpuRenderer : public Renderer {
     const auto tiles = TRY(detail::SurfaceTiles::sort(surfaces, camera, options.size, context));
 
     detail::VolumeView volume;
+    detail::VolumeView emission;
     std::unique_ptr<PreparedVolume> own;  // used for this picture only
     PixelBox within;
     if (scene.volume != nullptr) {
@@ -61,27 +93,24 @@ class CpuRenderer : public Renderer {
         prepared.reset();
         prepared = TRY(PreparedVolume::make(*scene.volume, options.empty_space_skipping, context));
       }
-      volume.samples = &prepared->samples;
-      if (prepared->bricks) {
-        volume.bricks = &*prepared->bricks;
-        rendered.statistics.bricks = prepared->bricks->count();
-        rendered.statistics.bricks_skipped = prepared->bricks->count_invisible();
+      prepared->count_bricks(rendered.statistics);
+      volume = view_of(*scene.volume, *prepared, *scene.volume, camera, options);
+      if (scene.volume->emission != nullptr) {
+        emission = view_of(*scene.volume->emission, *prepared->emission, *scene.volume, camera, options);
+        volume.emission = &emission;
       }
-      const field::Affine index_of_world = scene.volume->index_to_world.inverse();
-      volume.box = *volume_box(*scene.volume->field);
-      volume.eye = index_of_world(camera.eye);
-      volume.index_of_view = index_of_world.linear * camera.world_from_view().linear;
-      volume.unit = camera.unit();
-      volume.step = step_of(*scene.volume, options);
-      volume.per_length = 1 / scene.volume->unit_length;
-      within = pixels_of(camera, options.size, scene.volume->index_to_world, volume.box);
+      within = detail::pixels_of(camera, options.size, *scene.volume);
     }
 
-    const auto type = scene.volume != nullptr ? scene.volume->field->type() : field::SampleType::f32;
+    const Work work{scene, camera, options, context, surfaces, tiles, volume, within};
     FirstError failure;
-    field::visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
-      draw_tiles<T>({scene, camera, options, context, surfaces, tiles, volume, within}, rendered, failure);
-    });
+    if (volume.emission != nullptr) {
+      draw_tiles<detail::GlowingRayCaster>(work, rendered, failure);
+    } else {
+      const auto type = scene.volume != nullptr ? scene.volume->field->type() : field::SampleType::f32;
+      field::visit_sample_type(
+          type, [&]<class T>(std::type_identity<T>) { draw_tiles<detail::RayCaster<T>>(work, rendered, failure); });
+    }
     if (failure.error()) return tl::unexpected(std::move(*failure.error()));
     TRY(context.check());
     return rendered;
@@ -106,14 +135,14 @@ class CpuRenderer : public Renderer {
     const PixelBox& within;
   };
 
-  template <class T>
+  template <class Caster>
   static void draw_tiles(const Work& work, Rendered& rendered, FirstError& failure) {
     struct Local {
       explicit Local(const Work& work)
           : fragments(work.context), caster(work.volume, work.surfaces, work.scene, work.camera, work.options) {}
 
       detail::TileFragments fragments;
-      detail::RayCaster<T> caster;
+      Caster caster;
       RenderStatistics statistics;
     };
     tbb::enumerable_thread_specific<Local> locals([&] { return Local(work); });

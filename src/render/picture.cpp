@@ -1,5 +1,6 @@
 #include "render/picture.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace isoextract::render {
@@ -15,6 +16,12 @@ Result<Picture> make_picture(int width, int height, const Context& context) {
   picture.normals = Buffer<glm::vec3>(pixels);
   picture.memory = std::move(memory);
   return picture;
+}
+
+void cover_light(Picture& picture) {
+  for (glm::vec4& color : picture.color) {
+    color.a = std::max(color.a, std::min(std::max({color.r, color.g, color.b}), 1.0F));
+  }
 }
 
 }  // namespace isoextract::render

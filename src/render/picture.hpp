@@ -30,4 +30,8 @@ struct Picture {
 // Makes a picture with uninitialized pixels. Fails with ErrorCode::out_of_memory if memory is short.
 [[nodiscard]] Result<Picture> make_picture(int width, int height, const Context& context);
 
+// Raises the alpha of each pixel to its brightest channel, at most 1. Files with straight alpha cannot hold light where
+// the picture is transparent: the raised alpha keeps it, and over black the picture looks the same.
+void cover_light(Picture& picture);
+
 }  // namespace isoextract::render

@@ -21,12 +21,16 @@ Result<void> refuse(const std::string& what) { return fail(ErrorCode::usage, "th
 
 bool is_light(const glm::dvec3& color) { return is_finite(color) && color.r >= 0 && color.g >= 0 && color.b >= 0; }
 
-Result<void> check_volume(const Volume& volume) {
+Result<void> check_placed(const Volume& volume) {
   TRY(volume_box(*volume.field));
-  if (!volume.index_to_world.is_invertible()) {
-    return fail(ErrorCode::input, fmt::format("{}: its transform from indices to coordinates is singular or not finite",
-                                              volume.field->source));
-  }
+  if (volume.index_to_world.is_invertible()) return {};
+  return fail(ErrorCode::input, fmt::format("{}: its transform from indices to coordinates is singular or not finite",
+                                            volume.field->source));
+}
+
+Result<void> check_volume(const Volume& volume) {
+  TRY(check_placed(volume));
+  if (volume.emission != nullptr) TRY(check_placed(*volume.emission));
   if (!(volume.unit_length > 0) || !std::isfinite(volume.unit_length)) {
     return refuse(fmt::format("the opacity unit length of the volume must be above 0, found {:g}", volume.unit_length));
   }
@@ -105,9 +109,10 @@ Result<field::Box> box_of(const Scene& scene) {
     box.min = glm::min(box.min, part.min);
     box.max = glm::max(box.max, part.max);
   };
-  if (scene.volume != nullptr) {
-    const auto volume = TRY(volume_box(*scene.volume->field));
-    add(field::image_of(scene.volume->index_to_world, volume));
+  for (const Volume* volume : {scene.volume, scene.volume != nullptr ? scene.volume->emission : nullptr}) {
+    if (volume == nullptr) continue;
+    const auto indices = TRY(volume_box(*volume->field));
+    add(field::image_of(volume->index_to_world, indices));
   }
   for (const Surface& surface : scene.surfaces) {
     if (surface.mesh->positions.empty()) continue;
@@ -151,8 +156,12 @@ Result<void> check(const Scene& scene) {
 }
 
 double step_of(const Volume& volume, const RenderOptions& options) {
-  const glm::dmat3& axes = volume.index_to_world.linear;
-  return std::min({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])}) / options.samples_per_voxel;
+  const auto shortest_edge = [](const glm::dmat3& axes) {
+    return std::min({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
+  };
+  double edge = shortest_edge(volume.index_to_world.linear);
+  if (volume.emission != nullptr) edge = std::min(edge, shortest_edge(volume.emission->index_to_world.linear));
+  return edge / options.samples_per_voxel;
 }
 
 Result<void> check(const Scene& scene, const Camera& camera, const RenderOptions& options) {

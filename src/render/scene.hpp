@@ -16,7 +16,8 @@
 
 namespace isoextract::render {
 
-// A field drawn by emission and absorption of light, without shading and shadows.
+// A field drawn by emission and absorption of light, without shading and shadows. Light of hot parts comes from
+// `emission`.
 //
 // The volume fills volume_box() only. For dense samples this is the box of the sample centers, at least two per axis.
 // For sparse samples it is the box of the active voxels, enlarged by one voxel on every side. Inside, values are the
@@ -26,10 +27,15 @@ struct Volume {
   field::Affine index_to_world;               // invertible; usually the field's own transform
   TransferFunction transfer;
   double unit_length = 1;  // world length to which the transfer function's opacities refer; finite, above 0
+  // A second field, with its own placement, in which the volume emits light of its own; may be null, outlives the
+  // drawing. Its transfer function, as emission_function() makes it, gives the light that each unit_length of a ray
+  // gains, and as the fourth number the largest of the three colors. Its own unit_length and emission have no effect.
+  // Light is emitted in all of the emission's volume_box(), also outside of that of `field`.
+  const Volume* emission = nullptr;
 };
 
-// Returns the volume's box in index space. Fails with ErrorCode::input if a dense field has fewer than two samples
-// along an axis, and with ErrorCode::empty_grid if a sparse field has no active voxels.
+// Returns the box of a volume's field in index space. Fails with ErrorCode::input if a dense field has fewer than two
+// samples along an axis, and with ErrorCode::empty_grid if a sparse field has no active voxels.
 [[nodiscard]] Result<field::Box> volume_box(const field::ScalarField& field);
 
 enum class Shading { smooth, flat };

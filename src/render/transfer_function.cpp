@@ -54,32 +54,30 @@ std::span<const Stop> stops_of(BuiltInTransfer name) {
   return kGray;
 }
 
+tl::unexpected<Error> refuse_function(const std::string& found) {
+  return fail(ErrorCode::usage, "the transfer function: " + found);
+}
+
 }  // namespace
 
 TransferFunction::TransferFunction() { table_.fill(glm::vec4(0)); }
 
 Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> points) {
-  const auto refuse = [](const std::string& found) {
-    return fail(ErrorCode::usage, "the transfer function: " + found);
-  };
-  if (points.size() < 2) return refuse(fmt::format("expected at least two control points, found {}", points.size()));
+  if (points.size() < 2)
+    return refuse_function(fmt::format("expected at least two control points, found {}", points.size()));
   for (std::size_t i = 0; i < points.size(); ++i) {
     const ControlPoint& p = points[i];
-    if (!std::isfinite(p.value)) return refuse(fmt::format("expected finite values, found {:g}", p.value));
+    if (!std::isfinite(p.value)) return refuse_function(fmt::format("expected finite values, found {:g}", p.value));
     if (i > 0 && p.value < points[i - 1].value) {
-      return refuse(fmt::format("the values must not decrease, found {:g} after {:g}", p.value, points[i - 1].value));
+      return refuse_function(
+          fmt::format("the values must not decrease, found {:g} after {:g}", p.value, points[i - 1].value));
     }
     if (!in_unit(p.color.r) || !in_unit(p.color.g) || !in_unit(p.color.b) || !in_unit(p.opacity)) {
-      return refuse(fmt::format("expected a color and an opacity from 0 to 1 at the value {:g}", p.value));
+      return refuse_function(fmt::format("expected a color and an opacity from 0 to 1 at the value {:g}", p.value));
     }
   }
   TransferFunction made;
-  made.min_ = points.front().value;
-  made.max_ = points.back().value;
-  made.per_value_ = (kEntries - 1) / (made.max_ - made.min_);
-  if (!(made.max_ > made.min_) || !std::isfinite(made.per_value_) || !(made.per_value_ > 0)) {
-    return refuse(fmt::format("the first and the last value must differ, found {:g} and {:g}", made.min_, made.max_));
-  }
+  TRY(made.set_range(points.front().value, points.back().value));
   std::size_t next = 1;  // the control point above the value
   for (int i = 0; i < kEntries; ++i) {
     const double share = double(i) / (kEntries - 1);
@@ -92,10 +90,32 @@ Result<TransferFunction> TransferFunction::create(std::span<const ControlPoint> 
     const double sigma = opacity > 0 ? -std::log1p(-opacity) : 0;
     made.table_[static_cast<std::size_t>(i)] = glm::vec4(glm::dvec4(a.color + between * (b.color - a.color), sigma));
   }
-  for (std::size_t i = 0; i < made.table_.size(); ++i) {
-    made.visible_before_[i + 1] = made.visible_before_[i] + (made.table_[i].a > 0 ? 1 : 0);
-  }
+  made.count_visible();
   return made;
+}
+
+Result<TransferFunction> TransferFunction::of_table(double min, double max, const Table& table) {
+  TransferFunction made;
+  TRY(made.set_range(min, max));
+  made.table_ = table;
+  made.count_visible();
+  return made;
+}
+
+Result<void> TransferFunction::set_range(double min, double max) {
+  min_ = min;
+  max_ = max;
+  per_value_ = (kEntries - 1) / (max - min);
+  if (!(max > min) || !std::isfinite(per_value_) || !(per_value_ > 0)) {
+    return refuse_function(fmt::format("the first and the last value must differ, found {:g} and {:g}", min, max));
+  }
+  return {};
+}
+
+void TransferFunction::count_visible() {
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    visible_before_[i + 1] = visible_before_[i] + (table_[i].a > 0 ? 1 : 0);
+  }
 }
 
 glm::vec4 TransferFunction::lookup(float position) const {

@@ -45,9 +45,13 @@ class TransferFunction {
   // Makes a function of at least two control points with finite values in ascending order; equal values make a step.
   // First and last value must differ; colors and opacities must be in range. Otherwise fails with ErrorCode::usage.
   [[nodiscard]] static Result<TransferFunction> create(std::span<const ControlPoint> points);
+  using Table = std::array<glm::vec4, kEntries>;
+  // Makes a function of the entries themselves, at equal steps of value from `min` to `max`. Fails with
+  // ErrorCode::usage if `min` and `max` are not finite, or not in ascending order.
+  [[nodiscard]] static Result<TransferFunction> of_table(double min, double max, const Table& table);
 
   // Returns the entries red, green, blue, sigma. Sigma is exactly 0 where the opacity is 0.
-  [[nodiscard]] const std::array<glm::vec4, kEntries>& table() const { return table_; }
+  [[nodiscard]] const Table& table() const { return table_; }
   [[nodiscard]] double min() const { return min_; }
   [[nodiscard]] double max() const { return max_; }
 
@@ -66,7 +70,10 @@ class TransferFunction {
   [[nodiscard]] bool is_visible_between(float low, float high) const;
 
  private:
-  std::array<glm::vec4, kEntries> table_{};
+  [[nodiscard]] Result<void> set_range(double min, double max);
+  void count_visible();  // sets visible_before_
+
+  Table table_{};
   std::array<int, kEntries + 1> visible_before_{};  // how many of the first n entries have a sigma above 0
   double min_ = 0;
   double max_ = 1;

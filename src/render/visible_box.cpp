@@ -94,10 +94,11 @@ bool has_visible_tile(const detail::VolumeSamples& samples) {
          });
 }
 
-// Returns the box of the visible samples in index space, enlarged by one voxel; nothing if it is not known.
+// Returns the box of the visible samples in index space, enlarged by one voxel; the whole box if a tile is visible, and
+// nothing if no sample is.
 Result<std::optional<field::Box>> visible_box(const Volume& volume, const Context& context) {
   const auto samples = TRY(detail::VolumeSamples::open(volume, context));
-  if (has_visible_tile(samples)) return std::nullopt;
+  if (has_visible_tile(samples)) return std::optional(*volume_box(*volume.field));
   const field::IndexBox box = volume.field->extents();
   PlaneSums sums;
   field::visit_sample_type(samples.field().type(),
@@ -118,22 +119,35 @@ Result<std::optional<field::Box>> visible_box(const Volume& volume, const Contex
   return visible;
 }
 
+// Returns the visible part of a volume or an emission in the world; nothing if no sample is visible.
+Result<std::optional<field::Box>> visible_in_world(const Volume& volume, const Context& context) {
+  const field::Box whole = TRY(volume_box(*volume.field));
+  const auto visible = TRY(visible_box(volume, context));
+  if (!visible) return std::nullopt;
+  return field::image_of(volume.index_to_world,
+                         field::Box{glm::max(whole.min, visible->min), glm::min(whole.max, visible->max)});
+}
+
+field::Box around(const field::Box& a, const field::Box& b) { return {glm::min(a.min, b.min), glm::max(a.max, b.max)}; }
+
 }  // namespace
 
 Result<field::Box> visible_box_of(const Scene& scene, const Context& context) {
   if (scene.volume == nullptr) return box_of(scene);
-  const field::Box whole = TRY(volume_box(*scene.volume->field));
-  const auto visible = TRY(visible_box(*scene.volume, context));
+  auto visible = TRY(visible_in_world(*scene.volume, context));
+  if (scene.volume->emission != nullptr) {
+    const auto glowing = TRY(visible_in_world(*scene.volume->emission, context));
+    if (glowing) visible = visible ? around(*visible, *glowing) : *glowing;
+  }
   if (!visible) return box_of(scene);
-  field::Box box = field::image_of(scene.volume->index_to_world,
-                                   field::Box{glm::max(whole.min, visible->min), glm::min(whole.max, visible->max)});
+  field::Box box = *visible;
   Scene surfaces = scene;
   surfaces.volume = nullptr;
   const bool has_vertices =
       std::ranges::any_of(scene.surfaces, [](const Surface& surface) { return !surface.mesh->positions.empty(); });
   if (has_vertices) {
     const field::Box meshes = TRY(box_of(surfaces));
-    box = {glm::min(box.min, meshes.min), glm::max(box.max, meshes.max)};
+    box = around(box, meshes);
   }
   return box;
 }

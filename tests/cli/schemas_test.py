@@ -429,6 +429,10 @@ class SchemasTest(ProgramTest):
         self.printed("devices", "devices")
         self.printed("formats", "formats")
         self.written("render", "--json", "render", SPHERE, "--size", "48x32", "--backend", "cpu", "-o", "a.png")
+        (self.folder / "fire.vdb").write_bytes(vdb(grid("density", {(1, 1, 1): 1.0}), grid("t", {(1, 1, 1): 2000.0})))
+        for emission in ("t", "t:0,5000"):
+            self.written("render", "--json", "render", "fire.vdb", "--grid", "density", "--emission", emission, "--size", "48x32",
+                         "--backend", "cpu", "-o", "a.png")
 
     def test_water(self):
         document = self.printed("stability", "stability", "--case", "water")

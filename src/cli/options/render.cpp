@@ -28,6 +28,23 @@ Result<std::array<double, 2>> parse_value_range(std::string_view text) {
   return fail(ErrorCode::usage, fmt::format("expected two values MIN,MAX with MIN below MAX, found '{}'", text));
 }
 
+Result<EmissionChoice> parse_emission(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  const std::string_view rest = colon == std::string_view::npos ? "" : text.substr(colon + 1);
+  const bool has_range = rest.find(',') != std::string_view::npos && rest.find_first_of("0123456789.+-") == 0;
+  EmissionChoice choice;
+  choice.grid = has_range ? text.substr(0, colon) : text;
+  if (choice.grid.empty()) {
+    return fail(ErrorCode::usage, fmt::format("expected the name of a grid, and :MIN,MAX if its values are no kelvins, "
+                                              "found '{}'",
+                                              text));
+  }
+  if (has_range) {
+    choice.range = TRY(parse_value_range(rest));
+  }
+  return choice;
+}
+
 Result<double> parse_samples(std::string_view text) {
   const auto samples = parse_number(text);
   if (samples && *samples >= 1.0 / 64 && *samples <= 64) return *samples;

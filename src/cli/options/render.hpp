@@ -18,6 +18,7 @@
 #include "cli/options/view.hpp"
 #include "cli/values.hpp"
 #include "mesh_io/mesh_writer.hpp"
+#include "render/black_body.hpp"
 #include "render/renderer.hpp"
 #include "render/scene.hpp"
 #include "render/transfer_function.hpp"
@@ -28,6 +29,18 @@ namespace isoextract::cli {
 [[nodiscard]] std::vector<std::string> transfer_names();
 // Returns the function of a name or an alias; nullopt for other texts.
 [[nodiscard]] std::optional<render::BuiltInTransfer> transfer_of(std::string_view name);
+
+// The grid that emits light, and the values that render::emission_function() takes for its range; unset for kelvins.
+struct EmissionChoice {
+  std::string grid;
+  std::optional<std::array<double, 2>> range;
+
+  friend bool operator==(const EmissionChoice&, const EmissionChoice&) = default;
+};
+
+// Parses GRID[:MIN,MAX], MIN below MAX. What follows the last colon is a range if it begins like a number and has a
+// comma; otherwise the whole text is the name of a grid. Fails with ErrorCode::usage.
+[[nodiscard]] Result<EmissionChoice> parse_emission(std::string_view text);
 
 // Parses the value of an option. Fails with ErrorCode::usage.
 [[nodiscard]] Result<std::array<double, 2>> parse_value_range(std::string_view text);  // MIN,MAX, MIN below MAX
@@ -98,6 +111,18 @@ struct RenderFlags : OptionSet {
       parse_positive,
       "Path length to which the opacities of --tf belong. In world units: a ray that goes this far through one value "
       "has the opacity that --tf gives for it. Default: a hundredth of the volume's longest side.",
+      About::drawn_volume};
+  Value<EmissionChoice> emission{
+      in(OptionGroup::output),
+      "--emission",
+      "GRID[:MIN,MAX]",
+      parse_emission,
+      fmt::format(
+          "Light from a second grid of the file. Its values are kelvins: nothing glows up to {:g} K, 1000 K is a "
+          "dim red, 3000 K a bright orange-white. With MIN,MAX, the values from MIN to MAX stand for {:g} to {:g} "
+          "K, for grids like flames:0,1. Density of --grid in front of the light dims it; where there is none, "
+          "the grid glows all the same.",
+          render::BlackBody::kGlowBegins, render::BlackBody::kGlowBegins, render::BlackBody::kReference),
       About::drawn_volume};
   Value<render::Shading> shading{in(OptionGroup::output), "--shading",
                                  "Shading of surfaces (default: smooth). smooth interpolates the vertex normals; flat "

@@ -26,7 +26,11 @@ enum class TextureUnit {
   nodes,
   bricks,
   atlas,
-  transfer
+  transfer,
+  emission_nodes,
+  emission_bricks,
+  emission_atlas,
+  emission_transfer  // the last of the 16 units that every device has
 };
 
 inline void bind_texture(const gl::ShaderProgram& program, const char* name, TextureUnit unit, GLenum target,

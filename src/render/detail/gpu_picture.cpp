@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "render/detail/volume_pixels.hpp"
+
 namespace isoextract::render::detail {
 namespace {
 
@@ -53,15 +55,18 @@ gl::ProgramSource source_of(GpuPrograms::Name name) {
     return source;
   }
   std::vector<std::string_view> parts{"render_surfaces.glsl"};
-  if (name == Name::rays_surfaces || name == Name::rays_both) {
+  const bool emission = name == Name::rays_emission || name == Name::rays_both_emission;
+  if (name == Name::rays_surfaces || name == Name::rays_both || name == Name::rays_both_emission) {
     source.defines.emplace_back("SURFACES");
     parts.emplace_back("render_shading.glsl");
   }
-  if (name == Name::rays_volume || name == Name::rays_both) {
+  if (name == Name::rays_volume || name == Name::rays_both || emission) {
     source.defines.emplace_back("VOLUME");
+    if (emission) source.defines.emplace_back("EMISSION");
     source.constants = fmt::format("const int kEntries = {};\n", TransferFunction::kEntries);
     parts.emplace_back("render_volume.glsl");
   }
+  if (emission) parts.insert(parts.end(), {"render_emission_names.glsl", "render_volume.glsl", "render_emission.glsl"});
   parts.emplace_back("render_rays.frag");
   source.stages = {{GL_VERTEX_SHADER, {"render_rays.vert"}}, {GL_FRAGMENT_SHADER, std::move(parts)}};
   return source;
@@ -106,10 +111,7 @@ Result<GpuPicture> GpuPicture::make(const GpuTask& task, GpuMemory& memory) {
   glBindBuffer(GL_ATOMIC_COUNTER_BUFFER, picture.met_.name());
   glBufferData(GL_ATOMIC_COUNTER_BUFFER, sizeof(kZero), &kZero, GL_DYNAMIC_READ);
   glBindBufferBase(GL_ATOMIC_COUNTER_BUFFER, 0, picture.met_.name());
-  if (task.volume != nullptr) {
-    picture.within_ =
-        pixels_of(task.camera, size, task.scene.volume->index_to_world, *volume_box(*task.scene.volume->field));
-  }
+  if (task.volume != nullptr) picture.within_ = pixels_of(task.camera, size, *task.scene.volume);
   return picture;
 }
 
@@ -225,7 +227,8 @@ Result<void> GpuPicture::list_fragments(const PixelBox& tile, std::uint64_t coun
 Result<void> GpuPicture::cast_rays(const PixelBox& tile, const PixelBox& box, bool volume) {
   if (box.empty()) return {};
   const bool surfaces = !task_.surfaces.empty();
-  const auto program = TRY(task_.programs.get(task_.gl, GpuPrograms::rays(volume, surfaces)));
+  const auto program = TRY(task_.programs.get(
+      task_.gl, GpuPrograms::rays(volume, task_.volume != nullptr && task_.volume->has_emission(), surfaces)));
   const gl::ShaderProgram& rays = *program;
   set_view(rays, tile);
   const RenderOptions& options = task_.options;

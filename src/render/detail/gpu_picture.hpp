@@ -14,13 +14,24 @@ namespace isoextract::render::detail {
 // Links each program when it is first used, and keeps it for the next picture.
 class GpuPrograms {
  public:
-  enum class Name { opaque, see_through, rays, rays_volume, rays_surfaces, rays_both };
-  static constexpr std::size_t kCount = 6;
+  enum class Name {
+    opaque,
+    see_through,
+    rays,
+    rays_volume,
+    rays_emission,  // of a volume with an emission
+    rays_surfaces,
+    rays_both,
+    rays_both_emission
+  };
+  static constexpr std::size_t kCount = 8;
 
   [[nodiscard]] Result<const gl::ShaderProgram*> get(const gl::GlContext& gl, Name name);
-  [[nodiscard]] static Name rays(bool volume, bool surfaces) {
-    if (surfaces) return volume ? Name::rays_both : Name::rays_surfaces;
-    return volume ? Name::rays_volume : Name::rays;
+  // `emission` has no effect without a volume.
+  [[nodiscard]] static Name rays(bool volume, bool emission, bool surfaces) {
+    if (!volume) return surfaces ? Name::rays_surfaces : Name::rays;
+    if (emission) return surfaces ? Name::rays_both_emission : Name::rays_emission;
+    return surfaces ? Name::rays_both : Name::rays_volume;
   }
 
  private:

@@ -98,6 +98,14 @@ Result<void> write_atlas(const gl::GlContext& gl, const VolumeSamples& samples, 
   });
 }
 
+// Returns the length of the box's three edges together, in the world: no ray in the box is longer.
+double longest_way(const Volume& volume) {
+  const field::Box box = *volume_box(*volume.field);
+  const glm::dvec3 extent = box.max - box.min;
+  const glm::dmat3& axes = volume.index_to_world.linear;
+  return extent.x * glm::length(axes[0]) + extent.y * glm::length(axes[1]) + extent.z * glm::length(axes[2]);
+}
+
 }  // namespace
 
 Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& source, std::uint64_t slots,
@@ -123,31 +131,57 @@ Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& s
   return gl.check(fmt::format("allocating {} for {}", format_byte_size(bytes), what));
 }
 
+struct GpuVolume::Names {
+  const char* nodes;
+  const char* bricks;
+  const char* atlas;
+  const char* transfer;
+  const char* first_node;
+  const char* atlas_slots;
+  const char* first_cell;
+  const char* last_cell;
+  const char* box_min;
+  const char* box_max;
+  const char* eye;
+  const char* index_of_view;
+  TextureUnit first_unit;  // the other three textures follow
+};
+
 Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volume, const RenderOptions& options,
                                     RenderStatistics& statistics, GpuMemory& memory, const Context& context) {
+  const double step = step_of(volume, options);
+  double way = longest_way(volume);
+  if (volume.emission != nullptr) way += longest_way(*volume.emission);
+  if (!(way / step < kMostSlabs)) {
+    return fail(ErrorCode::unavailable,
+                fmt::format("{}: expected at most {:g} samples along a ray, found {:g}", volume.field->source,
+                            kMostSlabs, way / step),
+                {Remedy::use, Setting::cpu_backend});
+  }
+  GpuVolume made = TRY(upload_field(gl, volume, options, statistics, memory, context));
+  made.step_ = step;
+  if (volume.emission != nullptr) {
+    auto emission = TRY(upload_field(gl, *volume.emission, options, statistics, memory, context));
+    made.emission_ = std::make_unique<GpuVolume>(std::move(emission));
+  }
+  return made;
+}
+
+Result<GpuVolume> GpuVolume::upload_field(const gl::GlContext& gl, const Volume& volume, const RenderOptions& options,
+                                          RenderStatistics& statistics, GpuMemory& memory, const Context& context) {
   GpuVolume made;
   made.volume_ = &volume;
   made.box_ = *volume_box(*volume.field);
-  made.step_ = step_of(volume, options);
   const std::string& source = volume.field->source;
   const glm::dvec3 extent = made.box_.max - made.box_.min;
-  const glm::dmat3& axes = volume.index_to_world.linear;
-  const double way =
-      extent.x * glm::length(axes[0]) + extent.y * glm::length(axes[1]) + extent.z * glm::length(axes[2]);
-  if (!(way / made.step_ < kMostSlabs)) {
-    return fail(
-        ErrorCode::unavailable,
-        fmt::format("{}: expected at most {:g} samples along a ray, found {:g}", source, kMostSlabs, way / made.step_),
-        {Remedy::use, Setting::cpu_backend});
-  }
 
   auto samples = TRY(VolumeSamples::open(volume, context));
   std::optional<VolumeBricks> seen;
   if (options.empty_space_skipping) {
     auto measured = TRY(VolumeBricks::measure(samples, context));
     seen.emplace(std::move(measured));
-    statistics.bricks = seen->count();
-    statistics.bricks_skipped = seen->count_invisible();
+    statistics.bricks += seen->count();
+    statistics.bricks_skipped += seen->count_invisible();
   }
   const auto nodes = TRY(VolumeNodes::list(samples, seen ? &*seen : nullptr, glm::ivec3(made.box_.min),
                                            glm::ivec3(made.box_.max) - 1, context));
@@ -183,21 +217,35 @@ Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volum
 }
 
 void GpuVolume::bind(const gl::ShaderProgram& program, const Camera& camera) const {
-  bind_texture(program, "nodes", TextureUnit::nodes, GL_TEXTURE_3D, nodes_);
-  bind_texture(program, "atlas", TextureUnit::atlas, GL_TEXTURE_3D, atlas_);
-  bricks_.bind(program, "bricks", TextureUnit::bricks);
-  transfer_.bind(program, "transfer", TextureUnit::transfer);
-  program.set("first_node", first_node_);
-  program.set("atlas_slots", slots_);
-  program.set("first_cell", glm::ivec3(box_.min));
-  program.set("last_cell", glm::ivec3(box_.max) - 1);
-  program.set("box_min", box_.min);
-  program.set("box_max", box_.max);
-  const field::Affine index_of_world = volume_->index_to_world.inverse();
-  program.set("volume_eye", index_of_world(camera.eye));
-  program.set("index_of_view", index_of_world.linear * camera.world_from_view().linear);
+  static constexpr Names kVolume{"nodes",       "bricks",        "atlas",           "transfer", "first_node",
+                                 "atlas_slots", "first_cell",    "last_cell",       "box_min",  "box_max",
+                                 "volume_eye",  "index_of_view", TextureUnit::nodes};
+  static constexpr Names kEmission{"emission_nodes",           "emission_bricks",     "emission_atlas",
+                                   "emission_transfer",        "emission_first_node", "emission_atlas_slots",
+                                   "emission_first_cell",      "emission_last_cell",  "emission_box_min",
+                                   "emission_box_max",         "emission_eye",        "emission_index_of_view",
+                                   TextureUnit::emission_nodes};
+  bind_field(program, camera, kVolume);
+  if (emission_) emission_->bind_field(program, camera, kEmission);
   program.set("world_step", step_);
   program.set("unit_lengths", 1 / volume_->unit_length);
+}
+
+void GpuVolume::bind_field(const gl::ShaderProgram& program, const Camera& camera, const Names& names) const {
+  const auto unit = [&](int number) { return static_cast<TextureUnit>(static_cast<int>(names.first_unit) + number); };
+  bind_texture(program, names.nodes, unit(0), GL_TEXTURE_3D, nodes_);
+  bricks_.bind(program, names.bricks, unit(1));
+  bind_texture(program, names.atlas, unit(2), GL_TEXTURE_3D, atlas_);
+  transfer_.bind(program, names.transfer, unit(3));
+  program.set(names.first_node, first_node_);
+  program.set(names.atlas_slots, slots_);
+  program.set(names.first_cell, glm::ivec3(box_.min));
+  program.set(names.last_cell, glm::ivec3(box_.max) - 1);
+  program.set(names.box_min, box_.min);
+  program.set(names.box_max, box_.max);
+  const field::Affine index_of_world = volume_->index_to_world.inverse();
+  program.set(names.eye, index_of_world(camera.eye));
+  program.set(names.index_of_view, index_of_world.linear * camera.world_from_view().linear);
 }
 
 }  // namespace isoextract::render::detail

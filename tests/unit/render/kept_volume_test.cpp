@@ -4,7 +4,7 @@
 namespace isoextract::render {
 namespace {
 
-constexpr PictureSize kFrame{48, 40};
+constexpr PictureSize kPictureSize{48, 40};
 
 class KeptVolume : public testing::TestWithParam<bool> {
  protected:
@@ -27,8 +27,8 @@ class KeptVolume : public testing::TestWithParam<bool> {
   ~KeptVolume() override {
     if (renderer_ != nullptr) renderer_->keep(nullptr);
   }
-  Rendered draw(double azimuth, const RenderOptions& options = {kFrame}) {
-    const Camera camera = frame_box({glm::dvec3(0), glm::dvec3(39)}, {azimuth, 15}, UpAxis::z, kFrame);
+  Rendered draw(double azimuth, const RenderOptions& options = {kPictureSize}) {
+    const Camera camera = frame_box({glm::dvec3(0), glm::dvec3(39)}, {azimuth, 15}, UpAxis::z, kPictureSize);
     auto drawn = renderer_->draw(scene_, camera, options, context_);
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().message);
     return drawn ? std::move(*drawn) : Rendered();
@@ -93,7 +93,7 @@ TEST_P(KeptVolume, ServesOnlySameVolumeAndOptions) {
   renderer_->keep(&volume_);
   EXPECT_FALSE(draw(0).reused_volume);
   EXPECT_TRUE(draw(0).reused_volume);
-  RenderOptions options{kFrame};
+  RenderOptions options{kPictureSize};
   options.empty_space_skipping = false;
   const Rendered all = draw(0, options);
   EXPECT_FALSE(all.reused_volume);
