@@ -66,8 +66,10 @@ void encode(MemoryStream& stream, const LightImage& image, std::span<Imath::half
     frame.insert(name, Imf::Slice::Make(Imf::HALF, plane.data(), {0, 0}, image.width, image.height));
   };
   static constexpr std::array kColors{"R", "G", "B", "A"};
+  // More would become infinite, and a mask of 0 would make NaN of it.
+  constexpr auto kMost = static_cast<float>(HALF_MAX);
   for (int c = 0; c < 4; ++c)
-    add(kColors[static_cast<std::size_t>(c)], [&, c](std::size_t i) { return image.color[i][c]; });
+    add(kColors[static_cast<std::size_t>(c)], [&, c](std::size_t i) { return std::min(image.color[i][c], kMost); });
   static constexpr std::array kNormals{"N.X", "N.Y", "N.Z"};
   for (int c = 0; c < 3 && !image.normals.empty(); ++c) {
     add(kNormals[static_cast<std::size_t>(c)], [&, c](std::size_t i) { return image.normals[i][c]; });

@@ -86,6 +86,23 @@ TEST(ExrWriter, OmitsMissingDepthAndNormals) {
   EXPECT_EQ(names_of(Imf::InputFile(path.c_str())), (std::vector<std::string>{"A", "B", "G", "R"}));
 }
 
+TEST(ExrWriter, KeepsBrightLightFinite) {
+  const test::TempFolder folder;
+  const auto path = folder.path() / "a.exr";
+  Light light;
+  light.colors[5].r = 1e6F;
+  light.colors[6].r = std::numeric_limits<float>::infinity();
+  light.colors[7].r = 65000;
+  auto file = files::OutputFile::create(path).value();
+  ASSERT_TRUE(write_exr(file, {kAcross, kDown, light.colors, {}, {}}, Context()));
+  ASSERT_TRUE(file.commit());
+  Imf::InputFile read(path.c_str());
+  const std::vector<float> red = channel(read, "R");
+  EXPECT_EQ(red[5], 65504);
+  EXPECT_EQ(red[6], 65504);
+  EXPECT_EQ(red[7], float{Imath::half(65000)});
+}
+
 TEST(ExrWriter, ReservesMemory) {
   const test::TempFolder folder;
   auto file = files::OutputFile::create(folder.path() / "a.exr").value();
