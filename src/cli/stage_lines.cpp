@@ -5,6 +5,7 @@
 #include <charconv>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <tuple>
@@ -82,21 +83,27 @@ void LabelStages::add(const convert::StageReport& report) {
   auto stage = std::ranges::find_if(
       stages_, [&](const Stage& one) { return one.name == report.stage && one.did == report.did; });
   if (stage == stages_.end()) {
-    stages_.push_back({report.stage, report.label, report.did, 0, 0, stage_lines(report)});
+    stages_.push_back({report.stage, report.label, report.did, {}, 0, {}});
     stage = std::prev(stages_.end());
   }
-  ++stage->labels;
+  stage->labels.insert(report.id->label());
+  if (stage->labels.size() == 1) {
+    std::ranges::move(stage_lines(report), std::back_inserter(stage->lines));
+  } else {
+    stage->lines.clear();
+  }
   stage->seconds += report.time->wall_seconds;
 }
 
 std::vector<std::string> LabelStages::take_lines(const convert::LabelTimes& times) {
   std::vector<std::string> lines;
   for (Stage& stage : std::exchange(stages_, {})) {
-    if (stage.labels == 1) {
-      std::ranges::move(stage.first, std::back_inserter(lines));
+    if (stage.labels.size() == 1) {
+      std::ranges::move(stage.lines, std::back_inserter(lines));
       continue;
     }
-    const std::string start = fmt::format("{}: {} {}", stage.field, counted(stage.labels, "label"), stage.did);
+    const std::string start =
+        fmt::format("{}: {} for {}", stage.field, stage.did, counted(stage.labels.size(), "label"));
     if (stage.name == convert::StageName::extract) {
       StageTime whole = times.compare;
       whole += times.make;
@@ -113,6 +120,7 @@ std::vector<SurfaceLine> join_equal_lines(const std::vector<SurfaceLine>& lines)
   struct Joined {
     LineParts parts;
     std::size_t count = 0;
+    std::set<std::int64_t> labels = {};
   };
   std::vector<SurfaceLine> joined;
   std::vector<Joined> facts;  // of `joined`
@@ -123,18 +131,22 @@ std::vector<SurfaceLine> join_equal_lines(const std::vector<SurfaceLine>& lines)
         {parts.start, parts.end, parts.has_label, parts.seconds.has_value(), line.explains}, joined.size());
     if (is_new) {
       joined.push_back(line);
-      facts.push_back({std::move(parts), 1});
-      continue;
+      facts.push_back({std::move(parts)});
+    } else if (parts.seconds) {
+      *facts[place->second].parts.seconds += *parts.seconds;
     }
     Joined& same = facts[place->second];
     ++same.count;
-    if (parts.seconds) *same.parts.seconds += *parts.seconds;
+    if (same.parts.has_label) same.labels.insert(line.id->label());
   }
   for (std::size_t i = 0; i < joined.size(); ++i) {
-    const auto& [parts, count] = facts[i];
+    const auto& [parts, count, labels] = facts[i];
     if (count == 1) continue;
-    joined[i].text = fmt::format("{}{}{}{}", parts.start, parts.has_label ? fmt::format(" at {} labels", count) : "",
-                                 parts.end, parts.seconds ? fmt::format("; {:.2f} s", *parts.seconds) : "");
+    std::string where;
+    if (labels.size() == 1) where = joined[i].id->at_text();
+    if (labels.size() > 1) where = fmt::format(" at {} labels", labels.size());
+    joined[i].text = fmt::format("{}{}{}{}", parts.start, where, parts.end,
+                                 parts.seconds ? fmt::format("; {:.2f} s", *parts.seconds) : "");
   }
   return joined;
 }

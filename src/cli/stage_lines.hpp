@@ -2,8 +2,9 @@
 // labels, and the lines below the line about a file.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,9 +31,9 @@ class LabelStages {
     convert::StageName name = convert::StageName::open;
     std::string field;  // label of the field
     std::string did;
-    std::size_t labels = 0;
+    std::set<std::int64_t> labels;   // a label that is split into bodies has a report for each of them
     double seconds = 0;              // wall time, summed over the labels
-    std::vector<std::string> first;  // lines of the first label
+    std::vector<std::string> lines;  // of the only label
   };
 
   std::vector<Stage> stages_;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "base/counted.hpp"
 #include "base/parallel.hpp"
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
@@ -215,7 +216,8 @@ Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContex
   const Stopwatch watch;
   const std::vector<AttributeResult> carried = TRY(add_attributes(*attributes, surface.mesh, stage.context));
   report.time = watch.elapsed();
-  report.did = fmt::format("sampled attributes at {} vertices", surface.mesh.positions.size());
+  report.did = "attributes sampled";
+  report.details.push_back(counted(surface.mesh.positions.size(), "vertex", "vertices"));
   for (const AttributeResult& one : carried) {
     report.entries.push_back({{Key::name, one.name},
                               {Key::source, one.source},

@@ -141,17 +141,24 @@ class StreamsTest(ProgramTest):
         self.write_raw("map.raw", (12, 12, 12), lambda x, y, z: 1 + x // 4 + 3 * (y // 4) + 9 * (z // 4), "B")
         map_of_27 = ("map.raw", "--dims", "12,12,12", "--smooth", "3", "-v", "-o", "out.glb", "--labels")
         err = self.convert(*map_of_27, "all").err
-        (line,) = [line for line in err.splitlines() if "extracted in " in line]
-        found = re.fullmatch(r"map\.raw: 27 labels extracted in ([\d.]+) s \([\d.]+ s of processor time\): "
+        (line,) = [line for line in err.splitlines() if "extracted for " in line]
+        found = re.fullmatch(r"map\.raw: extracted for 27 labels in ([\d.]+) s \([\d.]+ s of processor time\): "
                              r"([\d.]+) s to compare samples, ([\d.]+) s to make the meshes", line)
         self.assertIsNotNone(found, line)
         whole, compare, make = (float(seconds) for seconds in found.groups())
         self.assertAlmostEqual(whole, compare + make, delta=0.01)
-        (line,) = [line for line in err.splitlines() if "smoothed in " in line]
-        self.assertRegex(line, r"^map\.raw: 27 labels smoothed in [\d.]+ s, the sum over the labels$")
+        (line,) = [line for line in err.splitlines() if "smoothed for " in line]
+        self.assertRegex(line, r"^map\.raw: smoothed for 27 labels in [\d.]+ s, the sum over the labels$")
         err = self.convert(*map_of_27, "5").err
         self.assertRegex(err, r"(?m)^map\.raw label 5: extracted in .+ s to compare samples, .+ s to count, ")
         self.assertRegex(err, r"(?m)^map\.raw label 5: smoothed in ")
+
+    def test_verbose_counts_labels_and_not_their_bodies(self):
+        self.write_raw("map.raw", (12, 12, 12), lambda x, y, z: 0 if x % 4 == 3 or y % 4 == 3 else 1 + y // 4, "B")
+        bodies = ("map.raw", "--dims", "12,12,12", "--split-components", "--normals", "area", "-v", "-o", "out.glb", "--labels")
+        err = self.convert(*bodies, "1").err
+        self.assertEqual(err.count("map.raw label 1: normals computed in "), 3, err)
+        self.assertRegex(self.convert(*bodies, "all").err, r"(?m)^map\.raw: normals computed for 3 labels in ")
 
     def test_equal_lines_of_many_labels_are_one(self):
         self.write_raw("map.raw", (12, 12, 12), lambda x, y, z: 1 + x // 4 + 3 * (y // 4) + 9 * (z // 4), "B")

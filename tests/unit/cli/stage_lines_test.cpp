@@ -32,6 +32,12 @@ TEST(JoinEqualLines, JoinsLinesOfLabelsThatDifferInLabelAndTime) {
       (std::vector<std::string>{"no triangles intersect at 3 labels; 0.09 s", "hollowed at 2 labels: no cavity"}));
 }
 
+TEST(JoinEqualLines, CountsALabelOnce) {
+  EXPECT_EQ(joined({about_label(3, "no triangles intersect at label 3; 0.02 s"),
+                    about_label(3, "no triangles intersect at label 3; 0.03 s")}),
+            (std::vector<std::string>{"no triangles intersect at label 3; 0.05 s"}));
+}
+
 TEST(JoinEqualLines, KeepsLinesWithOtherFigures) {
   const std::vector<SurfaceLine> lines{about_label(1, "components at label 1: kept 1 of 2 bodies; 0.01 s"),
                                        about_label(2, "components at label 2: kept 1 of 3 bodies; 0.01 s"),
