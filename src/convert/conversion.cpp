@@ -161,15 +161,21 @@ class Conversion {
             chosen_.large_enough(surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
         for (const Note& text : repeated_notes(source_.label, asked, files::output_label(output.path)))
           events_.note(text);
-        TRY(add_surfaces(isos, *file, in_pieces));
+        if (auto added = add_surfaces(isos, *file, in_pieces); !added) {
+          end_labels();
+          return added;
+        }
         skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
       }
-      events_.end_labels({std::exchange(finding_labels_, {}), extracting_labels_.take()});
+      end_labels();
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
     // A surface split into bodies has one file for each body, so `output` itself names no file.
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
+
+  // Reports the times of the labels of the current grid.
+  void end_labels() { events_.end_labels({std::exchange(finding_labels_, {}), extracting_labels_.take()}); }
 
   // Makes the surfaces and adds them to the file, each as soon as all earlier surfaces are added.
   Result<void> add_surfaces(std::span<const ResolvedIso> isos, OutputMeshes& file, bool& in_pieces) {
