@@ -1,6 +1,7 @@
 #include "cli/emission_source.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 
@@ -146,7 +147,8 @@ Result<std::optional<EmissionSource>> read_emission(const EmissionChoice& choice
   const auto statistics = field::measure_statistics(*field, &context.progress(), field::WithPercentiles::no);
   emission.greatest = statistics.samples > 0 ? statistics.max : 0;
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field->samples)) {
-    emission.greatest = std::max(emission.greatest, field->scale(sparse->background));
+    const double background = field->scale(sparse->background);
+    if (std::isfinite(background)) emission.greatest = std::max(emission.greatest, background);
   }
   emission.field = std::move(*field);
   emission.output_from_index = source.placement.output_from_world().after(emission.field.index_to_world);
