@@ -159,23 +159,18 @@ class Conversion {
         const auto asked = job_.source.mesh ? all : all.subspan(first_iso_of(job_, output_, grid), output.isos.size());
         const auto isos =
             chosen_.large_enough(surfaces_of(source_.field, asked, labels_ ? &chosen_.labels : nullptr, layer_));
-        for (const Note& text : repeated_notes(source_.label, asked, files::output_label(output.path)))
-          events_.note(text);
-        if (auto added = add_surfaces(isos, *file, in_pieces); !added) {
-          end_labels();
-          return added;
-        }
+        for (const Note& n : repeated_notes(source_.label, asked, files::output_label(output.path))) events_.note(n);
+        auto added = add_surfaces(isos, *file, in_pieces);
+        if (!added) label_work_.end(events_);
+        TRY(std::move(added));
         skipped.push_back(skipped_of(isos, std::span<const SurfaceId>(file->ids()).subspan(before)));
       }
-      end_labels();
+      label_work_.end(events_);
     }
     if (!file->written.surfaces.empty()) return finish(*file, skipped);
     // A surface split into bodies has one file for each body, so `output` itself names no file.
     return in_pieces ? Result<void>() : leave_out(output, skipped);
   }
-
-  // Reports the times of the labels of the current grid.
-  void end_labels() { events_.end_labels({std::exchange(finding_labels_, {}), extracting_labels_.take()}); }
 
   // Makes the surfaces and adds them to the file, each as soon as all earlier surfaces are added.
   Result<void> add_surfaces(std::span<const ResolvedIso> isos, OutputMeshes& file, bool& in_pieces) {
@@ -315,7 +310,7 @@ class Conversion {
     TRY(backends_.require(job_.surface.method));
     const Stopwatch watch;
     labels_ = TRY(extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), *choice, context_));
-    finding_labels_ += watch.elapsed();
+    label_work_.finding += watch.elapsed();
     TRY(volume_io::check_mapping_intact(source_.field));
     release_free_memory();  // finding and relaxing labels takes more memory than keeping them
     for (const Note& note : labels_->notes()) events_.note(note);
@@ -333,7 +328,7 @@ class Conversion {
   [[nodiscard]] SurfaceMaker maker(PartwiseOutput* sink = nullptr) {
     const extract::LabelVoxels* const labels = labels_ ? &*labels_ : nullptr;
     return {job_, source_,        backends_.extractor(), backends_.other(), labels, looks_,
-            all_, source_.meshes, extras_.mesh_facts,    context_,          sink,   &extracting_labels_};
+            all_, source_.meshes, extras_.mesh_facts,    context_,          sink,   &label_work_.extracting};
   }
 
   Result<void> add(Surface surface, OutputMeshes& file) {
@@ -467,8 +462,7 @@ class Conversion {
   std::optional<extract::LabelVoxels> labels_;  // if the job asks for labels
   ChosenLabels chosen_;                         // of labels_
   LabelCounts label_counts_;                    // of all layers of the current output
-  StageTime finding_labels_;                    // of all layers of the current grid
-  ActiveTime extracting_labels_;                // likewise
+  LabelWork label_work_;                        // of all layers of the current grid
   SurfaceList all_;                             // surfaces of the current grid
   LabelAppearance looks_;                       // of the same labels
   std::size_t output_ = 0;                      // index of the current output

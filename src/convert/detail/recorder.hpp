@@ -4,13 +4,24 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/active_time.hpp"
 #include "base/note.hpp"
 #include "convert/events.hpp"
 #include "convert/outcome.hpp"
 
 namespace isoextract::convert {
+
+// The time that the labels of a grid have taken so far.
+struct LabelWork {
+  StageTime finding;
+  ActiveTime extracting;
+
+  // Reports the time, and begins anew.
+  void end(Events& events) { events.end_labels({std::exchange(finding, {}), extracting.take()}); }
+};
 
 class Recorder final : public Events {
  public:
