@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -118,7 +117,7 @@ std::vector<std::string> files_in(const fs::path& folder, const std::function<bo
 std::string first_names(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 3;
   std::string text;
-  for (const std::string& name : names | std::views::take(kMost)) {
+  for (const std::string& name : std::span(names).first(std::min(names.size(), kMost))) {
     text += fmt::format("{}{}", text.empty() ? "" : ", ", printable(name, 100));
   }
   return names.size() > kMost ? fmt::format("{} and {} more", text, names.size() - kMost) : text;
