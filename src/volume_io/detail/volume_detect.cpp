@@ -125,10 +125,9 @@ Result<DetectedFormat> format_of_folder(const std::string& input, const ReadOpti
     return tl::unexpected(plugin_host::not_one_input(input, input, has_name_of_volume));
   }
   return fail(ErrorCode::input,
-              fmt::format("{}: expected a file, or a folder of a format that isoextract reads, found a folder without "
-                          "such files",
+              fmt::format("{}: expected a file, or a folder that is one volume, found a folder that is none",
                           files::input_label(input)),
-              "give one file in the folder; name the slices of a volume by a pattern, such as 'FOLDER/slice_{}.png'");
+              "give one of its files, or the slices of a volume as a pattern, such as 'FOLDER/slice_{}.png'");
 }
 
 // Returns whether the format takes the files of a pattern as slices.

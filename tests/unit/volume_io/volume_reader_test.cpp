@@ -135,7 +135,7 @@ TEST(VolumeReader, RejectsPathsThatAreNotFiles) {
   const TempFolder folder;
   expect_in(refusal(folder / "missing.vdb").message, "No such file");
   std::filesystem::create_directory(folder / "folder.vdb");
-  expect_in(refusal(folder / "folder.vdb").message, "found a folder without such files");
+  expect_in(refusal(folder / "folder.vdb").message, "found a folder that is none");
   for (const char* name : {"v.vdb", "v.nrrd", "v.nhdr", "v.nii", "v.nii.gz", "v.hdr", "v.npy", "v.raw", "v"}) {
     write_bytes(folder / name, "");
     expect_in(refusal(folder / name).message, "is empty");
