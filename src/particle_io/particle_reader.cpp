@@ -97,15 +97,17 @@ void check_options(const files::InputFile& file, const ParticleFormatDescription
     refuse("only tables have columns for x, y and z to choose", "the file format defines x, y and z");
 }
 
-// Calls work(file), which may throw, and returns its result. Catches all exceptions.
+// Calls work(file), which may throw, and returns its result. Catches all exceptions. `skips_others`: returns an empty
+// result for an archive without particle files, since other readers tell what it holds.
 template <class F>
-auto with_input(const std::string& input, const ParticleReadOptions& options, const Context& context, F&& work)
-    -> Result<decltype(work(std::declval<const files::InputFile&>()))> {
+auto with_input(const std::string& input, const ParticleReadOptions& options, const Context& context, F&& work,
+                bool skips_others = false) -> Result<decltype(work(std::declval<const files::InputFile&>()))> {
   const std::string name = files::input_label(input);
   try {
     const std::string path = must(plugin_host::unpacked_input(input, plugin_host::GzipFiles::keep, context));
     std::error_code none;
     if (path != input && std::filesystem::is_directory(path, none)) {
+      if (skips_others && plugin_host::has_no_input(path, has_particle_extension)) return {};
       throw Refused{plugin_host::not_one_input(input, path, has_particle_extension)};
     }
     const auto file = must(files::InputFile::open(path, context));
@@ -178,17 +180,14 @@ void throw_frame_error(const ParticleReadOptions& options, std::uint64_t frames)
 Result<std::optional<ParticleFormatDescription>> detect_particles(const std::string& input,
                                                                   const ParticleReadOptions& options,
                                                                   const Context& context) {
-  // The other readers tell what an archive without particles holds.
-  if (const auto path = plugin_host::unpacked_input(input, plugin_host::GzipFiles::keep, context);
-      path && *path != input && plugin_host::has_no_input(*path, has_particle_extension)) {
-    return std::optional<ParticleFormatDescription>();
-  }
-  return with_input(input, options, context,
-                    [&](const files::InputFile& file) -> std::optional<ParticleFormatDescription> {
-                      const ParticleFormat* format = format_of(file, options, true);
-                      if (format == nullptr) return std::nullopt;
-                      return format->about();
-                    });
+  return with_input(
+      input, options, context,
+      [&](const files::InputFile& file) -> std::optional<ParticleFormatDescription> {
+        const ParticleFormat* format = format_of(file, options, true);
+        if (format == nullptr) return std::nullopt;
+        return format->about();
+      },
+      true);
 }
 
 Result<ParticleInfo> list_particles(const std::string& input, const ParticleReadOptions& options,

@@ -168,8 +168,7 @@ Error not_one_input(const std::string& input, const fs::path& folder,
 }
 
 bool has_no_input(const fs::path& folder, const std::function<bool(const fs::path&)>& is_input) {
-  std::error_code none;
-  return fs::is_directory(folder, none) && files_in(folder, is_input).empty();
+  return files_in(folder, is_input).empty();
 }
 
 }  // namespace isoextract::plugin_host

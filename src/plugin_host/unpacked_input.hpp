@@ -30,7 +30,7 @@ enum class GzipFiles { keep, unpack };
 [[nodiscard]] Error not_one_input(const std::string& input, const std::filesystem::path& folder,
                                   const std::function<bool(const std::filesystem::path&)>& is_input);
 
-// Returns whether `folder` is a folder without files of which is_input() is true, at any depth.
+// Returns whether a folder has no files, at any depth, of which is_input() is true.
 [[nodiscard]] bool has_no_input(const std::filesystem::path& folder,
                                 const std::function<bool(const std::filesystem::path&)>& is_input);
 

@@ -62,12 +62,13 @@ class VolumeKeeper {
       } else {
         choose_steps_alone();
       }
-      for_each_index(grid_.origins().size(), [&](std::size_t c) { has_steps_[c] = links.any_step(c, steps_) ? 1 : 0; });
       // Adding all faces to the sums once is less work than to find many of them, subtract and add them.
       if (moving_share() > kMostSearched) {
         move_points([](std::size_t, std::size_t) { return ~std::uint64_t{0}; });
         measure_all();
       } else {
+        for_each_index(grid_.origins().size(),
+                       [&](std::size_t c) { has_steps_[c] = links.any_step(c, steps_) ? 1 : 0; });
         mark_moving();
         add_moving(-1);
         move_points([&](std::size_t c, std::size_t row) { return is_marked_[c] != 0 ? moving_[c][row] : 0; });
