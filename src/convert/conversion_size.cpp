@@ -11,7 +11,9 @@
 #include "convert/detail/several_grids.hpp"
 #include "convert/source.hpp"
 #include "convert/stages/mesh_hollow.hpp"
+#include "convert/stages/mesh_simplify.hpp"
 #include "convert/stages/surface_stages.hpp"
+#include "edit/bounded_simplify.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/inner_wall.hpp"
 #include "field/resample.hpp"
@@ -42,14 +44,20 @@ std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
   return bytes + vertices * (sizeof(glm::dvec3) + components * sizeof(float) + kColorBytes);
 }
 
-// Returns the memory that simplifying or packing takes besides the mesh; they run one after the other, so the larger
-// counts. Fits the measured peaks of gyroids of 79,000 to 496,000 vertices; the reservations cover the worst case,
-// about twice as much.
-std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices) {
+// Returns the memory that simplifying or packing takes besides a mesh of two triangles for each vertex; they run one
+// after the other, so the larger counts. Fits the measured peaks of gyroids of 79,000 to 496,000 vertices; the
+// reservations cover the worst case, about twice as much. The limit leaves `left` bytes for them.
+std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices, std::uint64_t left) {
   constexpr std::uint64_t kMiB = 1 << 20;
   const mesh_io::PackingOptions packing = job.meshes().packing;
   std::uint64_t most = 0;
-  if (job.edits.simplify) most = 13 * kMiB + vertices * 500;
+  if (job.edits.simplify) {
+    const std::uint64_t triangles = 2 * vertices;
+    const auto& target = job.edits.simplify->triangles;
+    const std::uint64_t at_once =
+        edit::simplified_at_once(vertices, triangles, target ? wanted_triangles(*target, triangles) : 0, left);
+    most = 13 * kMiB + at_once * 250;
+  }
   if (packing.compression == mesh_io::Compression::draco) most = std::max(most, 6 * kMiB + vertices * 300);
   if (packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);
   return most;
@@ -70,7 +78,7 @@ Result<std::uint64_t> memory_of_labels(const ConversionJob& job, const Source& s
   // A fit to the measured peaks of maps of 8 to 4,096 labels with 0.3 to 8 million faces.
   const std::uint64_t simplifying = 400 * size.faces + 85 * size.sides;
   const std::uint64_t making =
-      job.edits.simplify ? simplifying : size.making_bytes + edit_bytes(job, size.largest_sides);
+      job.edits.simplify ? simplifying : size.making_bytes + edit_bytes(job, size.largest_sides, 0);
   return estimated_label_bytes(source.field, size, making) + attribute_bytes(source, size.largest_sides);
 }
 
@@ -102,7 +110,7 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
           std::max(most_hollow, hollow_bytes(job, source, mesh.triangles.size(), mesh::measure_size(mesh).area));
     }
     return kProgramBytes + kConversionBytes + context.memory().peak() +
-           std::max(edit_bytes(job, vertices), most_hollow);
+           std::max(edit_bytes(job, vertices, context.memory().left()), most_hollow);
   }
   // Making a field from particles takes more memory than keeping it.
   std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
@@ -118,7 +126,7 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     std::uint64_t bytes =
         by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals, has_figures) : estimated_bytes(size);
     bytes += attribute_bytes(source, size.vertices);
-    std::uint64_t after = edit_bytes(job, size.vertices);
+    std::uint64_t after = edit_bytes(job, size.vertices, memory.limit() - std::min(memory.limit(), bytes));
     // About a vertex for each cell that the surface crosses.
     const double cell_area = std::pow(std::abs(source.output_from_index.determinant()), 2.0 / 3);
     after = std::max(

@@ -58,7 +58,7 @@ namespace isoextract::convert {
   NAME(too_small) NAME(touching) NAME(triangles) NAME(triangles_after) NAME(triangles_before) NAME(triangles_only) \
   NAME(turned_inside_out) NAME(ulps) NAME(ulps_allowed) NAME(unit) NAME(unit_of_lengths) NAME(unreached) NAME(upper) \
   NAME(value_scale) NAME(vertices) NAME(vertices_only) NAME(volume) NAME(voxels) NAME(wall_seconds) \
-  NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
+  NAME(windows) NAME(without_volume) NAME(work) NAME(world) NAME(world_space) NAME(worst) NAME(worst_component) \
   NAME(zero_area_triangles)
 // clang-format on
 #define ISOEXTRACT_NAME(name) name,

@@ -1,431 +1,113 @@
 #include "edit/bounded_simplify.hpp"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <cmath>
-#include <limits>
+#include <cstdint>
 #include <new>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-#include <tbb/parallel_sort.h>
-
 #include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "edit/detail/collapse_state.hpp"
-#include "edit/detail/distance_proof.hpp"
-#include "edit/detail/edge_collapse.hpp"
-#include "edit/detail/intersection_guard.hpp"
-#include "edit/detail/intersection_undo.hpp"
 #include "edit/detail/patch_triangles.hpp"
 #include "edit/detail/sheet_collapse.hpp"
-#include "mesh/metrics.hpp"
+#include "edit/detail/simplifier.hpp"
+#include "edit/detail/simplify_windows.hpp"
 
 namespace isoextract::edit {
 namespace {
 
-class Simplifier {
- public:
-  Simplifier(const mesh::Mesh& mesh, const Sheets& sheets, const SimplifyOptions& options, SimplifyFigures& facts,
-             const Context& context)
-      : mesh_(mesh),
-        options_(options),
-        facts_(facts),
-        context_(context),
-        placed_(place_vertices()),
-        state_(placed_.empty() ? mesh.positions.span() : std::span<const glm::vec3>(placed_), mesh.positions.span(),
-               mesh.triangles.span(), sheets),
-        locked_(mesh.positions.size(), 0),
-        wanted_(mesh.positions.size(), 1),
-        left_(mesh.triangles.size()) {}
+constexpr std::uint64_t kFarAbove = 2;  // windows keep this many times the target
 
-  Result<CollapsedSheets> run() {
-    const double enough = options_.max_distance - slack_;
-    if (!(enough > 0) || left_ <= options_.triangles) return CollapsedSheets();
-    TRY(options_.triangles > 0 ? collapse_to_count(enough) : within(enough));
-    // Alternates distance proof and intersection check, as undoing collapses for one can break the other. Ends because
-    // each round leaves fewer collapses. Each check looks only near triangles that the other restored.
-    ProvenDistances proven;
-    do {
-      facts_.distance_lower = 0;
-      facts_.distance_upper = std::numeric_limits<double>::infinity();
-      if (!std::isfinite(enough)) continue;
-      TRY(look(prove_distance(state_, logs_, proof_options(enough), proven, context_)));
-    } while (TRY(undo_new_intersections(proven.restored)) > 0);
-    proven = {};
-    if (options_.triangles > 0) {
-      TRY(look(measure_distance(state_, context_)));
-    }
-    const auto removed = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 1));
-    if (removed > 0) {
-      facts_.distance_upper += slack_;
-      facts_.distance_lower = std::max(0.0, facts_.distance_lower - slack_);
-    }
-    if (facts_.distance_upper > options_.max_distance) {  // because of rounding
-      facts_.distance_lower = facts_.distance_upper = 0;
-      return CollapsedSheets();
-    }
-    if (removed == 0) return CollapsedSheets();
-    CollapsedSheets result{std::move(state_.corners), std::vector<MergedCorners>(state_.gone.size())};
-    const auto merge = [&](std::size_t t) {
-      if (state_.gone[t] == 0) return;
-      const Collapse& collapse = find_collapse(state_.changed_by[t], logs_);
-      for (std::int8_t corner = 0; corner < 3; ++corner) {
-        const std::uint32_t vertex = result.corners[t][corner];
-        if (vertex == collapse.vertex) result.merged[t].from = corner;
-        if (vertex == collapse.to) result.merged[t].to = corner;
-      }
-    };
-    for_each_index(state_.gone.size(), merge, kTriangleGrain);
-    return result;
+// Returns the peak memory of collapse_sheets().
+std::uint64_t whole_bytes(std::uint64_t vertices, std::uint64_t triangles, bool has_target) {
+  return Simplifier::bytes(vertices, triangles, has_target) + triangles * (sizeof(glm::uvec3) + sizeof(MergedCorners));
+}
+
+// Returns the memory of the vertices that set_triangles() keeps.
+std::uint64_t gathered_bytes(const mesh::Mesh& mesh) { return mesh.positions.size() * vertex_bytes(mesh); }
+
+Result<void> simplify_whole(mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts,
+                            const Context& context) {
+  const auto collapsed = TRY(collapse_sheets(mesh, Sheets(), options, facts, context));
+  if (!collapsed.changed()) return {};
+  std::vector<glm::uvec3> triangles;
+  triangles.reserve(facts.triangles_after);
+  for (std::size_t t = 0; t < collapsed.corners.size(); ++t) {
+    if (collapsed.stays(t)) triangles.push_back(collapsed.corners[t]);
   }
+  set_triangles(mesh, triangles);
+  return {};
+}
 
- private:
-  // Returns the number of undone collapses. `restored` lists the triangles restored since the last call or round; then
-  // the triangles that this call restored.
-  Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored) {
-    UndoneIntersections undone =
-        TRY(undo_intersections(state_, logs_, restored, !patches_are_checked_, mesh_.name, context_));
-    patches_are_checked_ = true;
-    restored = std::move(undone.restored);
-    facts_.untangled_collapses += undone.collapses;
-    if (undone.collapses > 0) {
-      drop_restored_samples(state_);
-      left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
-    }
-    return undone.collapses;
+// Returns the triangles of a slab if the mesh must be simplified in windows; 0 if it fits into the memory as a whole,
+// or no window would.
+std::uint64_t slab_triangles(std::uint64_t vertices, std::uint64_t triangles, bool has_target, std::uint64_t left) {
+  if (whole_bytes(vertices, triangles, has_target) <= left) return 0;
+  return slab_triangles_for(vertices, triangles, left).value_or(0);
+}
+
+// Returns whether windows can bring a mesh near enough to its target for a simplification as a whole.
+bool can_approach(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target, std::uint64_t left) {
+  return kFarAbove * target < triangles &&
+         whole_bytes(vertices * kFarAbove * target / triangles, kFarAbove * target, true) <= left;
+}
+
+// Simplifies a mesh with a target in windows, until the rest fits into the memory as a whole. Only the whole mesh knows
+// which edges are the cheapest, so the distances are small, and all parts keep more triangles than the target needs.
+// Returns an upper bound of the distance.
+Result<double> approach_target(mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts,
+                               const Context& context) {
+  constexpr double kFirst = 1.0 / 3200;  // fraction of the patch size: a hundredth of a voxel
+  constexpr double kSteps = 2;
+  constexpr double kOfLimit = 1.0 / 8;
+  double moved = 0;
+  for (double distance = kFirst * options.patch_size; distance < options.patch_size; distance *= kSteps) {
+    const std::uint64_t left = context.memory().left() - std::min(context.memory().left(), gathered_bytes(mesh));
+    const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), true, left);
+    const bool can_help = can_approach(mesh.positions.size(), mesh.triangles.size(), options.triangles, left) &&
+                          moved + distance < kOfLimit * options.max_distance;
+    if (slab == 0 || !can_help) break;
+    SimplifyOptions step = options;
+    step.max_distance = distance;
+    step.triangles = kFarAbove * options.triangles;
+    SimplifyFigures done;
+    TRY(simplify_in_windows(mesh, step, slab, done, context));
+    add_counts(facts, done);
+    moved += done.distance_upper;
   }
+  return moved;
+}
 
-  // Adds the figures of a proof or measurement.
-  Result<void> look(const Result<Proof>& proof) {
-    if (!proof) return tl::unexpected(proof.error());
-    facts_.undone_collapses += proof->undone;
-    facts_.passes += proof->passes;
-    facts_.distance_lower = std::max(facts_.distance_lower, proof->lower);
-    facts_.distance_upper = std::min(facts_.distance_upper, proof->upper);
-    return {};
-  }
-
-  // Returns positions in the space of to_metric; empty if that is the identity. Sets slack_ to the rounding error.
-  std::vector<glm::vec3> place_vertices() {
-    std::vector<glm::vec3> placed;
-    if (options_.to_metric == glm::dmat3(1.0)) return placed;
-    placed.resize(mesh_.positions.size());
-    std::transform(mesh_.positions.begin(), mesh_.positions.end(), placed.begin(),
-                   [&](const glm::vec3& p) { return glm::vec3(options_.to_metric * glm::dvec3(p)); });
-    slack_ = 2 * mesh::float32_resolution(placed);  // rounding moves each surface by at most half an ulp per axis
-    return placed;
-  }
-
-  // Sweeps with growing distances, so that all patches simplify flat regions before curved ones. A run with a larger
-  // limit begins with the same sweeps, so that it does not leave more triangles.
-  Result<void> within(double enough) {
-    constexpr double kFirst = 1.0 / 320;  // fraction of the patch size: a tenth of a voxel
-    constexpr double kSteps = 10;
-    constexpr double kMuchLess = 0.5;
-    std::vector<double> distances;
-    for (double distance = kFirst * options_.patch_size; distance < kMuchLess * enough; distance *= kSteps) {
-      distances.push_back(distance);
-    }
-    distances.push_back(enough);
-    context_.progress().begin("simplifying", distances.size() * kSweepWork);
-    for (const double distance : distances) {
-      TRY(sweep(distance));
-    }
-    return {};
-  }
-
-  Result<void> sweep(double distance) {
-    constexpr double kLargerPatches = 4;
-    std::fill(wanted_.begin(), wanted_.end(), 1);
-    std::uint64_t work = kSweepWork;
-    for (double size = options_.patch_size;; size *= kLargerPatches) {
-      const std::uint64_t share = work - work / 4;  // later rounds visit few triangles
-      auto patches = TRY(round(size, {kOfVertices * distance, distance, 0}, {.work = share}));
-      work -= share;
-      if (patches > 1) continue;
-      context_.progress().advance(work);
-      return {};
-    }
-  }
-
-  // Runs rounds with growing distances until few patches or triangles are left; then collapses the cheapest edges of
-  // the whole mesh first. Where samples underestimated a distance, undoes collapses for good and does others.
-  Result<void> collapse_to_count(double enough) {
-    constexpr double kFirst = 1.0 / 2000;  // fraction of the patch size
-    constexpr double kSteps = 1.5;
-    constexpr double kAlmost = 1.5;
-    constexpr std::size_t kFew = 8;
-    const auto target = static_cast<double>(options_.triangles);
-    constexpr double kLeastGrowth = 1.2;  // leaves few patches soon, even if topology blocks collapses
-    const double farthest = std::min(enough, extent());
-    double distance = kFirst * options_.patch_size;
-    double size = options_.patch_size;
-    std::size_t patches = kFew + 1;
-    context_.progress().begin("simplifying", left_ - options_.triangles);
-    while (patches > kFew && static_cast<double>(left_) > kAlmost * target && distance < farthest) {
-      const auto before = static_cast<double>(left_);
-      std::fill(wanted_.begin(), wanted_.end(), 1);
-      patches = TRY(round(size, {distance, enough, 0}, {.least_part = target / before}));
-      distance *= kSteps;
-      // Keeps the number of triangles in a patch.
-      size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
-    }
-    std::vector<RestoredTriangle> restored;
-    TRY(undo_new_intersections(restored));
-    TRY(cheapest(enough));
-    return replace_worst(enough);
-  }
-
-  [[nodiscard]] double extent() const {
-    glm::vec3 low = state_.positions.front();
-    glm::vec3 high = low;
-    for (const glm::vec3& p : state_.positions) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
-    return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  }
-
-  // Collapses edges of all remaining triangles as one patch, down to options_.triangles.
-  Result<void> cheapest(double enough) {
-    std::fill(wanted_.begin(), wanted_.end(), 1);
-    TRY(round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, {}));
-    return {};
-  }
-
-  Result<void> replace_worst(double enough) {
-    constexpr int kTimes = 3;
-    constexpr double kMuchMore = 2;
-    constexpr double kLeast = 1.0 / 320;  // fraction of the patch size
-    refused_.assign(mesh_.positions.size(), 0);
-    const double distance = std::max(kMuchMore * std::sqrt(farthest_squared_), kLeast * options_.patch_size);
-    for (int time = 0; time < kTimes && left_ <= options_.triangles && distance < enough; ++time) {
-      DistanceProofOptions look = proof_options(distance);
-      look.once = true;
-      ProvenDistances proven;
-      const auto proof = TRY(prove_distance(state_, logs_, look, proven, context_));
-      if (proof.undone == 0) break;
-      facts_.undone_collapses += proof.undone;
-      ++facts_.passes;
-      drop_restored_samples(state_);
-      for (const std::uint32_t vertex : proof.refused) refused_[vertex] = 1;
-      left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
-      TRY(undo_new_intersections(proven.restored));
-      context_.progress().begin("simplifying", left_ - options_.triangles);
-      TRY(cheapest(enough));
-    }
-    refused_.clear();
-    return left_ > options_.triangles ? cheapest(enough) : Result<void>();
-  }
-
-  [[nodiscard]] DistanceProofOptions proof_options(double distance) const {
-    constexpr double kTrianglesOfPatch = 16;
-    return {.enough = distance, .cell_size = options_.patch_size / kTrianglesOfPatch};
-  }
-
-  struct Share {
-    double least_part = 0;   // fraction of each patch's triangles that must stay
-    std::uint64_t work = 0;  // progress that the round reports; 0: the number of removed triangles
-  };
-
-  // Collapses edges in patches of this size. Returns the number of patches.
-  Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share) {
-    TRY(context_.check());
-    std::vector<PatchTriangle> places = split(size);
-    if (numbers_ + places.size() >= kNone) {
-      return fail(ErrorCode::input,
-                  fmt::format("{}: the mesh is too large to simplify: the rounds of simplification would process {} "
-                              "triangles in all; the limit is {}",
-                              mesh_.name, numbers_ + places.size(), kNone - 1),
-                  {Remedy::use, Setting::parts});
-    }
-    std::vector<std::size_t> first;  // start of each patch, and the end
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (i == 0 || places[i].cell != places[i - 1].cell) first.push_back(i);
-    }
-    const std::size_t patches = first.size();
-    first.push_back(places.size());
-    std::vector<std::uint32_t> triangles(places.size());
-    for_each_index(
-        places.size(), [&](std::size_t i) { triangles[i] = places[i].triangle; }, kTriangleGrain);
-    lock_patch_borders(triangles, first);
-    places = {};
-
-    ++facts_.rounds;
-    facts_.patches += patches;
-    std::vector<CollapseLog> logs(patches);
-    const auto work_up_to = [&](std::size_t triangle) {
-      return static_cast<std::uint64_t>(static_cast<double>(share.work) * static_cast<double>(triangle) /
-                                        static_cast<double>(std::max<std::size_t>(triangles.size(), 1)));
-    };
-    for_each_index(patches, [&](std::size_t p) {
-      if (context_.cancelled()) return;
-      const std::span patch(triangles.data() + first[p], first[p + 1] - first[p]);
-      CollapseLimits own = limits;
-      if (share.least_part > 0)
-        own.triangles = static_cast<std::size_t>(std::ceil(share.least_part * static_cast<double>(patch.size())));
-      logs[p] = collapse_edges(state_, patch, {locked_, wanted_}, own, static_cast<std::uint32_t>(numbers_ + first[p]));
-      const std::uint64_t done =
-          share.work > 0 ? work_up_to(first[p + 1]) - work_up_to(first[p]) : std::uint64_t{logs[p].removed};
-      context_.progress().advance(done);
-    });
-    TRY(context_.check());
-    numbers_ += triangles.size();
-    patches_are_checked_ = false;
-    for (CollapseLog& log : logs) {
-      facts_.collapses += log.collapses.size();
-      facts_.refused_collapses += log.refused;
-      left_ -= log.removed;
-      farthest_squared_ = std::max(farthest_squared_, log.farthest_squared);
-      if (!log.collapses.empty()) logs_.push_back(std::move(log));
-    }
-    want_patch_borders(triangles, first);
-    return patches;
-  }
-
-  // Returns the wanted triangles and some rings around them, sorted by the grid cell of their centroids.
-  std::vector<PatchTriangle> split(double size) {
-    std::vector<char> near = wanted_;
-    constexpr int kRings = 2;
-    const bool all = std::all_of(near.begin(), near.end(), [](char w) { return w != 0; });
-    for (int ring = 0; ring < kRings && !all; ++ring) {
-      const std::vector<char> inner = near;
-      for_each_triangle([&](std::size_t t) {
-        const glm::uvec3& c = state_.corners[t];
-        if (state_.gone[t] == 0 && (inner[c.x] | inner[c.y] | inner[c.z]) != 0) mark(near, c);
-      });
-    }
-    std::vector<PatchTriangle> places =
-        remaining_triangles(state_, [&](const glm::uvec3& c) { return (near[c.x] & near[c.y] & near[c.z]) != 0; });
-    const CornerBox box = box_of_first_corners(state_, places);
-    constexpr double kMostCells = 1 << 20;  // per side
-    const glm::dvec3 extent = box.high - box.low;
-    const double largest = std::max({extent.x, extent.y, extent.z});
-    if (!(size < largest)) return places;
-    const double side = std::max(size, largest / kMostCells);
-    // Alternates by half a cell between rounds; above 0, so that cells of centroids outside the box are not negative.
-    const double shift = facts_.rounds % 2 == 0 ? 1.0 : 1.5;
-    const auto place = [&](std::size_t i) {
-      const glm::uvec3& c = state_.corners[places[i].triangle];
-      const glm::dvec3 center =
-          (glm::dvec3(state_.positions[c.x]) + glm::dvec3(state_.positions[c.y]) + glm::dvec3(state_.positions[c.z])) /
-          3.0;
-      const glm::dvec3 cell = glm::floor(glm::max((center - box.low) / side + shift, 0.0));
-      places[i].cell = (static_cast<std::uint64_t>(cell.z) << 42U) + (static_cast<std::uint64_t>(cell.y) << 21U) +
-                       static_cast<std::uint64_t>(cell.x);
-    };
-    for_each_index(places.size(), place, kTriangleGrain);
-    tbb::parallel_sort(places.begin(), places.end());
-    return places;
-  }
-
-  template <class Body>
-  void for_each_triangle(const Body& body) const {
-    for_each_index(state_.corners.size(), body, kTriangleGrain);
-  }
-
-  // Sets the entries of three vertices to 1. Several threads may do so at once.
-  static void mark(std::vector<char>& vertices, const glm::uvec3& c) {
-    for (const std::uint32_t v : {c.x, c.y, c.z}) std::atomic_ref(vertices[v]).store(1, std::memory_order_relaxed);
-  }
-
-  // Locks vertices that several patches share, vertices with triangles outside all patches, and refused_ vertices.
-  void lock_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
-    patch_of_.assign(mesh_.positions.size(), kNone);
-    std::fill(locked_.begin(), locked_.end(), 0);
-    for (std::size_t v = 0; v < refused_.size(); ++v) {
-      if (refused_[v] != 0) locked_[v] = kOutside;
-    }
-    std::vector<char> in_patch(state_.corners.size(), 0);
-    for_each_index(static_cast<std::uint32_t>(first.size() - 1), [&](std::uint32_t p) {
-      for (std::size_t i = first[p]; i < first[p + 1]; ++i) {
-        in_patch[triangles[i]] = 1;
-        const glm::uvec3& c = state_.corners[triangles[i]];
-        for (const std::uint32_t v : {c.x, c.y, c.z}) {
-          // Any patch may claim a vertex first; a second patch locks it.
-          const std::atomic_ref of_vertex(patch_of_[v]);
-          std::uint32_t patch = of_vertex.load(std::memory_order_relaxed);
-          if (patch == kNone && of_vertex.compare_exchange_strong(patch, p, std::memory_order_relaxed)) continue;
-          if (patch != p) std::atomic_ref(locked_[v]).store(kBetweenPatches, std::memory_order_relaxed);
-        }
-      }
-    });
-    for_each_triangle([&](std::size_t t) {
-      if (in_patch[t] != 0 || state_.gone[t] != 0) return;
-      const glm::uvec3& c = state_.corners[t];
-      for (const std::uint32_t v : {c.x, c.y, c.z}) {
-        std::atomic_ref(locked_[v]).fetch_or(kOutside, std::memory_order_relaxed);
-      }
-    });
-  }
-
-  // Marks the vertices between patches and their neighbors for the next round: locks kept their edges from collapsing.
-  void want_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
-    std::fill(wanted_.begin(), wanted_.end(), 0);
-    const auto want = [&](std::size_t i) {
-      if (state_.gone[triangles[i]] != 0) return;
-      const glm::uvec3& c = state_.corners[triangles[i]];
-      if (((locked_[c.x] | locked_[c.y] | locked_[c.z]) & kBetweenPatches) != 0) mark(wanted_, c);
-    };
-    for_each_index(first.back(), want, kTriangleGrain);
-  }
-
-  static constexpr double kOfVertices = 0.95;           // samples are nearer than the points between them
-  static constexpr std::uint64_t kSweepWork = 1 << 20;  // progress units; the share of a round is a guess
-  static constexpr char kBetweenPatches = 1;
-  static constexpr char kOutside = 2;
-
-  const mesh::Mesh& mesh_;
-  const SimplifyOptions& options_;
-  SimplifyFigures& facts_;
-  const Context& context_;
-  double slack_ = 0;  // must stand before placed_, whose initializer sets it
-  std::vector<glm::vec3> placed_;
-  CollapseState state_;
-  std::vector<char> locked_;
-  std::vector<char> wanted_;
-  std::vector<char> refused_;            // vertices that must stay to keep the distance; empty: none
-  std::vector<std::uint32_t> patch_of_;  // one of each vertex's patches; threads decide which
-  std::vector<CollapseLog> logs_;
-  std::uint64_t numbers_ = 0;         // collapses numbered so far
-  bool patches_are_checked_ = false;  // for intersections; a round needs a new check
-  std::size_t left_;
-  double farthest_squared_ = 0;  // largest squared distance of samples and new triangles
-};
-
-// Returns the peak memory of a Simplifier: collapse state and logs, plus the largest of patches, proof and measurement.
-std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
-  constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
-  constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
-  constexpr std::uint64_t kPatch =
-      4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1 + IntersectionGuard::kTriangleBytes;
-  constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 14 * sizeof(double) + 5 * sizeof(std::uint32_t) + 26;
-  const bool counted = options.triangles > 0;
-  const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) + sizeof(MergedCorners) +
-                                 std::max({kPlaces + kPatch, kProofTriangleBytes, counted ? kMeasureTriangleBytes : 0});
-  const std::uint64_t trees =
-      2 * (mesh::TriangleTree::bytes(mesh.triangles.size()) + mesh.triangles.size() * sizeof(std::uint32_t));
-  constexpr std::uint64_t kVertex = CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 5 +
-                                    std::max(kPatchVertex, kMeasureVertexBytes);
-  return trees + mesh.triangles.size() * triangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
+Result<void> simplify_to_target(mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts,
+                                const Context& context) {
+  const std::uint64_t before = mesh.triangles.size();
+  const double moved = TRY(approach_target(mesh, options, facts, context));
+  SimplifyOptions rest = options;
+  rest.max_distance -= moved;
+  SimplifyFigures done;
+  TRY(simplify_whole(mesh, rest, done, context));
+  add_counts(facts, done);
+  facts.triangles_before = before;
+  facts.triangles_after = done.triangles_after;
+  facts.distance_lower = std::max(0.0, done.distance_lower - moved);
+  facts.distance_upper = done.distance_upper + moved;
+  return {};
 }
 
 Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
   const Stopwatch watch;
   SimplifiedMesh result;
   SimplifyFigures& facts = result.facts;
-  const auto collapsed = TRY(collapse_sheets(mesh, Sheets(), options, facts, context));
-  if (collapsed.changed()) {
-    std::vector<glm::uvec3> triangles;
-    triangles.reserve(facts.triangles_after);
-    for (std::size_t t = 0; t < collapsed.corners.size(); ++t) {
-      if (collapsed.stays(t)) triangles.push_back(collapsed.corners[t]);
-    }
-    set_triangles(mesh, triangles);
+  if (options.triangles > 0) {
+    TRY(simplify_to_target(mesh, options, facts, context));
+  } else {
+    const std::uint64_t left = context.memory().left();
+    const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), false,
+                                              left - std::min(left, gathered_bytes(mesh)));
+    TRY(slab > 0 ? simplify_in_windows(mesh, options, slab, facts, context)
+                 : simplify_whole(mesh, options, facts, context));
   }
   facts.time = watch.elapsed();
   mesh.memory.shrink(mesh.positions.size() * vertex_bytes(mesh) + mesh.triangles.size_bytes());
@@ -439,11 +121,25 @@ Result<CollapsedSheets> collapse_sheets(const mesh::Mesh& mesh, const Sheets& sh
                                         SimplifyFigures& facts, const Context& context) {
   facts.triangles_before = facts.triangles_after = mesh.triangles.size();
   if (mesh.triangles.empty()) return CollapsedSheets();
-  const std::string what = mesh.name + ": the buffers for simplifying";
-  const auto memory = TRY(context.reserve(working_bytes(mesh, options), what));
-  auto collapsed = TRY(Simplifier(mesh, sheets, options, facts, context).run());
-  for (std::size_t t = 0; t < collapsed.corners.size(); ++t) facts.triangles_after -= collapsed.stays(t) ? 0 : 1;
-  return collapsed;
+
+  const std::uint64_t bytes = whole_bytes(mesh.positions.size(), mesh.triangles.size(), options.triangles > 0);
+  const auto memory = TRY(context.reserve(bytes + gathered_bytes(mesh), mesh.name + ": the buffers for simplifying"));
+  Simplifier simplifier(mesh, sheets, options, facts, context);
+  if (!TRY(simplifier.run())) return CollapsedSheets();
+  CollapseState& state = simplifier.state();
+  facts.triangles_after = state.count_remaining();
+  CollapsedSheets result{std::move(state.corners), std::vector<MergedCorners>(state.gone.size())};
+  const auto merge = [&](std::size_t t) {
+    if (state.gone[t] == 0) return;
+    const Collapse& collapse = find_collapse(state.changed_by[t], simplifier.logs());
+    for (std::int8_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t vertex = result.corners[t][corner];
+      if (vertex == collapse.vertex) result.merged[t].from = corner;
+      if (vertex == collapse.to) result.merged[t].to = corner;
+    }
+  };
+  for_each_index(state.gone.size(), merge, kTriangleGrain);
+  return result;
 }
 
 void set_triangles(mesh::Mesh& mesh, std::span<const glm::uvec3> triangles) {
@@ -462,6 +158,16 @@ void set_triangles(mesh::Mesh& mesh, std::span<const glm::uvec3> triangles) {
                  [&](const glm::uvec3& t) { return glm::uvec3(number[t.x], number[t.y], number[t.z]); });
   gather_vertices(mesh, used);
   mesh.triangles = std::move(renumbered);
+}
+
+std::uint64_t simplified_at_once(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target,
+                                 std::uint64_t left) {
+  const bool has_target = target > 0;
+  const std::uint64_t slab = slab_triangles(vertices, triangles, has_target, left);
+  if (slab == 0 || (has_target && !can_approach(vertices, triangles, target, left))) return triangles;
+  const std::uint64_t window = std::min(window_triangles(slab), triangles);
+  const std::uint64_t whole = left * triangles / whole_bytes(vertices, triangles, true);
+  return has_target ? std::max(window, std::min(whole, triangles)) : window;
 }
 
 Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {

@@ -15,7 +15,7 @@
 // intersecting pairs does not grow. So a mesh without intersections stays one, which printing needs.
 //
 // Distances are bounded triangle by triangle as in mesh/distance_bound.hpp. The result does not depend on the number of
-// threads.
+// threads. A mesh too large for the memory budget is simplified in windows (detail/simplify_windows.hpp).
 #pragma once
 
 #include <cstdint>
@@ -54,7 +54,8 @@ struct SimplifyFigures {
   std::uint64_t refused_collapses = 0;
   std::uint64_t untangled_collapses = 0;  // collapses undone because triangles of different patches intersected
   int rounds = 0;
-  int passes = 0;  // distance measurements, which are repeated after each undo
+  int passes = 0;             // distance measurements, which are repeated after each undo
+  std::uint64_t windows = 0;  // parts that were simplified one after the other; 0: the mesh was simplified as a whole
   StageTime time;
 };
 
@@ -70,9 +71,16 @@ struct SimplifiedMesh {
 // and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //
-// Fails with ErrorCode::out_of_memory if the working memory (about 600 bytes a triangle) exceeds the budget, with
-// ErrorCode::input if all rounds together visit 2^32 - 1 triangles or more, or with ErrorCode::cancelled.
+// The whole mesh takes about 350 bytes a triangle. If the budget has less, windows of as many triangles as fit are
+// simplified one after the other: the result then depends on the budget. With a target, windows remove triangles by
+// small distances until the rest fits as a whole. Fails with ErrorCode::out_of_memory if that is impossible, too, with
+// ErrorCode::input if the rounds of a window visit 2^32 - 1 triangles or more, or with ErrorCode::cancelled.
 [[nodiscard]] Result<SimplifiedMesh> simplify_mesh(mesh::Mesh mesh, const SimplifyOptions& options,
                                                    const Context& context);
+
+// Returns how many triangles simplify_mesh() holds in its buffers at once if the budget has `left` bytes besides the
+// mesh: all, or those of a window. `target` is options.triangles.
+[[nodiscard]] std::uint64_t simplified_at_once(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target,
+                                               std::uint64_t left);
 
 }  // namespace isoextract::edit

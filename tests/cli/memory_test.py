@@ -196,7 +196,32 @@ class MemoryTest(ProgramTest):
         self.check("demo:metaballs?size=256", "--iso", "0.5", "--cap", "--nan", "hole", "-o", "a.ply")
 
     def test_simplification(self):
-        self.check("demo:gyroid?size=96", "--iso", "0", "--simplify", "0.1", "-o", "a.ply", peak_at_least=32 * MIB)
+        self.check("demo:gyroid?size=96", "--iso", "0", "--triangles", "20%", "-o", "a.ply", peak_at_least=32 * MIB)
+
+    def test_simplification_in_windows(self):
+        """With less memory than the whole mesh needs, it is simplified in windows, to the same distance."""
+        simplify = ("demo:gyroid?size=160", "--iso", "0", "--simplify", "0.1", "-o", "a.ply")
+        run, report = self.report(*simplify)
+        self.assertEqual(run.code, 0, run.err)
+        (whole,) = report["simplifications"]
+        self.assertEqual(whole["windows"], 0)
+        for share in (3, 6):
+            limit = report["reserved_memory_bytes"] // share
+            told = self.convert(*simplify, "--dry-run", "--memory-limit", f"{limit}B").text
+            run, limited = self.report(*simplify, "--memory-limit", f"{limit}B")
+            self.assertEqual(run.code, 0, run.err)
+            self.assertLess(limited["peak_memory_bytes"], limit + OVERHEAD)
+            estimate = int(re.search(r"memory: about (\d+) MiB", told).group(1)) * MIB
+            self.assertAlmostEqual(estimate / limited["peak_memory_bytes"], 1, delta=0.35)
+            (windows,) = limited["simplifications"]
+            self.assertGreater(windows["windows"], 2)
+            self.assertIn("simplified-in-windows", [note["id"] for note in limited["notes"]])
+            self.assertLessEqual(windows["measured"]["voxels"]["upper"], 0.1)
+            self.assertLess(windows["triangles_after"], 1.03 * whole["triangles_after"])
+        before = set(self.files())
+        run = self.run_program(*simplify[:-1], "b.ply", "--memory-limit", "70M")
+        self.assert_fails(2, run, "memory", "--memory-limit")
+        self.assertEqual(set(self.files()), before)
 
     def test_packing(self):
         self.check("demo:gyroid?size=112", "--iso", "0", "--draco", "-o", "a.glb")

@@ -50,11 +50,6 @@ Stretch stretch_of(const glm::dmat3& map) {
   return {std::sqrt(std::max(least, 0.0)), std::sqrt(most)};
 }
 
-std::uint64_t wanted(const TriangleCount& count, std::uint64_t there) {
-  const double whole = count.in_percent ? std::floor(count.amount / 100 * static_cast<double>(there)) : count.amount;
-  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::min(whole, static_cast<double>(there))));
-}
-
 struct ComponentCount {
   std::uint64_t components = 0;
   std::uint64_t cavities = 0;  // closed components that face inward
@@ -191,6 +186,13 @@ Notes notes_of(const Simplified& done, const std::string& surface) {
              "for the simplification; set a smaller distance or more triangles, or fill cavities",
              surface, counted(done.left_bodies, "cavity", "cavities"))});
   }
+  if (facts.windows > 0) {
+    notes.push_back(
+        {NoteId::simplified_in_windows,
+         fmt::format("{}: simplified in {}, because the memory limit does not allow the whole mesh at once; with "
+                     "another limit, the mesh has other triangles",
+                     surface, counted(facts.windows, "window"))});
+  }
   // A closed component has at least four triangles.
   const std::uint64_t asked = done.asked;
   const bool is_much = done.components > 1 && 4 * done.components > asked / 2;
@@ -205,6 +207,12 @@ Notes notes_of(const Simplified& done, const std::string& surface) {
 }
 
 }  // namespace
+
+std::uint64_t wanted_triangles(const TriangleCount& count, std::uint64_t triangles) {
+  const double whole =
+      count.in_percent ? std::floor(count.amount / 100 * static_cast<double>(triangles)) : count.amount;
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::min(whole, static_cast<double>(triangles))));
+}
 
 std::string triangle_count_text(const TriangleCount& count) {
   return fmt::format("{}{}", count.amount, count.in_percent ? "%" : "");
@@ -281,7 +289,8 @@ StageReport report_of(const SimplifyChoice& choice, const Simplified& result, co
        {Key::refused_collapses, facts.refused_collapses},
        {Key::components, result.components},
        {Key::turned_inside_out, result.turned},
-       {Key::left_bodies, result.left_bodies}},
+       {Key::left_bodies, result.left_bodies},
+       {Key::windows, facts.windows}},
       facts.time);
   return report;
 }
@@ -333,7 +342,7 @@ Result<StageReport> simplify_surface(Surface& surface, const StageContext& stage
   if (!stage.job.edits.simplify) return StageReport();
   const SimplifyChoice& choice = *stage.job.edits.simplify;
   SimplifyPlan plan(choice, stage.source.output_from_index, mesh::typical_edge(surface.mesh));
-  if (choice.triangles) plan.options.triangles = wanted(*choice.triangles, surface.mesh.triangles.size());
+  if (choice.triangles) plan.options.triangles = wanted_triangles(*choice.triangles, surface.mesh.triangles.size());
   const auto before = TRY(count_components(surface.mesh, stage.context));
   auto simplified = TRY(edit::simplify_mesh(std::move(surface.mesh), plan.options, stage.context));
   surface.mesh = std::move(simplified.mesh);
@@ -375,7 +384,7 @@ Result<void> simplify_labels(std::span<const HeldLabel> labels, const StageConte
   std::uint64_t sheets = 0;
   {
     const auto net = TRY(edit::LabelNet::join(meshes, stage.context));
-    if (choice.triangles) plan.options.triangles = wanted(*choice.triangles, net.triangles());
+    if (choice.triangles) plan.options.triangles = wanted_triangles(*choice.triangles, net.triangles());
     whole.asked = plan.options.triangles;
     sheets = net.sheets();
     whole.facts = TRY(net.simplify(meshes, plan.options, stage.context));

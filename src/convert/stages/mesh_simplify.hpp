@@ -1,6 +1,7 @@
 // Text of simplification settings, in the form of the command line, and the simplification of labels.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -11,6 +12,8 @@
 
 namespace isoextract::convert {
 
+// Returns the target number for a mesh of this many triangles: at least 1, at most all.
+[[nodiscard]] std::uint64_t wanted_triangles(const TriangleCount& count, std::uint64_t triangles);
 // Returns "100000" or "2.5%".
 [[nodiscard]] std::string triangle_count_text(const TriangleCount& count);
 // Returns "0.1voxel" or "0.5world".

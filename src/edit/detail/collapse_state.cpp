@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/parallel.hpp"
+
 namespace isoextract::edit {
 
 CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const glm::vec3> stored_places,
-                             std::span<const glm::uvec3> triangles, const Sheets& sheets_of_triangles)
+                             std::span<const glm::uvec3> triangles, const Sheets& sheets_of_triangles,
+                             const CollapseStart* from)
     : positions(places),
       stored(stored_places),
       original(triangles),
-      corners(triangles.begin(), triangles.end()),
       gone(triangles.size(), 0),
       changed_by(triangles.size(), kNone),
       first_sample(triangles.size(), kNone),
@@ -18,8 +20,64 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
       tangled(triangles.size(), 0),
       known(triangles.size()),
       sheets(sheets_of_triangles),
-      original_trees(places, triangles, gone, sheets_of_triangles),
-      original_slot(original_trees.slots(triangles.size())) {}
+      start(from != nullptr ? from->corners : triangles),
+      original_trees(places, triangles, from != nullptr ? from->not_original : gone, sheets_of_triangles),
+      original_slot(original_trees.slots(triangles.size())) {
+  corners.assign(start.begin(), start.end());
+  if (from == nullptr) return;
+  gone.assign(from->gone.begin(), from->gone.end());
+  gone_at_start = from->gone;
+  not_original = from->not_original;
+  attach_removed_vertices();
+}
+
+// Makes the vertices that the past has removed samples of their nearest triangles, as PatchCollapse::keep_samples()
+// does.
+void CollapseState::attach_removed_vertices() {
+  std::vector<char> removed(positions.size(), 0);
+  for (std::uint32_t t = 0; t < original.size(); ++t) {
+    const glm::uvec3& c = original[t];
+    if (has_original(t)) removed[c.x] = removed[c.y] = removed[c.z] = 1;
+  }
+  for (std::uint32_t t = 0; t < corners.size(); ++t) {
+    const glm::uvec3& c = corners[t];
+    if (gone[t] == 0) removed[c.x] = removed[c.y] = removed[c.z] = 0;
+  }
+  struct Sample {
+    std::uint32_t triangle;
+    double distance_squared;
+    std::uint32_t vertex;
+  };
+  std::vector<Sample> samples;
+  for (std::uint32_t v = 0; v < removed.size(); ++v) {
+    if (removed[v] != 0) samples.push_back({kNone, 0, v});
+  }
+  if (samples.empty()) return;
+  const SheetTrees trees(positions, corners, gone, sheets);
+  for_each_fixed_range(samples.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t hint = 0;  // neighbors in the list are often near
+    for (std::size_t i = begin; i != end; ++i) {
+      const auto nearest = trees.tree(0).nearest(glm::dvec3(positions[samples[i].vertex]), hint);
+      hint = nearest.slot;
+      samples[i].triangle = trees.triangle(0, nearest.slot);
+      samples[i].distance_squared = nearest.distance_squared;
+    }
+  });
+  std::ranges::sort(samples, [](const Sample& a, const Sample& b) {
+    if (a.triangle != b.triangle) return a.triangle < b.triangle;
+    return a.distance_squared != b.distance_squared ? a.distance_squared > b.distance_squared : a.vertex < b.vertex;
+  });
+  std::size_t of_triangle = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& sample = samples[i];
+    of_triangle = i > 0 && samples[i - 1].triangle == sample.triangle ? of_triangle + 1 : 0;
+    if (of_triangle >= kMostSamples) continue;
+    next_sample[sample.vertex] = first_sample[sample.triangle];
+    first_sample[sample.triangle] = sample.vertex;
+  }
+}
+
+std::size_t CollapseState::count_remaining() const { return static_cast<std::size_t>(std::ranges::count(gone, 0)); }
 
 const CollapseLog& find_log(std::uint32_t collapse, std::span<const CollapseLog> logs) {
   return *std::prev(std::upper_bound(logs.begin(), logs.end(), collapse,

@@ -32,12 +32,25 @@ struct DistanceBounds {
   [[nodiscard]] bool is_known() const { return upper >= 0; }
 };
 
-struct CollapseState {
-  // Needs at least one triangle. `positions` are in the space of distances, `stored` are those of the mesh. All spans
-  // must outlive the state.
-  CollapseState(std::span<const glm::vec3> positions, std::span<const glm::vec3> stored,
-                std::span<const glm::uvec3> original, const Sheets& sheets = {});
+// A mesh of which edges are collapsed already: a part of a larger one. Does not own its data. Collapses of the past
+// cannot be undone.
+struct CollapseStart {
+  // Of each triangle: its corners now, 1 if it is removed or outside the part, and 1 if its original is outside.
+  std::span<const glm::uvec3> corners;
+  std::span<const char> gone;
+  std::span<const char> not_original;
+  // Of each vertex: 1 if it must not move, and 1 if it is tried first (CollapseVertices). A vertex that is not locked
+  // has all its triangles in the part.
+  std::span<const char> locked;
+  std::span<const char> wanted;
+  std::size_t least_triangles = 0;  // the part keeps about this many triangles, or more
+};
 
+struct CollapseState {
+  // Needs at least one original triangle. `positions` are in the space of distances, `stored` are those of the mesh.
+  // All spans must outlive the state. Without `start`, the mesh is the original.
+  CollapseState(std::span<const glm::vec3> positions, std::span<const glm::vec3> stored,
+                std::span<const glm::uvec3> original, const Sheets& sheets = {}, const CollapseStart* start = nullptr);
   std::span<const glm::vec3> positions;
   std::span<const glm::vec3> stored;
   std::span<const glm::uvec3> original;
@@ -51,6 +64,9 @@ struct CollapseState {
   std::vector<char> tangled;          // 1: an allowed collapse left the triangle in an intersecting pair
   std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
   Sheets sheets;
+  std::span<const glm::uvec3> start;    // the corners of each triangle before any collapse of this state
+  std::span<const char> gone_at_start;  // empty: none
+  std::span<const char> not_original;   // 1: the triangle's original is not part of the state; empty: none
   SheetTrees original_trees;
   std::vector<std::uint32_t> original_slot;  // the slot of each triangle in the tree of its sheet
 
@@ -59,11 +75,19 @@ struct CollapseState {
     return !sheets.roles.empty() && sheets.roles[v] == role;
   }
   [[nodiscard]] const mesh::TriangleTree& original_tree(std::uint32_t t) const { return original_trees.tree(sheet(t)); }
-  [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && changed_by[t] == kNone; }
+  // Returns whether the state began with collapsed edges.
+  [[nodiscard]] bool has_past() const { return !gone_at_start.empty(); }
+  [[nodiscard]] bool has_original(std::uint32_t t) const { return not_original.empty() || not_original[t] == 0; }
+  [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && corners[t] == original[t]; }
+  [[nodiscard]] std::size_t count_remaining() const;
   // Bytes for each triangle and each vertex, without the tree.
   static constexpr std::uint64_t kTriangleBytes =
       sizeof(glm::uvec3) + 2 + 3 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
   static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t);
+  static constexpr std::size_t kMostSamples = 6;  // of a triangle: the farthest
+
+ private:
+  void attach_removed_vertices();
 };
 
 struct Collapse {

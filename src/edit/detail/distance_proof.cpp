@@ -39,7 +39,7 @@ class DistanceProof {
       proven_.original.resize(state_.corners.size());
       new_in_doubt.resize(state_.corners.size());
       std::iota(new_in_doubt.begin(), new_in_doubt.end(), 0U);
-      old_in_doubt = new_in_doubt;
+      old_in_doubt = state_.has_past() ? originals_near_changes() : new_in_doubt;
     } else {
       find_doubts(proven_.restored, new_in_doubt, old_in_doubt);
     }
@@ -53,7 +53,10 @@ class DistanceProof {
       if (wrong.empty()) break;
       std::vector<RestoredTriangle> changed;
       for (const std::uint32_t t : wrong) {
-        if (state_.changed_by[t] == kNone) continue;
+        if (state_.changed_by[t] == kNone) {
+          if (state_.has_past()) proof.undone += undo_near(t, changed);
+          continue;
+        }
         if (options_.once) proof.refused.push_back(find_collapse(state_.changed_by[t], logs_).vertex);
         proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
       }
@@ -111,7 +114,9 @@ class DistanceProof {
       };
       const std::array near_slots{slot_near(c.x), slot_near(c.y), slot_near(c.z)};
       const mesh::TriangleBound found = bound(c, *tree, near_slots);
-      proven_.original[t] = {covers_all_ ? found.lower : 0, found.upper};
+      // Other parts of the mesh, and later collapses in this one, may still come nearer.
+      const bool is_final = covers_all_ && !state_.has_past();
+      proven_.original[t] = {is_final ? found.lower : 0, found.upper};
       if (good(found)) return;
       const auto& [a, b, d] = corners(c);
       const std::uint32_t nearest = trees.triangle(sheet, tree->nearest((a + b + d) / 3.0, near_slots.front()).slot);
@@ -221,6 +226,53 @@ class DistanceProof {
     return marks;
   }
 
+  struct Box {
+    glm::dvec3 low{std::numeric_limits<double>::infinity()};
+    glm::dvec3 high{-std::numeric_limits<double>::infinity()};
+
+    void add(const Box& other) {
+      low = glm::min(low, other.low);
+      high = glm::max(high, other.high);
+    }
+    [[nodiscard]] bool is_within(double distance, const Box& other) const {
+      return glm::all(glm::lessThanEqual(low - other.high, glm::dvec3(distance))) &&
+             glm::all(glm::lessThanEqual(other.low - high, glm::dvec3(distance)));
+    }
+  };
+  [[nodiscard]] Box box_of(const glm::uvec3& t) const {
+    const auto [a, b, c] = corners(t);
+    return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+  }
+
+  // Returns whether the triangle was there at the start, and has changed since.
+  [[nodiscard]] bool has_changed(std::uint32_t t) const {
+    return state_.changed_by[t] != kNone && state_.gone_at_start[t] == 0;
+  }
+
+  // Lists the original triangles that may have been nearest to triangles before they changed. The distances of all
+  // others hold since before the start.
+  [[nodiscard]] std::vector<std::uint32_t> originals_near_changes() const {
+    Box changes;
+    for (std::uint32_t t = 0; t < state_.start.size(); ++t) {
+      if (has_changed(t)) changes.add(box_of(state_.start[t]));
+    }
+    return listed([&](std::uint32_t t) { return changes.is_within(options_.enough, box_of(state_.original[t])); });
+  }
+
+  // Undoes all collapses near an original triangle that is too far from the mesh, although its own last collapse is in
+  // the past. Without them the triangle is as near as before the start. Returns the number of undone collapses.
+  std::size_t undo_near(std::uint32_t original, std::vector<RestoredTriangle>& changed) {
+    const Box around = box_of(state_.original[original]);
+    std::size_t undone = 0;
+    for (std::uint32_t t = 0; t < state_.start.size(); ++t) {
+      if (!has_changed(t) || !around.is_within(options_.enough, box_of(state_.start[t]))) continue;
+      // A triangle may have changed several times.
+      while (state_.changed_by[t] != kNone) undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
+    }
+    proven_.original[original] = {0, 0};  // its bound is part of the proof before the start
+    return undone;
+  }
+
   // Lists the restored triangles, and the original triangles near the collapsed forms that they replace.
   void find_doubts(const std::vector<RestoredTriangle>& changed, std::vector<std::uint32_t>& new_in_doubt,
                    std::vector<std::uint32_t>& old_in_doubt) {
@@ -244,12 +296,18 @@ class DistanceProof {
       // The shift rounds down, as the floor of coordinates does.
       wide_doubtful_.add({cell[0] >> kWideShift, cell[1] >> kWideShift, cell[2] >> kWideShift});
     }
-    const std::vector<char> near =
-        marked([&](std::uint32_t t) { return in_doubtful_cell(corners(state_.original[t]), 0); });
-    old_in_doubt.clear();
-    for (std::uint32_t t = 0; t < near.size(); ++t) {
-      if (near[t] != 0) old_in_doubt.push_back(t);
+    old_in_doubt = listed([&](std::uint32_t t) { return in_doubtful_cell(corners(state_.original[t]), 0); });
+  }
+
+  // Lists the original triangles that satisfy a condition.
+  template <class Predicate>
+  [[nodiscard]] std::vector<std::uint32_t> listed(const Predicate& holds) const {
+    const std::vector<char> marks = marked([&](std::uint32_t t) { return state_.has_original(t) && holds(t); });
+    std::vector<std::uint32_t> list;
+    for (std::uint32_t t = 0; t < marks.size(); ++t) {
+      if (marks[t] != 0) list.push_back(t);
     }
+    return list;
   }
 
   CollapseState& state_;

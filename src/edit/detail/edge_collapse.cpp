@@ -447,7 +447,7 @@ class PatchCollapse : private PatchMesh {
   }
 
   void keep_samples() {
-    constexpr std::size_t kMostSamples = 6;
+    constexpr std::size_t kMostSamples = CollapseState::kMostSamples;
     if (attached_.size() > kMostSamples) {
       std::sort(attached_.begin(), attached_.end(), [](const Attached& a, const Attached& b) {
         if (a.triangle != b.triangle) return a.triangle < b.triangle;

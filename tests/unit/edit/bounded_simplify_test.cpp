@@ -14,7 +14,6 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "accuracy/mesh_distance.hpp"
 #include "edit/detail/edge_collapse.hpp"
 #include "field/demo_field.hpp"
 #include "support/edge_collapses.hpp"
@@ -22,81 +21,14 @@
 #include "support/meshes.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
+#include "support/simplify_promises.hpp"
 
 namespace isoextract::edit {
 namespace {
 
-SimplifiedMesh must_simplify(mesh::Mesh mesh, const SimplifyOptions& options) {
-  auto simplified = simplify_mesh(std::move(mesh), options, Context());
-  if (!simplified) throw std::runtime_error(simplified.error().message);
-  return std::move(*simplified);
-}
-
-mesh::Mesh placed(const mesh::Mesh& mesh, const glm::dmat3& map) {
-  mesh::Mesh image = copy(mesh);
-  for (glm::vec3& p : image.positions) p = map * glm::dvec3(p);
-  return image;
-}
-
-struct Case {
-  double iso = 0;
-  double max_distance = 0.1;  // in voxels
-  bool cap = true;
-  bool normals = false;
-  extract::Method method = extract::Method::mc;
-  glm::dmat3 to_metric{1.0};
-  double patch_size = 8;  // small, so that small tests have many patch borders
-};
-
-// Extracts, simplifies and checks every promise of the header. Returns the ratio of triangles after to before.
-double expect_kept_promises(const field::ScalarField& field, const Case& c) {
-  extract::ExtractOptions options;
-  options.iso = c.iso;
-  options.cap = c.cap;
-  options.method = c.method;
-  options.smooth_normals = c.normals;
-  options.output_from_index = field.index_to_world;
-  const mesh::Mesh before = test::extract(field, options).mesh;
-  SimplifyOptions simplify;
-  simplify.max_distance = c.max_distance;
-  simplify.patch_size = c.patch_size;
-  simplify.to_metric = c.to_metric;
-  const auto [after, facts] = must_simplify(copy(before), simplify);
-
-  EXPECT_EQ(facts.triangles_before, before.triangles.size());
-  EXPECT_EQ(facts.triangles_after, after.triangles.size());
-  EXPECT_LE(facts.triangles_after, facts.triangles_before);
-  EXPECT_EQ(after.origin, before.origin);
-  const mesh::Topology was = mesh::measure_topology(before);
-  const mesh::Topology is = mesh::measure_topology(after);
-  test::expect_sound(after, was.open_edges == 0);
-  EXPECT_EQ(is.components, was.components);
-  EXPECT_EQ(is.euler, was.euler);
-  EXPECT_LE(is.open_edges, was.open_edges);
-  EXPECT_EQ(is.open_edges > 0, was.open_edges > 0);
-  if (before.triangles.empty()) return 1;
-
-  EXPECT_LE(facts.distance_lower, facts.distance_upper);
-  EXPECT_LE(facts.distance_upper, c.max_distance);
-  accuracy::DistanceOptions measure;
-  measure.samples = 0;
-  const auto distance =
-      accuracy::measure_distance(placed(before, c.to_metric), placed(after, c.to_metric), measure, Context());
-  EXPECT_LE(distance->hausdorff_lower, facts.distance_upper + distance->resolution);
-  EXPECT_LE(facts.distance_lower, distance->hausdorff_upper + distance->resolution);
-
-  // The vertices are a subset of the old ones, in their order and with their normals.
-  std::size_t v = 0;
-  for (std::size_t w = 0; w < after.positions.size(); ++w, ++v) {
-    while (v < before.positions.size() && before.positions[v] != after.positions[w]) ++v;
-    if (v >= before.positions.size()) {
-      ADD_FAILURE() << "vertex " << w << " is new, or out of order";
-      break;
-    }
-    if (c.normals && before.normals[v] != after.normals[w]) ADD_FAILURE() << "the normal of vertex " << w;
-  }
-  return static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before);
-}
+using test::expect_kept_promises;
+using test::must_simplify;
+using Case = test::SimplifyCase;
 
 field::ScalarField demo(const std::string& name) { return *field::make_demo_field(name, Context()); }
 
