@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/parallel.hpp"
@@ -148,6 +149,17 @@ std::uint64_t mesh_bytes(const ConversionSize& size, bool has_normals) {
   return size.vertices * (has_normals ? 2 : 1) * sizeof(glm::vec3) + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
+// Returns how many different x the blocks have: the sparse extractor makes a part for each.
+std::uint64_t count_layers(const field::SparseSamples& samples) {
+  std::vector<int> layers;
+  for (const field::SparseBlock& block : samples.blocks) {
+    if (layers.empty() || layers.back() != block.origin.x) layers.push_back(block.origin.x);
+  }
+  std::ranges::sort(layers);
+  layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
+  return layers.size();
+}
+
 // Returns the memory of `parts` parts of a mesh if the whole mesh takes `bytes`.
 std::uint64_t bytes_of_parts(const ConversionSize& size, std::uint64_t parts, std::uint64_t bytes) {
   return bytes / size.slabs * std::min(parts, size.slabs) * 5 / 4;
@@ -192,6 +204,7 @@ ConversionSize size_of_samples(const field::ScalarField& field) {
         std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
     size.samples = sparse.blocks.size() * kBlockSamples;
     size.lookup_bytes = field::SparseLookup::bytes(sparse);
+    size.slabs = count_layers(sparse);
   }
   size.sample_bytes = size.resident_bytes = size.samples * field::sample_size(field.type());
   if (dense == nullptr) return size;

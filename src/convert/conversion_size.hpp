@@ -16,7 +16,7 @@ struct ConversionSize {
   std::uint64_t samples = 0;  // stored samples
   std::uint64_t sample_bytes = 0;
   std::uint64_t resident_bytes = 0;  // sample_bytes; for a large mapped file, the bytes of the slices in work only
-  std::uint64_t slabs = 0;           // parts of the mesh that go to the file one by one; 0 for sparse samples
+  std::uint64_t slabs = 0;           // parts of the mesh that go to the file one by one; 0 without any
   std::uint64_t lookup_bytes = 0;    // of the lookup table that finds sparse blocks
   std::uint64_t places = 0;          // block positions of a sparse field that the surface passes through
   std::uint64_t vertices = 0;
@@ -38,8 +38,7 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
 // Returns the same for a mesh that goes to its file part by part (extract::ExtractOptions::sink), with or without
 // figures (mesh/partwise_measures.hpp). A part is the mesh of one slab, taken to be 1.25 times the mean; the format
-// decides how many parts are in memory at a time. Underestimates a surface that lies in few slabs. Returns
-// estimated_bytes() for sparse samples.
+// decides how many parts are in memory at a time. Underestimates a surface that lies in few slabs.
 [[nodiscard]] std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file,
                                                      Normals normals, bool has_figures = false);
 // Returns the estimated peak memory of the surfaces of labels: the largest of finding their voxels, the rest of

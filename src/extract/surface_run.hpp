@@ -53,6 +53,7 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
   // Makes the mesh that emit() would write, part by part, with the arrays that `pass` names; hands each part to the
   // sink. Fails as the sink does, and as emit(). Called once for each pass of the sink.
   { surface.deliver(sink, pass) } -> std::same_as<Result<void>>;
+  { surface.uses_near_vertices() } -> std::same_as<bool>;  // MeshShape::uses_near_vertices, for these parts
   // Returns whether this is only the part of one rank: other ranks make the other parts at the same time. count() and
   // the facts about the boundary are those of the whole surface even so.
   { surface.is_shared() } -> std::same_as<bool>;
@@ -76,7 +77,8 @@ template <SurfacePasses Surface>
                                 .triangles = all.triangles,
                                 .has_normals = options.smooth_normals,
                                 .may_be_open = result.stats.meets_boundary && !options.cap,
-                                .distinct_positions = surface.placement().keeps_vertices_apart()};
+                                .distinct_positions = surface.placement().keeps_vertices_apart(),
+                                .uses_near_vertices = surface.uses_near_vertices()};
     const bool takes = TRY(offer_mesh(*options.sink, shape, sizes, cap, context));
     if (!takes) return {};
     const std::vector<mesh::PartPass> passes = options.sink->passes();

@@ -22,9 +22,10 @@ struct MeshShape {
   bool has_normals = false;
   bool may_be_open = false;         // the mesh may have boundary edges
   bool distinct_positions = false;  // no two vertices have equal positions
-  // Vertices that triangles of later parts may use, ascending. If the parts come in order, triangles use no other
-  // vertices but those of their own part and of the next part.
-  std::vector<std::uint32_t> far_vertices = {};
+  // If the parts come in order, triangles use no other vertices but those of their own part, of the next part, and
+  // `far_vertices`. False: a triangle may use the vertices of any part.
+  bool uses_near_vertices = true;
+  std::vector<std::uint32_t> far_vertices = {};  // vertices that triangles of later parts may use, ascending
 };
 
 // Sets neither `may_be_open`, which takes a pass over the mesh, nor `distinct_positions` and `far_vertices`, which the

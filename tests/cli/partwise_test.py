@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 import json
 import os
 import random
@@ -10,7 +11,8 @@ import resource
 import struct
 import threading
 
-from support import ProgramTest, main
+from support import SOURCE, ProgramTest, main
+from vdb_files import grid, vdb
 
 MIB = 1 << 20
 # Files whose parts are written to their places, and files that are written in order.
@@ -97,6 +99,21 @@ class PartwiseTest(ProgramTest):
         reader.join(60)
         pipe.unlink()
         return read[0]
+
+    def test_sparse_fields(self):
+        """Grids of a VDB file: the metaballs, and voxels at the lowest corner of a leaf, below which no leaf is."""
+        metaballs = (SOURCE / "samples/metaballs.vdb", "--iso", 0.5)
+        corners = {(8 * x, 8 * y, 8 * z): 1.0 for x, y, z in itertools.product(range(6), repeat=3)}
+        (self.folder / "corners.vdb").write_bytes(vdb(grid(voxels=corners)))
+        for arguments, has_order in ((metaballs, True), (("corners.vdb", "--iso", 0.5), False)):
+            for options in ((), ("--method", "mt"), ("--report", "r.json")):
+                for name, *form in (*PLACED, *ORDERED, *FLAT):
+                    with self.subTest(arguments=arguments, options=options, name=name, form=form):
+                        output = (*arguments, *options, *form, "-o")
+                        self.assert_same_bytes(name, *arguments, *options, *form)
+                        needs_order = name == "a.stl" or "flat" in form or "--report" in options
+                        is_small = name == "a.glb"  # its indices have 16 bits
+                        self.assert_by_parts(not is_small and (has_order or not needs_order), *output, name)
 
     def test_streams_get_the_bytes_of_files_part_by_part(self):
         for name, *form in (*PLACED, *ORDERED, *FLAT):

@@ -31,6 +31,11 @@ bool needs_distinct_positions(const ConversionJob& job) {
   return job.edits.touching == Touching::apart || mesh_io::mesh_format_info(job.meshes().format).readers_weld;
 }
 
+// Returns whether the writer needs the positions of each triangle's corners.
+bool needs_triangle_corners(const ConversionJob& job) {
+  return job.normals == Normals::flat || job.meshes().format == mesh_io::MeshFormat::stl;
+}
+
 }  // namespace
 
 bool writes_shared_parts(const ConversionJob& job) {
@@ -47,8 +52,7 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
                            !file->packing.packs() && !file->packing.optimize_order && writes_one_surface(job);
   const bool makes_parts = (job.surface.method == Method::mc || job.surface.method == Method::mt) &&
                            !job.surface.heights && job.surface.nan != extract::NanPolicy::hole &&
-                           job.backend.backend == Backend::cpu &&
-                           std::holds_alternative<field::DenseSamples>(source.field.samples);
+                           job.backend.backend == Backend::cpu;
   if (!takes_parts || !makes_parts || needs_whole_mesh(job, source)) return false;
   const extract::ExtractOptions options = extract_options_of(job, source, iso);
   const field::IndexBox stored = source.field.extents();
@@ -65,7 +69,8 @@ void add_partwise_hint(Error& error) {
 }
 
 Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {
-  if (needs_distinct_ && !shape.distinct_positions) return false;
+  if (needs_.distinct_positions && !shape.distinct_positions) return false;
+  if (needs_.near_vertices && !shape.uses_near_vertices) return false;
   const bool takes = TRY(writer_.begin_parts(hooks_.head(shape), shape, ranks()));
   if (!takes || measuring_ == nullptr) return takes;
   measuring_passes_ = measuring_->passes().size();
@@ -112,8 +117,9 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
     measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context);
     ranks = nullptr;
   }
-  return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks,
-                                          needs_distinct_positions(job), std::move(measures));
+  const PartwiseOutput::Needs needs{needs_distinct_positions(job), measures != nullptr || needs_triangle_corners(job)};
+  return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks, needs,
+                                          std::move(measures));
 }
 
 std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,

@@ -29,15 +29,16 @@ class PartwiseOutput final : public mesh::MeshSink {
     std::function<mesh::Mesh(const mesh::MeshShape& shape)> head;
     std::function<Result<void>(const mesh::MeshMeasures& measures)> accept;
   };
-  // The writer must outlive this object. With `needs_distinct`, declines meshes that may have vertices at equal
-  // positions. `measures` measures the mesh in passes of its own; null: no measuring. If set, `ranks` must be null.
-  PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, bool needs_distinct,
+  // What the mesh must have; the output declines other meshes.
+  struct Needs {
+    bool distinct_positions = false;  // no two vertices may have equal positions
+    bool near_vertices = false;       // MeshShape::uses_near_vertices
+  };
+  // The writer must outlive this object. `measures` measures the mesh in passes of its own; null: no measuring. If set,
+  // `ranks` must be null.
+  PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs,
                  std::unique_ptr<mesh::PartwiseMeasures> measures)
-      : writer_(writer),
-        hooks_(std::move(hooks)),
-        ranks_(ranks),
-        needs_distinct_(needs_distinct),
-        measuring_(std::move(measures)) {}
+      : writer_(writer), hooks_(std::move(hooks)), ranks_(ranks), needs_(needs), measuring_(std::move(measures)) {}
 
   [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
   Result<bool> begin(const mesh::MeshShape& shape) override;
@@ -56,7 +57,7 @@ class PartwiseOutput final : public mesh::MeshSink {
   mesh_io::MeshWriter& writer_;
   Hooks hooks_;
   Ranks* ranks_;
-  bool needs_distinct_;
+  Needs needs_;
   std::unique_ptr<mesh::PartwiseMeasures> measuring_;  // until it has seen all parts
   std::size_t measuring_passes_ = 0;
   std::optional<mesh::MeshMeasures> measures_;
@@ -69,7 +70,8 @@ class PartwiseOutput final : public mesh::MeshSink {
 [[nodiscard]] bool writes_shared_parts(const ConversionJob& job);
 
 // Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
-// May wrongly return true in two cases known only later: a GLB with few vertices, and smooth normals with NaN samples.
+// May wrongly return true in three cases known only later: a GLB with few vertices, smooth normals with NaN samples,
+// and a sparse field whose surface leaves the stored blocks, if the triangles' corners or figures are needed.
 [[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
 
 // Adds to the hint of an ErrorCode::out_of_memory which formats take a mesh in parts. Leaves other errors unchanged.

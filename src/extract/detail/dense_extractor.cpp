@@ -118,6 +118,7 @@ class DenseExtraction final : private VariantChooser {
     return check_samples();
   }
 
+  [[nodiscard]] bool uses_near_vertices() const { return true; }
   [[nodiscard]] bool is_shared() const { return ranks_ != nullptr; }
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
   [[nodiscard]] BoundarySides boundary_sides() const { return sides_; }

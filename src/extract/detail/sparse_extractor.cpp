@@ -1,14 +1,19 @@
 #include "extract/detail/sparse_extractor.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
 #include "extract/detail/site_cells.hpp"
+#include "extract/detail/slab_workers.hpp"
 #include "extract/detail/vertex_batch.hpp"
 #include "extract/row_bits.hpp"
 #include "extract/site_vertices.hpp"
@@ -90,15 +95,52 @@ class SparseExtraction final : private VariantChooser {
   }
 
   Result<void> emit(mesh::Mesh& mesh) {
-    sites_.for_each("extracting", sites_.origins().size(), [&](std::size_t s) {
-      emit_vertices(mesh, s);
-      const SitePlanes planes = sites_.planes(s);
-      write_site_cells(table_, *drawings_, sites_.origins()[s], planes, sites_.active_cells(s, planes), *this,
-                       vertices_, sites_.upper_neighbors(s), mesh.triangles.data() + triangle_base_[s]);
-    });
+    sites_.for_each("extracting", sites_.origins().size(), [&](std::size_t s) { emit_site(mesh, {}, s); });
     return {};
   }
 
+  // A part of the mesh is a layer: the sites of one index along x, whose vertices have consecutive numbers.
+  Result<void> deliver(mesh::MeshSink& sink, const mesh::PartPass& pass) {
+    const std::vector<std::size_t> layers = layer_ends();
+    const auto sizes_of = [&](std::size_t begin, std::size_t end) {
+      const MeshSizes first = below_site(begin);
+      const MeshSizes last = below_site(end);
+      return sizes_in(pass, {last.vertices - first.vertices, last.triangles - first.triangles});
+    };
+    const auto begin_of = [&](std::size_t layer) { return layer == 0 ? 0 : layers[layer - 1]; };
+    const ExtractOptions wanted = options_in(pass, options_);
+    MeshSizes most;
+    for (std::size_t layer = 0; layer < layers.size(); ++layer) {
+      const MeshSizes sizes = sizes_of(begin_of(layer), layers[layer]);
+      most = {std::max(most.vertices, sizes.vertices), std::max(most.triangles, sizes.triangles)};
+    }
+    struct Worker {
+      Reservation memory;
+      mesh::Mesh part;
+    };
+    const auto make = [&]() -> Result<Worker> {
+      Worker worker{TRY(reserve_mesh(field_, most, wanted, context_)), {}};
+      allocate_mesh(worker.part, most, {}, wanted);
+      return worker;
+    };
+    const int threads = pass.in_order ? 1 : usable_threads();
+    return run_slabs(static_cast<int>(layers.size()), threads, "extracting", context_, make,
+                     [&](int number, Worker& worker) -> Result<void> {
+                       const std::size_t end = layers[static_cast<std::size_t>(number)];
+                       const std::size_t begin = begin_of(static_cast<std::size_t>(number));
+                       const MeshSizes first = below_site(begin);
+                       const MeshSizes sizes = sizes_of(begin, end);
+                       if (sizes.vertices == 0 && sizes.triangles == 0) return {};
+                       const auto emit = [&](std::size_t i) { emit_site(worker.part, first, begin + i); };
+                       if (pass.in_order) for_each_index(end - begin, emit, kSiteGrain);
+                       for (std::size_t i = 0; i < end - begin && !pass.in_order; ++i) emit(i);
+                       return deliver_part(sink, pass, worker.part, first, sizes);
+                     });
+  }
+
+  // Sites without a stored block come last, so a triangle there may use the vertices of any layer.
+  [[nodiscard]] bool uses_near_vertices() const { return sites_.stored() == sites_.origins().size(); }
+  [[nodiscard]] bool is_shared() const { return false; }
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return sparse_cap_box(region_, options_); }
   [[nodiscard]] BoundarySides boundary_sides() const { return sites_.boundary_sides(); }
   [[nodiscard]] bool draws_at_boundary() const { return sites_.draws_at_boundary(); }
@@ -111,6 +153,35 @@ class SparseExtraction final : private VariantChooser {
   }
 
  private:
+  static constexpr std::size_t kSiteGrain = 64;
+
+  // Returns the end of each layer of sites.
+  [[nodiscard]] std::vector<std::size_t> layer_ends() const {
+    const std::vector<glm::ivec3>& origins = sites_.origins();
+    std::vector<std::size_t> ends;
+    for (std::size_t s = 0; s < origins.size(); ++s) {
+      const std::size_t next = s + 1;
+      if (next == origins.size() || next == sites_.stored() || origins[next].x != origins[s].x) ends.push_back(next);
+    }
+    return ends;
+  }
+
+  // Returns the numbers of the first vertex and the first triangle of a site; after the last site, how many there are.
+  [[nodiscard]] MeshSizes below_site(std::size_t s) const {
+    if (s == sites_.origins().size()) return sizes_;
+    return {vertices_.first(s, 0), triangle_base_[s]};
+  }
+
+  // Writes the vertices and triangles of a site to a mesh that begins with vertex and triangle `first`, if the mesh has
+  // memory for them.
+  void emit_site(mesh::Mesh& mesh, const MeshSizes& first, std::size_t s) const {
+    if (!mesh.positions.empty()) emit_vertices(mesh, first.vertices, s);
+    if (mesh.triangles.empty()) return;
+    const SitePlanes planes = sites_.planes(s);
+    write_site_cells(table_, *drawings_, sites_.origins()[s], planes, sites_.active_cells(s, planes), *this, vertices_,
+                     sites_.upper_neighbors(s), mesh.triangles.data() + (triangle_base_[s] - first.triangles));
+  }
+
   // Counts the vertices and triangles of all sites. Returns how many cells NanPolicy::hole leaves out.
   std::uint64_t count_sites() {
     std::atomic<std::uint64_t> left_out{0};
@@ -130,11 +201,10 @@ class SparseExtraction final : private VariantChooser {
     return left_out.load();
   }
 
-  MeshSizes place_sites() {
-    MeshSizes sizes;
-    sizes.vertices = vertices_.number();
-    for (std::uint64_t& base : triangle_base_) sizes.triangles += std::exchange(base, sizes.triangles);
-    return sizes;
+  const MeshSizes& place_sites() {
+    sizes_.vertices = vertices_.number();
+    for (std::uint64_t& base : triangle_base_) sizes_.triangles += std::exchange(base, sizes_.triangles);
+    return sizes_;
   }
 
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
@@ -142,9 +212,9 @@ class SparseExtraction final : private VariantChooser {
                                 [&](int corner) { return sites_.value(p + direction_step(corner)); });
   }
 
-  void emit_vertices(mesh::Mesh& mesh, std::size_t s) const {
+  void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, std::size_t s) const {
     const glm::ivec3 origin = sites_.origins()[s];
-    VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0));  // consecutive numbers
+    VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0) - first);  // consecutive numbers
     const bool gradients = writer.wants_gradients();
     const Neighborhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
     VertexBatch& batch = writer.batch();
@@ -193,6 +263,7 @@ class SparseExtraction final : private VariantChooser {
   Reservation numbers_memory_;  // for the arrays below
   SiteVertices vertices_;
   Buffer<std::uint64_t> triangle_base_;  // per site: first a count, then the first triangle
+  MeshSizes sizes_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <functional>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -96,6 +97,17 @@ class Assembler final : public mesh::MeshSink {
   std::uint64_t triangles_ = 0;
 };
 
+// Noise, with outside samples at the lowest and highest faces: all crossed edges begin in stored blocks.
+field::ScalarField noise_in_blocks() {
+  const field::ScalarField noise = test::random_field<float>({40, 48, 56}, 12, 1000);
+  const auto* values = static_cast<const float*>(std::get<field::DenseSamples>(noise.samples).data);
+  const auto within = test::dense_field<float>({40, 48, 56}, [&](int i, int j, int k) {
+    const bool is_inner = std::min({i, j, k, 39 - i, 47 - j, 55 - k}) > 0;
+    return is_inner ? values[i + 40 * (j + 48 * k)] : -1.0F;
+  });
+  return test::sparse_copy<float>(within, -1);
+}
+
 class Partwise : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Partwise, testing::ValuesIn(test::cell_methods()), test::method_name);
 
@@ -151,13 +163,15 @@ TEST_P(Partwise, GivesSameMeshInOrder) {
 
 // A writer can write each part once it has the next one, if it keeps far vertices.
 TEST_P(Partwise, LimitsTrianglesToOwnAndNextPartAndFarVertices) {
-  const field::ScalarField field = test::random_field<float>({20, 21, 39}, 7, 1000);
-  for (const bool cap : {false, true}) {
+  const field::ScalarField dense = test::random_field<float>({20, 21, 39}, 7, 1000);
+  const field::ScalarField sparse = noise_in_blocks();
+  for (const auto& [field, cap] : {std::pair(&dense, false), {&dense, true}, {&sparse, false}}) {
     ExtractOptions options = test::options_of(GetParam(), 500, cap);
     Assembler sink;
     sink.wanted = {mesh::PartPass{.in_order = true}};
     options.sink = &sink;
-    ASSERT_TRUE(test::extract(field, options).taken);
+    ASSERT_TRUE(test::extract(*field, options).taken);
+    EXPECT_TRUE(sink.shape()->uses_near_vertices);
     const auto part_of = [&](std::uint32_t vertex) {
       return std::ranges::upper_bound(sink.ends, vertex) - sink.ends.begin();
     };
@@ -261,13 +275,52 @@ TEST_P(Partwise, MakesWholeMeshIfSinkDeclines) {
   test::expect_sound(made.mesh, false);
 }
 
-TEST_P(Partwise, OffersNoPartsOfSparseKeyedOrEmptyMeshes) {
+TEST_P(Partwise, GivesSameSparseMesh) {
+  // Noise up to the faces of the blocks: cells below them have no block.
+  const field::ScalarField full = test::sparse_copy<float>(test::random_field<float>({24, 32, 40}, 5, 1000), -1);
+  const field::ScalarField inner = noise_in_blocks();
+  for (const field::ScalarField* field : {&full, &inner}) {
+    for (const bool cap : {false, true}) {
+      ExtractOptions options = test::options_of(GetParam(), 500, cap);
+      options.smooth_normals = true;
+      if (cap) options.region = field::IndexBox{{3, 1, 5}, {22, 30, 37}};
+      const Extraction whole = test::extract(*field, options);
+      for (const bool in_order : {false, true}) {
+        Assembler sink;
+        if (in_order) sink.wanted = {kPositions, kNormals, kTriangles};
+        options.sink = &sink;
+        const Extraction taken = test::extract(*field, options);
+        options.sink = nullptr;
+        ASSERT_TRUE(taken.taken);
+        EXPECT_GE(sink.parts, 3);
+        EXPECT_TRUE(sink.is_complete());
+        EXPECT_TRUE(test::same_bytes(sink.mesh.positions, whole.mesh.positions));
+        EXPECT_TRUE(test::same_bytes(sink.mesh.normals, whole.mesh.normals));
+        EXPECT_TRUE(test::same_bytes(sink.mesh.triangles, whole.mesh.triangles));
+        if (!cap) EXPECT_EQ(sink.shape()->uses_near_vertices, field == &inner);
+      }
+    }
+  }
+}
+
+TEST_P(Partwise, MeasuresSparseMeshLikeTheWholeMesh) {
+  const field::ScalarField field = noise_in_blocks();
+  ExtractOptions options = test::options_of(GetParam(), 500);
+  const auto expected = mesh::measure_mesh(test::extract(field, options).mesh, Context());
+  ASSERT_TRUE(expected);
+  mesh::PartwiseMeasures sink("a mesh", Context());
+  options.sink = &sink;
+  ASSERT_TRUE(test::extract(field, options).taken);
+  const auto measures = sink.finish();
+  ASSERT_TRUE(measures) << measures.error().message;
+  expect_equal(*measures, *expected);
+}
+
+TEST_P(Partwise, OffersNoPartsOfKeyedOrEmptyMeshes) {
   field::ScalarField dense = test::random_field<float>({24, 24, 24}, 5, 1000);
-  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   Assembler sink;
   ExtractOptions options = test::options_of(GetParam(), 500);
   options.sink = &sink;
-  EXPECT_FALSE(test::extract(sparse, options).taken);
   options.edge_keys = true;
   EXPECT_FALSE(test::extract(dense, options).taken);
   options.edge_keys = false;
