@@ -25,6 +25,11 @@ std::uint64_t whole_bytes(std::uint64_t vertices, std::uint64_t triangles, bool 
   return Simplifier::bytes(vertices, triangles, has_target) + triangles * (sizeof(glm::uvec3) + sizeof(MergedCorners));
 }
 
+// Returns whether collapse_sheets() has enough memory.
+bool fits_whole(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target, std::uint64_t left) {
+  return whole_bytes(vertices, triangles, target > 0) + Simplifier::patch_bytes(triangles, target) <= left;
+}
+
 // Returns the memory of the vertices that set_triangles() keeps.
 std::uint64_t gathered_bytes(const mesh::Mesh& mesh) { return mesh.positions.size() * vertex_bytes(mesh); }
 
@@ -43,15 +48,16 @@ Result<void> simplify_whole(mesh::Mesh& mesh, const SimplifyOptions& options, Si
 
 // Returns the triangles of a slab if the mesh must be simplified in windows; 0 if it fits into the memory as a whole,
 // or no window would.
-std::uint64_t slab_triangles(std::uint64_t vertices, std::uint64_t triangles, bool has_target, std::uint64_t left) {
-  if (whole_bytes(vertices, triangles, has_target) <= left) return 0;
+std::uint64_t slab_triangles(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target,
+                             std::uint64_t left) {
+  if (fits_whole(vertices, triangles, target, left)) return 0;
   return slab_triangles_for(vertices, triangles, left).value_or(0);
 }
 
 // Returns whether windows can bring a mesh near enough to its target for a simplification as a whole.
 bool can_approach(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target, std::uint64_t left) {
   return kFarAbove * target < triangles &&
-         whole_bytes(vertices * kFarAbove * target / triangles, kFarAbove * target, true) <= left;
+         fits_whole(vertices * kFarAbove * target / triangles, kFarAbove * target, target, left);
 }
 
 // Simplifies a mesh with a target in windows, until the rest fits into the memory as a whole. Only the whole mesh knows
@@ -65,7 +71,7 @@ Result<double> approach_target(mesh::Mesh& mesh, const SimplifyOptions& options,
   double moved = 0;
   for (double distance = kFirst * options.patch_size; distance < options.patch_size; distance *= kSteps) {
     const std::uint64_t left = context.memory().left() - std::min(context.memory().left(), gathered_bytes(mesh));
-    const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), true, left);
+    const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), options.triangles, left);
     const bool can_help = can_approach(mesh.positions.size(), mesh.triangles.size(), options.triangles, left) &&
                           moved + distance < kOfLimit * options.max_distance;
     if (slab == 0 || !can_help) break;
@@ -104,8 +110,8 @@ Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& option
     TRY(simplify_to_target(mesh, options, facts, context));
   } else {
     const std::uint64_t left = context.memory().left();
-    const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), false,
-                                              left - std::min(left, gathered_bytes(mesh)));
+    const std::uint64_t slab =
+        slab_triangles(mesh.positions.size(), mesh.triangles.size(), 0, left - std::min(left, gathered_bytes(mesh)));
     TRY(slab > 0 ? simplify_in_windows(mesh, options, slab, facts, context)
                  : simplify_whole(mesh, options, facts, context));
   }
@@ -163,7 +169,7 @@ void set_triangles(mesh::Mesh& mesh, std::span<const glm::uvec3> triangles) {
 std::uint64_t simplified_at_once(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target,
                                  std::uint64_t left) {
   const bool has_target = target > 0;
-  const std::uint64_t slab = slab_triangles(vertices, triangles, has_target, left);
+  const std::uint64_t slab = slab_triangles(vertices, triangles, target, left);
   if (slab == 0 || (has_target && !can_approach(vertices, triangles, target, left))) return triangles;
   const std::uint64_t window = std::min(window_triangles(slab), triangles);
   const std::uint64_t whole = left * triangles / whole_bytes(vertices, triangles, true);

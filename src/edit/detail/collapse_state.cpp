@@ -28,6 +28,7 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
   gone.assign(from->gone.begin(), from->gone.end());
   gone_at_start = from->gone;
   not_original = from->not_original;
+  sides = from->sides;
   attach_removed_vertices();
 }
 

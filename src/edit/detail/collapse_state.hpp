@@ -39,10 +39,11 @@ struct CollapseStart {
   std::span<const glm::uvec3> corners;
   std::span<const char> gone;
   std::span<const char> not_original;
-  // Of each vertex: 1 if it must not move, and 1 if it is tried first (CollapseVertices). A vertex that is not locked
-  // has all its triangles in the part.
+  // Of each vertex: 1 if it must not move, 1 if it is tried first (CollapseVertices), and its side: no new triangle has
+  // corners of side -1 and of side 1. A vertex that is not locked has all its triangles in the part.
   std::span<const char> locked;
   std::span<const char> wanted;
+  std::span<const std::int8_t> sides;
   std::size_t least_triangles = 0;  // the part keeps about this many triangles, or more
 };
 
@@ -67,6 +68,7 @@ struct CollapseState {
   std::span<const glm::uvec3> start;    // the corners of each triangle before any collapse of this state
   std::span<const char> gone_at_start;  // empty: none
   std::span<const char> not_original;   // 1: the triangle's original is not part of the state; empty: none
+  std::span<const std::int8_t> sides;   // of vertices, as in CollapseStart; empty: all 0
   SheetTrees original_trees;
   std::vector<std::uint32_t> original_slot;  // the slot of each triangle in the tree of its sheet
 

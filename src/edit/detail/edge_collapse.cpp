@@ -279,7 +279,7 @@ class PatchCollapse : private PatchMesh {
       thin_enough = std::min(thin_enough, kOfThinnest * thickness(corners_[a.triangle]));
     }
     for (const auto& [f, t] : new_) {
-      if (!(thickness(t) > thin_enough) || !has_area(t)) return false;
+      if (!(thickness(t) > thin_enough) || !has_area(t) || joins_sides(t)) return false;
       const glm::dvec3 before = thickness(corners_[f]) > kThin ? cross_product(corners_[f]) : sum_around(sheet(f));
       const glm::dvec3 after = cross_product(t);
       if (!(glm::dot(before, after) > kLeastCosine * glm::length(before) * glm::length(after))) return false;

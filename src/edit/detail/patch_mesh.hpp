@@ -111,6 +111,14 @@ class PatchMesh {
     return glm::cross(ab, ac) != glm::dvec3(0);
   }
 
+  // Returns whether corners are on both sides (CollapseStart::sides).
+  [[nodiscard]] bool joins_sides(const Corners& t) const {
+    if (state_.sides.empty()) return false;
+    const auto [least, most] =
+        std::minmax({state_.sides[vertices_[t.x]], state_.sides[vertices_[t.y]], state_.sides[vertices_[t.z]]});
+    return least < 0 && most > 0;
+  }
+
   // Returns height divided by longest side.
   [[nodiscard]] double thickness(const Corners& t) const {
     double longest = 0;

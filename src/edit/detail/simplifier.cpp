@@ -25,6 +25,9 @@ constexpr double kOfVertices = 0.95;           // samples are nearer than the po
 constexpr std::uint64_t kSweepWork = 1 << 20;  // progress units; the share of a round is a guess
 constexpr char kBetweenPatches = 1;
 constexpr char kOutside = 2;
+constexpr std::uint64_t kPatchTriangleBytes =
+    4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1 + IntersectionGuard::kTriangleBytes;
+constexpr std::uint64_t kPatchVertexBytes = sizeof(glm::dvec3) + 14 * sizeof(double) + 5 * sizeof(std::uint32_t) + 26;
 
 template <class Body>
 void for_each_triangle(const CollapseState& state, const Body& body) {
@@ -263,7 +266,9 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
       places.size(), [&](std::size_t i) { triangles[i] = places[i].triangle; }, kTriangleGrain);
   lock_patch_borders(triangles, first);
   places = {};
-  const auto memory = TRY(context_.reserve(patch_bytes(first), mesh_.name + ": the buffers for simplifying"));
+  std::size_t workers = 0;
+  const auto memory = TRY(reserve_patches(first, workers));
+
   ++facts_.rounds;
   facts_.patches += patches;
   std::vector<CollapseLog> logs(patches);
@@ -271,8 +276,7 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
     return static_cast<std::uint64_t>(static_cast<double>(share.work) * static_cast<double>(triangle) /
                                       static_cast<double>(std::max<std::size_t>(triangles.size(), 1)));
   };
-  for_each_index(patches, [&](std::size_t p) {
-    if (context_.cancelled()) return;
+  const auto collapse = [&](std::size_t p) {
     const std::span patch(triangles.data() + first[p], first[p + 1] - first[p]);
     CollapseLimits own = limits;
     if (share.least_part > 0)
@@ -281,6 +285,10 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
     const std::uint64_t done =
         share.work > 0 ? work_up_to(first[p + 1]) - work_up_to(first[p]) : std::uint64_t{logs[p].removed};
     context_.progress().advance(done);
+  };
+  std::atomic<std::size_t> next{0};
+  for_each_index(workers, [&](std::size_t /*worker*/) {
+    for (std::size_t p = next++; p < patches && !context_.cancelled(); p = next++) collapse(p);
   });
   TRY(context_.check());
   numbers_ += triangles.size();
@@ -400,20 +408,30 @@ std::uint64_t Simplifier::bytes(std::uint64_t vertices, std::uint64_t triangles,
          std::max({triangles * kPlaces, proof, measurement});
 }
 
-// Returns the bytes of the largest patches that threads may process at the same time. `first` are the starts of the
-// patches in a list, and its end.
-std::uint64_t Simplifier::patch_bytes(std::span<const std::size_t> first) const {
-  constexpr std::uint64_t kTriangle =
-      4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1 + IntersectionGuard::kTriangleBytes;
-  constexpr std::uint64_t kVertex = sizeof(glm::dvec3) + 14 * sizeof(double) + 5 * sizeof(std::uint32_t) + 26;
+std::uint64_t Simplifier::patch_bytes(std::uint64_t triangles, std::uint64_t target) {
+  constexpr std::uint64_t kPatchTriangles = 1 << 14;  // patches are seldom larger, but the last one of a target
+  constexpr std::uint64_t kLastPatch = 4;
+  const std::uint64_t largest = std::min(triangles, std::max(kPatchTriangles, kLastPatch * target));
+  return largest * (kPatchTriangleBytes + kPatchVertexBytes);
+}
+
+// Reserves the memory of the largest patches, for as many threads as it allows, at least one: `workers`. `first` are
+// the starts of the patches in a list, and its end.
+Result<Reservation> Simplifier::reserve_patches(std::span<const std::size_t> first, std::size_t& workers) const {
   std::vector<std::size_t> sizes;
   for (std::size_t p = 0; p + 1 < first.size(); ++p) sizes.push_back(first[p + 1] - first[p]);
-  const std::size_t most = std::min(sizes.size(), static_cast<std::size_t>(usable_threads()));
-  std::ranges::partial_sort(sizes, sizes.begin() + static_cast<std::ptrdiff_t>(most), std::ranges::greater());
-  const std::uint64_t triangles =
-      std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(most), std::uint64_t{0});
-  const std::uint64_t vertices = std::min(3 * triangles, std::uint64_t{mesh_.positions.size()});
-  return triangles * kTriangle + vertices * kVertex;
+  std::ranges::sort(sizes, std::ranges::greater());
+  // A patch has about half as many vertices as triangles, like the mesh; near holes a few more.
+  const double vertices_of_triangle =
+      1.25 * static_cast<double>(mesh_.positions.size()) / static_cast<double>(mesh_.triangles.size());
+  for (workers = std::min(sizes.size(), static_cast<std::size_t>(usable_threads()));; --workers) {
+    const auto end = sizes.begin() + static_cast<std::ptrdiff_t>(workers);
+    const std::uint64_t triangles = std::accumulate(sizes.begin(), end, std::uint64_t{0});
+    const auto vertices = static_cast<std::uint64_t>(vertices_of_triangle * static_cast<double>(triangles));
+    const std::uint64_t bytes = triangles * kPatchTriangleBytes + vertices * kPatchVertexBytes;
+    auto memory = context_.reserve(bytes, mesh_.name + ": the buffers for simplifying a patch");
+    if (memory || workers <= 1) return memory;
+  }
 }
 
 }  // namespace isoextract::edit

@@ -41,10 +41,12 @@ class Simplifier {
   // Returns the rounding error of distances.
   [[nodiscard]] double slack() const { return slack_; }
 
-  // Returns the bytes that a simplifier takes at most, for the caller to reserve: the state and the logs, and the
-  // largest of the lists of patches, proof and, with a target number of triangles, measurement. run() reserves the
-  // memory of the patches at work.
+  // Returns the bytes that a simplifier takes, for the caller to reserve: the state and the logs, and the largest of
+  // the lists of patches, proof and, with a target number of triangles, measurement. run() reserves the memory of the
+  // patches at work: about patch_bytes() or more, if several threads can work.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices, std::uint64_t triangles, bool has_target);
+  // `target`: the target number of triangles, or 0.
+  [[nodiscard]] static std::uint64_t patch_bytes(std::uint64_t triangles, std::uint64_t target);
 
  private:
   struct Share {
@@ -64,7 +66,7 @@ class Simplifier {
   Result<void> replace_worst(double enough);
   [[nodiscard]] DistanceProofOptions proof_options(double distance) const;
   Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share);
-  [[nodiscard]] std::uint64_t patch_bytes(std::span<const std::size_t> first) const;
+  Result<Reservation> reserve_patches(std::span<const std::size_t> first, std::size_t& workers) const;
   [[nodiscard]] std::vector<PatchTriangle> split(double size) const;
   void want_all();
   void lock_patch_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first);

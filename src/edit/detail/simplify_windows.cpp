@@ -69,16 +69,20 @@ class VertexNumbers {
   std::vector<std::uint32_t> before_;  // vertices of the subset before each word of bits_
 };
 
-// The triangles and vertices of a window, with their numbers in the whole mesh.
+// The triangles and vertices of a window, with their numbers in the whole mesh. All lists are ascending.
 struct Window {
-  std::vector<std::uint32_t> triangles;  // ascending
-  std::vector<std::uint32_t> vertices;   // ascending
+  std::vector<std::uint32_t> originals;  // triangles whose originals the window has
+  std::vector<std::uint32_t> present;    // triangles as they are now
+  std::vector<std::uint32_t> triangles;  // both
+  std::vector<std::uint32_t> vertices;
+  std::optional<VertexNumbers> numbers;  // of `vertices`
   mesh::Mesh original;
   std::vector<glm::uvec3> corners;
   std::vector<char> gone, not_original, locked, wanted;  // as in CollapseStart
+  std::vector<std::int8_t> sides;
 
-  static constexpr std::uint64_t kTriangleBytes = 2 * sizeof(std::uint32_t) + 2 * sizeof(glm::uvec3) + 2;
-  static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t) + sizeof(glm::vec3) + 2;
+  static constexpr std::uint64_t kTriangleBytes = 4 * sizeof(std::uint32_t) + 2 * sizeof(glm::uvec3) + 2;
+  static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t) + sizeof(glm::vec3) + 3;
 };
 
 class WindowedSimplifier {
@@ -98,9 +102,11 @@ class WindowedSimplifier {
     };
     for (std::size_t i = 0; i < slabs; ++i) {
       Interval window{plane(i), plane(i + 1)};
-      if (i > 0) window.low = std::max(plane(i - 1), lowest_at(plane(i)) - kMargin * options_.patch_size);
-      forget_originals_below(window.low - reach());
-      TRY(simplify(window, plane(i)));
+      const double two_below = plane(i < 2 ? 0 : i - 2);
+      const double one_below = plane(i < 1 ? 0 : i - 1);
+      if (i > 0) window.low = std::max(two_below, lowest_locked_at(plane(i)) - kMargin * options_.patch_size);
+      forget_originals_below(two_below - reach());
+      TRY(simplify(window, {one_below, plane(i)}));
       context_.progress().advance(mesh_.triangles.size() / slabs);
     }
     set_distance_lower();
@@ -191,15 +197,19 @@ class WindowedSimplifier {
     return planes;
   }
 
-  // Returns the lowest coordinate of the triangles that meet a plane.
-  [[nodiscard]] double lowest_at(double plane) const {
-    double lowest = plane;
-    for (const std::uint32_t t : listed({plane, plane}, [&](std::uint32_t t) { return state_[t] != kRemoved; })) {
+  // Returns the lowest coordinate of the triangles that meet an interval.
+  [[nodiscard]] double lowest_at(const Interval& interval) const {
+    double lowest = interval.low;
+    for (const std::uint32_t t : listed(interval, [&](std::uint32_t t) { return state_[t] != kRemoved; })) {
       const Interval of_triangle = interval_of(mesh_.triangles[t]);
-      if (of_triangle.meets({plane, plane})) lowest = std::min(lowest, of_triangle.low);
+      if (of_triangle.meets(interval)) lowest = std::min(lowest, of_triangle.low);
     }
     return lowest;
   }
+
+  // Returns the lowest coordinate of the triangles whose vertices a window below the plane had to lock: those that meet
+  // the plane, and their neighbors.
+  [[nodiscard]] double lowest_locked_at(double plane) const { return lowest_at({lowest_at({plane, plane}), plane}); }
 
   // The originals of triangles that later windows cannot reach.
   void forget_originals_below(double coordinate) {
@@ -249,44 +259,66 @@ class WindowedSimplifier {
     return saved != nullptr ? saved->corners : mesh_.triangles[t];
   }
 
-  // Collapses edges within `interval`. Triangles that reach above `from` are new.
-  Result<void> simplify(const Interval& interval, double from) {
+  // Collapses edges within `interval`. Triangles that reach above `old.high` are new; new triangles that do so reach
+  // down to `old.low` at most. Without memory for the whole interval, leaves out the part below `old.low`.
+  Result<void> simplify(Interval interval, const Interval& old) {
     TRY(context_.check());
-    const std::vector<std::uint32_t> originals = originals_near(interval.widened(reach()));
-    if (originals.empty()) return {};
-    Interval present_in = interval;
-    for (const std::uint32_t t : originals) present_in.add(interval_of(original_corners(t)));
-    present_in = present_in.widened(reach());
-    const std::vector<std::uint32_t> present = listed(present_in, [&](std::uint32_t t) {
-      return state_[t] != kRemoved && interval_of(mesh_.triangles[t]).meets(present_in);
-    });
-
-    Window window;
-    std::ranges::set_union(originals, present, std::back_inserter(window.triangles));
-    VertexNumbers numbers(mesh_.positions.size());
-    for (const std::uint32_t t : originals) numbers.add(original_corners(t));
-    for (const std::uint32_t t : present) numbers.add(mesh_.triangles[t]);
-    window.vertices = numbers.list();
-    const auto memory = TRY(context_.reserve(bytes_of(window.vertices.size(), window.triangles.size()),
-                                             mesh_.name + ": the buffers for simplifying a part of the mesh"));
-    fill(window, originals, present, numbers);
-    lock(window, interval, from);
-    CollapseStart start{window.corners, window.gone, window.not_original, window.locked, window.wanted};
-    start.least_triangles = options_.triangles * present.size() / state_.size();
+    std::optional<Window> window = find(interval);
+    if (!window) return {};
+    const auto reserve = [&] {
+      return context_.reserve(bytes_of(window->vertices.size(), window->triangles.size()),
+                              mesh_.name + ": the buffers for simplifying a part of the mesh");
+    };
+    auto memory = reserve();
+    if (!memory && interval.low < old.low) {
+      interval.low = old.low;
+      window = find(interval);
+      if (!window) return {};
+      memory = reserve();
+    }
+    if (!memory) return tl::unexpected(std::move(memory.error()));
+    fill(*window);
+    lock(*window, interval, old);
+    CollapseStart start{window->corners, window->gone,  window->not_original,    window->locked,
+                        window->wanted,  window->sides, least_triangles(*window)};
     SimplifyOptions options = options_;
     options.triangles = 0;
     SimplifyFigures facts;
     const Context own = context_.beside();  // the progress is that of all windows
-    Simplifier simplifier(window.original, Sheets(), options, facts, own, &start);
+    Simplifier simplifier(window->original, Sheets(), options, facts, own, &start);
     const bool is_changed = TRY(simplifier.run());
     add(facts);
-    if (is_changed) take_over(window, simplifier.state(), simplifier.slack());
+    if (is_changed) take_over(*window, simplifier.state(), simplifier.slack());
     return {};
   }
 
-  // Sets the mesh of the window. Both lists are ascending and a part of window.triangles.
-  void fill(Window& window, std::span<const std::uint32_t> originals, std::span<const std::uint32_t> present,
-            const VertexNumbers& numbers) const {
+  // Returns the share of a window in the triangles that stay.
+  [[nodiscard]] std::size_t least_triangles(const Window& window) const {
+    return options_.triangles * window.present.size() / state_.size();
+  }
+
+  // Lists the triangles and vertices of a window; null if there are none.
+  [[nodiscard]] std::optional<Window> find(const Interval& interval) const {
+    Window window;
+    window.originals = originals_near(interval.widened(reach()));
+    if (window.originals.empty()) return std::nullopt;
+    Interval present_in = interval;
+    for (const std::uint32_t t : window.originals) present_in.add(interval_of(original_corners(t)));
+    present_in = present_in.widened(reach());
+    window.present = listed(present_in, [&](std::uint32_t t) {
+      return state_[t] != kRemoved && interval_of(mesh_.triangles[t]).meets(present_in);
+    });
+    std::ranges::set_union(window.originals, window.present, std::back_inserter(window.triangles));
+    window.numbers.emplace(mesh_.positions.size());
+    for (const std::uint32_t t : window.originals) window.numbers->add(original_corners(t));
+    for (const std::uint32_t t : window.present) window.numbers->add(mesh_.triangles[t]);
+    window.vertices = window.numbers->list();
+    return window;
+  }
+
+  // Sets the mesh of a window.
+  void fill(Window& window) const {
+    const VertexNumbers& numbers = *window.numbers;
     const std::size_t count = window.triangles.size();
     window.original.name = mesh_.name;
     window.original.positions = Buffer<glm::vec3>(window.vertices.size());
@@ -301,8 +333,8 @@ class WindowedSimplifier {
         count,
         [&](std::size_t i) {
           const std::uint32_t t = window.triangles[i];
-          const bool is_original = std::ranges::binary_search(originals, t);
-          const bool is_present = std::ranges::binary_search(present, t);
+          const bool is_original = std::ranges::binary_search(window.originals, t);
+          const bool is_present = std::ranges::binary_search(window.present, t);
           const glm::uvec3 corners = numbers.of(is_present ? mesh_.triangles[t] : original_corners(t));
           window.corners[i] = corners;
           window.original.triangles[i] = is_original ? numbers.of(original_corners(t)) : corners;
@@ -312,15 +344,20 @@ class WindowedSimplifier {
         kChunk);
   }
 
-  // Locks the vertices of triangles that leave the interval, and wants those of triangles that reach above `from`.
-  void lock(Window& window, const Interval& interval, double from) const {
+  // Locks the vertices of triangles that leave the interval, and wants those of triangles that reach above `old`.
+  void lock(Window& window, const Interval& interval, const Interval& old) const {
     window.locked.assign(window.vertices.size(), 0);
     window.wanted.assign(window.vertices.size(), 0);
+    window.sides.resize(window.vertices.size());
+    for (std::size_t v = 0; v < window.vertices.size(); ++v) {
+      const double coordinate = along(window.vertices[v]);
+      window.sides[v] = coordinate < old.low ? -1 : coordinate > old.high ? 1 : 0;
+    }
     for (std::size_t i = 0; i < window.triangles.size(); ++i) {
       if (window.gone[i] != 0) continue;
       const Interval of_triangle = interval_of(mesh_.triangles[window.triangles[i]]);
       const bool leaves = !interval.contains(of_triangle);
-      const bool is_new = of_triangle.high > from;
+      const bool is_new = of_triangle.high > old.high;
       const glm::uvec3& c = window.corners[i];
       for (const std::uint32_t v : {c.x, c.y, c.z}) {
         if (leaves) window.locked[v] = 1;
@@ -377,7 +414,7 @@ class WindowedSimplifier {
   // Bytes for the whole mesh, and for the saved originals of windows of this size.
   [[nodiscard]] static std::uint64_t lasting_bytes(std::uint64_t vertices, std::uint64_t triangles,
                                                    std::uint64_t of_window) {
-    return triangles + VertexNumbers::bytes(vertices) + 2 * of_window * sizeof(Original);
+    return triangles + 2 * VertexNumbers::bytes(vertices) + 2 * of_window * sizeof(Original);
   }
 
  private:
@@ -399,7 +436,7 @@ class WindowedSimplifier {
 
 }  // namespace
 
-std::uint64_t window_triangles(std::uint64_t slab_triangles) { return slab_triangles * 5 / 2; }
+std::uint64_t window_triangles(std::uint64_t slab_triangles) { return slab_triangles * 7 / 2; }
 
 std::optional<std::uint64_t> slab_triangles_for(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t bytes) {
   constexpr std::uint64_t kMost = 1 << 21;
@@ -407,7 +444,7 @@ std::optional<std::uint64_t> slab_triangles_for(std::uint64_t vertices, std::uin
   for (std::uint64_t slab = kMost; slab >= kFewest; slab /= 2) {
     const std::uint64_t window = window_triangles(slab);
     const std::uint64_t of_window = window * vertices / std::max<std::uint64_t>(triangles, 1);
-    const std::uint64_t needed = WindowedSimplifier::bytes_of(of_window, window) +
+    const std::uint64_t needed = WindowedSimplifier::bytes_of(of_window, window) + Simplifier::patch_bytes(window, 0) +
                                  WindowedSimplifier::lasting_bytes(vertices, triangles, window);
     if (needed <= bytes) return slab;
   }
