@@ -65,8 +65,8 @@ bool can_approach(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t
 // Returns an upper bound of the distance.
 Result<double> approach_target(mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts,
                                const Context& context) {
-  constexpr double kFirst = 1.0 / 3200;  // fraction of the patch size: a hundredth of a voxel
-  constexpr double kSteps = 2;
+  constexpr double kFirst = 1.0 / 1600;  // fraction of the patch size: a fiftieth of a voxel
+  constexpr double kSteps = 3;
   constexpr double kOfLimit = 1.0 / 8;
   double moved = 0;
   for (double distance = kFirst * options.patch_size; distance < options.patch_size; distance *= kSteps) {

@@ -226,17 +226,17 @@ TEST(SimplifyWindows, FollowTheMemoryBudget) {
 // before.
 TEST(SimplifyWindows, ApproachATargetNumber) {
   extract::ExtractOptions options;
-  const mesh::Mesh mesh = test::extract(demo("demo:gyroid?size=96"), options).mesh;
+  const mesh::Mesh mesh = test::extract(demo("demo:gyroid?size=64"), options).mesh;
   SimplifyOptions simplify;
   simplify.max_distance = std::numeric_limits<double>::infinity();
-  simplify.patch_size = 32.0 * 2 / 95;
+  simplify.patch_size = 32.0 * 2 / 63;
   const auto with = [&](std::uint64_t mib, std::uint64_t triangles) {
     simplify.triangles = triangles;
     const Context context{MemoryBudget(mib << 20)};
     return simplify_mesh(copy(mesh), simplify, context);
   };
-  const auto whole = with(1024, 10000);
-  const auto limited = with(72, 10000);
+  const auto whole = with(1024, 5000);
+  const auto limited = with(36, 5000);
   ASSERT_TRUE(whole);
   ASSERT_TRUE(limited) << limited.error().message;
   EXPECT_EQ(whole->facts.windows, 0U);
@@ -251,7 +251,7 @@ TEST(SimplifyWindows, ApproachATargetNumber) {
   EXPECT_LE(distance->hausdorff_lower, limited->facts.distance_upper + distance->resolution);
   EXPECT_LE(limited->facts.distance_lower, distance->hausdorff_upper + distance->resolution);
   // Windows would not bring the mesh to a size that fits.
-  const auto refused = with(72, 150000);
+  const auto refused = with(36, 75000);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
 }
