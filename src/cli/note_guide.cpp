@@ -214,8 +214,8 @@ constexpr std::array kGuide{
     NoteGuide{repeated_iso, "Two iso values are equal, so the file has one surface for both.", "Give each value once."},
     NoteGuide{
         simplified_in_windows,
-        "The memory does not hold all of a mesh while it is simplified, so windows of it were simplified one after "
-        "the other. The distance is proven as always, but other limits give other triangles.",
+        "The memory limit does not allow to simplify the whole mesh at once, so the program simplified windows of "
+        "it, one after the other. The distance is proven as always, but other limits give other triangles.",
         "Set --memory-limit for the same triangles on each machine."},
     NoteGuide{simplified_shells, "Simplification turned thin shells inside out, or moved cavities out of their body.",
               "Give a smaller --simplify or a larger --triangles, or remove the components with --drop-components and "

@@ -29,7 +29,7 @@ class PartwiseOutput final : public mesh::MeshSink {
     std::function<mesh::Mesh(const mesh::MeshShape& shape)> head;
     std::function<Result<void>(const mesh::MeshMeasures& measures)> accept;
   };
-  // What the mesh must have; the output declines other meshes.
+  // Properties that the mesh must have; the output declines other meshes.
   struct Needs {
     bool distinct_positions = false;  // no two vertices may have equal positions
     bool near_vertices = false;       // MeshShape::uses_near_vertices
@@ -70,8 +70,8 @@ class PartwiseOutput final : public mesh::MeshSink {
 [[nodiscard]] bool writes_shared_parts(const ConversionJob& job);
 
 // Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
-// May wrongly return true in three cases known only later: a GLB with few vertices, smooth normals with NaN samples,
-// and a sparse field whose surface leaves the stored blocks, if the triangles' corners or figures are needed.
+// May wrongly return true in three cases known only later: a GLB with few vertices, and smooth normals with NaN
+// samples. The third is a sparse field whose surface leaves the stored blocks, if the output needs near vertices.
 [[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
 
 // Adds to the hint of an ErrorCode::out_of_memory which formats take a mesh in parts. Leaves other errors unchanged.

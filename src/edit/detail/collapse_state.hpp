@@ -35,12 +35,12 @@ struct DistanceBounds {
 // A mesh of which edges are collapsed already: a part of a larger one. Does not own its data. Collapses of the past
 // cannot be undone.
 struct CollapseStart {
-  // Of each triangle: its corners now, 1 if it is removed or outside the part, and 1 if its original is outside.
+  // For each triangle: its corners now, 1 if it is removed or outside the part, and 1 if its original is outside.
   std::span<const glm::uvec3> corners;
   std::span<const char> gone;
   std::span<const char> not_original;
-  // Of each vertex: 1 if it must not move, 1 if it is tried first (CollapseVertices), and its side: no new triangle has
-  // corners of side -1 and of side 1. A vertex that is not locked has all its triangles in the part.
+  // For each vertex: 1 if it must not move, 1 if it is tried first (CollapseVertices), and its side: no new triangle
+  // has corners of side -1 and of side 1. A vertex that is not locked has all its triangles in the part.
   std::span<const char> locked;
   std::span<const char> wanted;
   std::span<const std::int8_t> sides;

@@ -78,7 +78,7 @@ class Simplifier {
   const Context& context_;
   std::span<const char> always_locked_;  // empty: none
   std::span<const char> first_wanted_;   // empty: all vertices
-  std::size_t least_triangles_;          // that sweeps keep
+  std::size_t least_triangles_;          // sweeps keep so many triangles
   double slack_ = 0;                     // must stand before placed_, whose initializer sets it
   std::vector<glm::vec3> placed_;
   CollapseState state_;
