@@ -25,9 +25,9 @@ std::uint64_t whole_bytes(std::uint64_t vertices, std::uint64_t triangles, bool 
   return Simplifier::bytes(vertices, triangles, has_target) + triangles * (sizeof(glm::uvec3) + sizeof(MergedCorners));
 }
 
-// Returns whether collapse_sheets() has enough memory.
-bool fits_whole(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target, std::uint64_t left) {
-  return whole_bytes(vertices, triangles, target > 0) + Simplifier::patch_bytes(triangles, target) <= left;
+// Returns the bytes that collapse_sheets() needs in all.
+std::uint64_t needed_bytes(std::uint64_t vertices, std::uint64_t triangles, bool has_target) {
+  return whole_bytes(vertices, triangles, has_target) + Simplifier::bytes_at_work(triangles, has_target);
 }
 
 // Returns the memory of the vertices that set_triangles() keeps.
@@ -48,16 +48,15 @@ Result<void> simplify_whole(mesh::Mesh& mesh, const SimplifyOptions& options, Si
 
 // Returns the triangles of a slab if the mesh must be simplified in windows; 0 if it fits into the memory as a whole,
 // or no window would.
-std::uint64_t slab_triangles(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target,
-                             std::uint64_t left) {
-  if (fits_whole(vertices, triangles, target, left)) return 0;
+std::uint64_t slab_triangles(std::uint64_t vertices, std::uint64_t triangles, bool has_target, std::uint64_t left) {
+  if (needed_bytes(vertices, triangles, has_target) <= left) return 0;
   return slab_triangles_for(vertices, triangles, left).value_or(0);
 }
 
 // Returns whether windows can bring a mesh near enough to its target for a simplification as a whole.
 bool can_approach(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target, std::uint64_t left) {
   return kFarAbove * target < triangles &&
-         fits_whole(vertices * kFarAbove * target / triangles, kFarAbove * target, target, left);
+         needed_bytes(vertices * kFarAbove * target / triangles, kFarAbove * target, true) <= left;
 }
 
 // Simplifies a mesh with a target in windows, until the rest fits into the memory as a whole. Only the whole mesh knows
@@ -71,7 +70,7 @@ Result<double> approach_target(mesh::Mesh& mesh, const SimplifyOptions& options,
   double moved = 0;
   for (double distance = kFirst * options.patch_size; distance < options.patch_size; distance *= kSteps) {
     const std::uint64_t left = context.memory().left() - std::min(context.memory().left(), gathered_bytes(mesh));
-    const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), options.triangles, left);
+    const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), true, left);
     const bool can_help = can_approach(mesh.positions.size(), mesh.triangles.size(), options.triangles, left) &&
                           moved + distance < kOfLimit * options.max_distance;
     if (slab == 0 || !can_help) break;
@@ -169,10 +168,11 @@ void set_triangles(mesh::Mesh& mesh, std::span<const glm::uvec3> triangles) {
 std::uint64_t simplified_at_once(std::uint64_t vertices, std::uint64_t triangles, std::uint64_t target,
                                  std::uint64_t left) {
   const bool has_target = target > 0;
-  const std::uint64_t slab = slab_triangles(vertices, triangles, target, left);
+  const std::uint64_t slab = slab_triangles(vertices, triangles, has_target, left);
   if (slab == 0 || (has_target && !can_approach(vertices, triangles, target, left))) return triangles;
   const std::uint64_t window = std::min(window_triangles(slab), triangles);
-  const std::uint64_t whole = left * triangles / whole_bytes(vertices, triangles, true);
+  const double fits = static_cast<double>(left) / static_cast<double>(needed_bytes(vertices, triangles, true));
+  const auto whole = static_cast<std::uint64_t>(fits * static_cast<double>(triangles));
   return has_target ? std::max(window, std::min(whole, triangles)) : window;
 }
 

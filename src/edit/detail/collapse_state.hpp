@@ -32,8 +32,8 @@ struct DistanceBounds {
   [[nodiscard]] bool is_known() const { return upper >= 0; }
 };
 
-// A mesh of which edges are collapsed already: a part of a larger one. Does not own its data. Collapses of the past
-// cannot be undone.
+// A mesh of which edges are collapsed already: a part of a larger one, with one sheet and at least one triangle that is
+// not gone. Does not own its data. Collapses of the past cannot be undone.
 struct CollapseStart {
   // For each triangle: its corners now, 1 if it is removed or outside the part, and 1 if its original is outside.
   std::span<const glm::uvec3> corners;
@@ -44,7 +44,8 @@ struct CollapseStart {
   std::span<const char> locked;
   std::span<const char> wanted;
   std::span<const std::int8_t> sides;
-  std::size_t least_triangles = 0;  // the part keeps about this many triangles, or more
+  std::size_t least_triangles = 0;  // the part keeps this many triangles or a few less, or more
+  double slack = 0;                 // rounding error of distances, at least; the same for all parts of a mesh
 };
 
 struct CollapseState {

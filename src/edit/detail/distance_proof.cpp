@@ -52,14 +52,16 @@ class DistanceProof {
       if (context_.cancelled()) continue;
       if (wrong.empty()) break;
       std::vector<RestoredTriangle> changed;
+      std::vector<std::uint32_t> of_past;  // an undone collapse leaves others of the list without one
       for (const std::uint32_t t : wrong) {
-        if (state_.changed_by[t] == kNone) {
-          if (state_.has_past()) proof.undone += undo_near(t, changed);
-          continue;
-        }
+        if (state_.has_past() && state_.changed_by[t] == kNone) of_past.push_back(t);
+      }
+      for (const std::uint32_t t : wrong) {
+        if (state_.changed_by[t] == kNone) continue;
         if (options_.once) proof.refused.push_back(find_collapse(state_.changed_by[t], logs_).vertex);
         proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
       }
+      for (const std::uint32_t t : of_past) proof.undone += undo_near(t, changed);
       proven_.restored.insert(proven_.restored.end(), changed.begin(), changed.end());
       if (options_.once) break;
       find_doubts(changed, new_in_doubt, old_in_doubt);

@@ -2,8 +2,9 @@
 // undoes collapses where it is not.
 //
 // Undoes the last collapse of each changed triangle that is too far away. For an original triangle too far away, undoes
-// the last collapse of the triangle nearest to its centroid. This ends at the original mesh at the latest; usually
-// a few collapses of thousands are undone.
+// the last collapse of the triangle nearest to its centroid. This ends at the start of the state at the latest, where
+// all distances are proven; usually a few collapses of thousands are undone. An original triangle may be too far away
+// although neither it nor its nearest triangle has changed since the start: then undoes all collapses near it.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,9 @@ struct Proof {
   // With `once`: the vertices whose collapses went too far. Collapses that were undone only because they depend on
   // these are not listed.
   std::vector<std::uint32_t> refused;
-  int passes = 0;  // measurements; the first covers the whole mesh, unless an earlier proof is taken up
+  // Measurements; the first covers the whole mesh, or of a state with a past what changed since, unless an earlier
+  // proof is taken up.
+  int passes = 0;
 };
 
 // The distances that a proof found. A later proof of the same state then measures only what undone collapses changed.

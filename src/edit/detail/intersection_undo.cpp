@@ -151,7 +151,7 @@ std::vector<TrianglePair> joined(const FoundPairs& found) {
 Result<std::vector<TrianglePair>> find_pairs_of_patches(const CollapseState& state, std::span<const CollapseLog> logs,
                                                         const std::string& name, const Context& context) {
   const auto triangles = static_cast<std::size_t>(std::ranges::count(state.gone, 0));
-  const auto memory = TRY(context.reserve(triangles * sizeof(mesh::BoxTree::Item) + PairsOfPatches::bytes(triangles),
+  const auto memory = TRY(context.reserve(intersection_search_bytes(triangles),
                                           name + ": the search for intersections of the simplified mesh"));
   Buffer<mesh::BoxTree::Item> items(triangles);
   std::size_t count = 0;
@@ -210,6 +210,10 @@ std::vector<ChangedTriangle> changed_triangles(std::span<const TrianglePair> pai
 }
 
 }  // namespace
+
+std::uint64_t intersection_search_bytes(std::uint64_t triangles) {
+  return triangles * sizeof(mesh::BoxTree::Item) + PairsOfPatches::bytes(triangles);
+}
 
 Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
                                                std::span<const RestoredTriangle> restored, bool is_first,

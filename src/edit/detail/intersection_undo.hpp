@@ -14,6 +14,9 @@
 
 namespace isoextract::edit {
 
+// Returns the bytes that undo_intersections() reserves for a mesh with so many triangles.
+[[nodiscard]] std::uint64_t intersection_search_bytes(std::uint64_t triangles);
+
 struct UndoneIntersections {
   std::uint64_t collapses = 0;
   std::vector<RestoredTriangle> restored;  // as undo_collapse() lists them

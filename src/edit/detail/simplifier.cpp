@@ -66,7 +66,9 @@ Simplifier::Simplifier(const mesh::Mesh& mesh, const Sheets& sheets, const Simpl
              mesh.triangles.span(), sheets, start),
       locked_(mesh.positions.size(), 0),
       wanted_(mesh.positions.size(), 1),
-      left_(state_.count_remaining()) {}
+      left_(state_.count_remaining()) {
+  if (start != nullptr) slack_ = std::max(slack_, start->slack);
+}
 
 Result<bool> Simplifier::run() {
   const double enough = options_.max_distance - slack_;
@@ -408,11 +410,10 @@ std::uint64_t Simplifier::bytes(std::uint64_t vertices, std::uint64_t triangles,
          std::max({triangles * kPlaces, proof, measurement});
 }
 
-std::uint64_t Simplifier::patch_bytes(std::uint64_t triangles, std::uint64_t target) {
+std::uint64_t Simplifier::bytes_at_work(std::uint64_t triangles, bool has_target) {
   constexpr std::uint64_t kPatchTriangles = 1 << 14;  // patches are seldom larger, but the last one of a target
-  constexpr std::uint64_t kLastPatch = 4;
-  const std::uint64_t largest = std::min(triangles, std::max(kPatchTriangles, kLastPatch * target));
-  return largest * (kPatchTriangleBytes + kPatchVertexBytes);
+  const std::uint64_t largest = has_target ? triangles : std::min(triangles, kPatchTriangles);
+  return std::max(largest * (kPatchTriangleBytes + kPatchVertexBytes * 5 / 8), intersection_search_bytes(triangles));
 }
 
 // Reserves the memory of the largest patches, for as many threads as it allows, at least one: `workers`. `first` are

@@ -42,11 +42,12 @@ class Simplifier {
   [[nodiscard]] double slack() const { return slack_; }
 
   // Returns the bytes that a simplifier takes, for the caller to reserve: the state and the logs, and the largest of
-  // the lists of patches, proof and, with a target number of triangles, measurement. run() reserves the memory of the
-  // patches at work: about patch_bytes() or more, if several threads can work.
+  // the lists of patches, proof and, with a target number of triangles, measurement.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices, std::uint64_t triangles, bool has_target);
-  // `target`: the target number of triangles, or 0.
-  [[nodiscard]] static std::uint64_t patch_bytes(std::uint64_t triangles, std::uint64_t target);
+  // Returns the bytes that run() reserves besides, one after the other: for the patches at work, and to look for
+  // intersections. Several threads take more if there is more. Without a target, patches are taken to be no larger than
+  // usual.
+  [[nodiscard]] static std::uint64_t bytes_at_work(std::uint64_t triangles, bool has_target);
 
  private:
   struct Share {

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <limits>
 #include <span>
 #include <string>
 #include <utility>
@@ -17,100 +15,51 @@
 #include "base/parallel.hpp"
 #include "edit/detail/sheet_collapse.hpp"
 #include "edit/detail/simplifier.hpp"
+#include "edit/detail/window_mesh.hpp"
+#include "mesh/metrics.hpp"
 
 namespace isoextract::edit {
 namespace {
 
 constexpr std::size_t kChunk = 1 << 12;  // triangles that share an interval
-constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-
-struct Interval {
-  double low = kEverywhere;
-  double high = -kEverywhere;
-
-  void add(const Interval& other) {
-    low = std::min(low, other.low);
-    high = std::max(high, other.high);
-  }
-  [[nodiscard]] Interval widened(double by) const { return {low - by, high + by}; }
-  [[nodiscard]] bool meets(const Interval& other) const { return low <= other.high && other.low <= high; }
-  [[nodiscard]] bool contains(const Interval& other) const { return low <= other.low && other.high <= high; }
-};
-
-// Numbers a subset of the vertices in ascending order.
-class VertexNumbers {
- public:
-  explicit VertexNumbers(std::size_t vertices) : bits_((vertices + 63) / 64, 0), before_(bits_.size(), 0) {}
-
-  void add(const glm::uvec3& t) {
-    for (const std::uint32_t v : {t.x, t.y, t.z}) bits_[v / 64] |= std::uint64_t{1} << (v % 64);
-  }
-  // Call it after the last add(). Returns the vertices.
-  [[nodiscard]] std::vector<std::uint32_t> list() {
-    std::vector<std::uint32_t> vertices;
-    for (std::size_t word = 0; word < bits_.size(); ++word) {
-      before_[word] = static_cast<std::uint32_t>(vertices.size());
-      for (std::uint64_t rest = bits_[word]; rest != 0; rest &= rest - 1) {
-        vertices.push_back(static_cast<std::uint32_t>(64 * word + static_cast<std::size_t>(std::countr_zero(rest))));
-      }
-    }
-    return vertices;
-  }
-  [[nodiscard]] std::uint32_t of(std::uint32_t v) const {
-    const std::uint64_t lower = (std::uint64_t{1} << (v % 64)) - 1;
-    return before_[v / 64] + static_cast<std::uint32_t>(std::popcount(bits_[v / 64] & lower));
-  }
-  [[nodiscard]] glm::uvec3 of(const glm::uvec3& t) const { return {of(t.x), of(t.y), of(t.z)}; }
-
-  [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices) { return vertices / 4; }
-
- private:
-  std::vector<std::uint64_t> bits_;
-  std::vector<std::uint32_t> before_;  // vertices of the subset before each word of bits_
-};
-
-// The triangles and vertices of a window, with their numbers in the whole mesh. All lists are ascending.
-struct Window {
-  std::vector<std::uint32_t> originals;  // triangles whose originals the window has
-  std::vector<std::uint32_t> present;    // triangles as they are now
-  std::vector<std::uint32_t> triangles;  // both
-  std::vector<std::uint32_t> vertices;
-  std::optional<VertexNumbers> numbers;  // of `vertices`
-  mesh::Mesh original;
-  std::vector<glm::uvec3> corners;
-  std::vector<char> gone, not_original, locked, wanted;  // as in CollapseStart
-  std::vector<std::int8_t> sides;
-
-  static constexpr std::uint64_t kTriangleBytes = 4 * sizeof(std::uint32_t) + 2 * sizeof(glm::uvec3) + 2;
-  static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t) + sizeof(glm::vec3) + 3;
-};
 
 class WindowedSimplifier {
  public:
   WindowedSimplifier(mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts, const Context& context)
       : mesh_(mesh), options_(options), facts_(facts), context_(context), state_(mesh.triangles.size(), kUnchanged) {
     choose_axis();
+    if (options.to_metric != glm::dmat3(1.0)) slack_ = largest_slack();
   }
 
-  Result<void> run(std::uint64_t slab_triangles) {
-    const std::vector<double> planes = planes_of(slab_triangles);
-    const std::size_t slabs = planes.size() + 1;
-    facts_.windows = slabs;
-    context_.progress().begin("simplifying", mesh_.triangles.size());
-    const auto plane = [&](std::size_t i) {
-      return i == 0 ? -kEverywhere : i > planes.size() ? kEverywhere : planes[i - 1];
-    };
-    for (std::size_t i = 0; i < slabs; ++i) {
-      Interval window{plane(i), plane(i + 1)};
-      const double two_below = plane(i < 2 ? 0 : i - 2);
-      const double one_below = plane(i < 1 ? 0 : i - 1);
-      if (i > 0) window.low = std::max(two_below, lowest_locked_at(plane(i)) - kMargin * options_.patch_size);
+  // Returns whether any triangle changed.
+  Result<bool> run(std::uint64_t slab_triangles) {
+    std::vector<double> planes = planes_of(slab_triangles);
+    planes.insert(planes.begin(), -kEverywhere);
+    planes.push_back(kEverywhere);
+    context_.progress().begin("simplifying", planes.size() - 1);
+    for (std::size_t i = 0; i + 1 < planes.size();) {
+      Interval window{planes[i], planes[i + 1]};
+      const double two_below = planes[i < 2 ? 0 : i - 2];
+      if (i > 0) window.low = std::max(two_below, lowest_locked_at(planes[i]) - kMargin * options_.patch_size);
       forget_originals_below(two_below - reach());
-      TRY(simplify(window, {one_below, plane(i)}));
-      context_.progress().advance(mesh_.triangles.size() / slabs);
+      const auto done = simplify(window, {planes[i < 1 ? 0 : i - 1], planes[i]});
+      if (!done) {
+        // Less of the mesh may fit. Nothing of the window has changed.
+        const std::optional<double> between = middle_of(planes[i], planes[i + 1]);
+        if (done.error().code != ErrorCode::out_of_memory || !between) return tl::unexpected(done.error());
+        planes.insert(planes.begin() + static_cast<std::ptrdiff_t>(i) + 1, *between);
+        continue;
+      }
+      context_.progress().advance(1);
+      ++facts_.windows;
+      ++i;
     }
     set_distance_lower();
-    return {};
+    return std::ranges::any_of(state_, [](std::uint8_t state) { return state != kUnchanged; });
+  }
+
+  [[nodiscard]] std::uint64_t count_remaining() const {
+    return static_cast<std::uint64_t>(std::ranges::count_if(state_, [](auto state) { return state != kRemoved; }));
   }
 
   // Keeps the remaining triangles in their order.
@@ -137,8 +86,19 @@ class WindowedSimplifier {
     glm::uvec3 corners;
   };
 
-  // Distances within a window reach this far. Rounding of the coordinates is less than the rest.
+  // Distances within a window reach this far: less than options_.max_distance by the rounding error.
   [[nodiscard]] double reach() const { return 1.001 * options_.max_distance; }
+
+  // Returns a bound for the rounding error of any window.
+  [[nodiscard]] double largest_slack() const {
+    float largest = 0;
+    for (const glm::vec3& p : mesh_.positions) {
+      const glm::vec3 placed(glm::abs(options_.to_metric * glm::dvec3(p)));
+      largest = std::max({largest, placed.x, placed.y, placed.z});
+    }
+    const std::array<glm::vec3, 1> farthest{glm::vec3(largest)};
+    return 2 * mesh::float32_resolution(farthest);
+  }
 
   [[nodiscard]] double along(std::uint32_t v) const { return glm::dot(axis_, glm::dvec3(mesh_.positions[v])); }
 
@@ -149,22 +109,40 @@ class WindowedSimplifier {
     return {std::min({a, b, c}), std::max({a, b, c})};
   }
 
-  // Chooses the longest axis of the space of distances, and finds the interval of each chunk of triangles.
+  // Chooses the axis of the space of distances along which the chunks of triangles are shortest, among those at least
+  // half as long as the longest: windows then visit few chunks.
   void choose_axis() {
+    constexpr double kOfLongest = 0.5;
+    struct Axis {
+      glm::dvec3 direction{0.0};
+      std::vector<Interval> chunks;
+      double length = 0;
+      double of_chunks = 0;  // mean length of a chunk, relative to the axis
+    };
     const glm::dmat3 rows = glm::transpose(options_.to_metric);
+    std::array<Axis, 3> axes;
     for (int i = 0; i < 3; ++i) {
-      axis_ = rows[i];
+      Axis& axis = axes[static_cast<std::size_t>(i)];
+      axis.direction = axis_ = rows[i];
+      axis.chunks.resize((state_.size() + kChunk - 1) / kChunk);
+      for_each_index(axis.chunks.size(), [&](std::size_t chunk) {
+        for_each_of_chunk(chunk, [&](std::uint32_t t) { axis.chunks[chunk].add(interval_of(mesh_.triangles[t])); });
+      });
       Interval all;
-      for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) all.add({along(v), along(v)});
-      if (all.high - all.low <= extent_.high - extent_.low) continue;
-      extent_ = all;
-      longest_ = rows[i];
+      for (const Interval& chunk : axis.chunks) {
+        all.add(chunk);
+        axis.of_chunks += chunk.high - chunk.low;
+      }
+      axis.length = all.high - all.low;
+      axis.of_chunks /= axis.length > 0 ? axis.length : 1;
     }
-    axis_ = longest_;
-    chunks_.resize((state_.size() + kChunk - 1) / kChunk);
-    for_each_index(chunks_.size(), [&](std::size_t chunk) {
-      for_each_of_chunk(chunk, [&](std::uint32_t t) { chunks_[chunk].add(interval_of(mesh_.triangles[t])); });
-    });
+    const double longest = std::ranges::max(axes, {}, &Axis::length).length;
+    Axis* best = nullptr;
+    for (Axis& axis : axes) {
+      if (axis.length >= kOfLongest * longest && (best == nullptr || axis.of_chunks < best->of_chunks)) best = &axis;
+    }
+    axis_ = best->direction;
+    chunks_ = std::move(best->chunks);
   }
 
   template <class Body>
@@ -173,28 +151,34 @@ class WindowedSimplifier {
     for (std::size_t t = chunk * kChunk; t < end; ++t) body(static_cast<std::uint32_t>(t));
   }
 
-  // Returns planes, in ascending order, with about this number of triangles between two of them.
+  // Returns planes, in ascending order, with about this number of triangles between two of them: quantiles of a sample.
   [[nodiscard]] std::vector<double> planes_of(std::uint64_t slab_triangles) const {
-    constexpr std::size_t kBins = 1 << 16;
-    const double width = (extent_.high - extent_.low) / kBins;
-    std::vector<double> planes;
-    if (!(width > 0)) return planes;
-    std::vector<std::uint64_t> counts(kBins, 0);
-    for (const glm::uvec3& t : mesh_.triangles) {
-      const double bin = (along(t.x) - extent_.low) / width;
-      ++counts[std::min(static_cast<std::size_t>(bin), kBins - 1)];
-    }
+    constexpr std::size_t kMostSamples = 1 << 20;
+    const std::size_t step = (state_.size() + kMostSamples - 1) / kMostSamples;
+    std::vector<double> sample;
+    for (std::size_t t = 0; t < state_.size(); t += step) sample.push_back(along(mesh_.triangles[t].x));
+    std::ranges::sort(sample);
     const std::uint64_t slabs = (state_.size() + slab_triangles - 1) / slab_triangles;
-    const std::uint64_t even = (state_.size() + slabs - 1) / slabs;
-    std::uint64_t count = 0;
-    for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
-      count += counts[bin];
-      if (count < even) continue;
-      planes.push_back(extent_.low + static_cast<double>(bin + 1) * width);
-      count = 0;
+    std::vector<double> planes;
+    for (std::uint64_t slab = 1; slab < slabs; ++slab) {
+      const double plane = sample[sample.size() * slab / slabs];
+      if (plane > (planes.empty() ? sample.front() : planes.back())) planes.push_back(plane);
     }
-    if (count + counts.back() < even / 2 && !planes.empty()) planes.pop_back();
     return planes;
+  }
+
+  // Returns a plane that divides the triangles between two planes; null if that would not help.
+  [[nodiscard]] std::optional<double> middle_of(double low, double high) const {
+    std::vector<double> inner;
+    for (const std::uint32_t t : listed({low, high}, [&](std::uint32_t t) { return state_[t] == kUnchanged; })) {
+      const double coordinate = along(mesh_.triangles[t].x);
+      if (coordinate > low && coordinate < high) inner.push_back(coordinate);
+    }
+    if (inner.size() < kFewest) return std::nullopt;
+    const auto middle = inner.begin() + static_cast<std::ptrdiff_t>(inner.size() / 2);
+    std::ranges::nth_element(inner, middle);
+    if (*middle == *std::ranges::min_element(inner)) return std::nullopt;
+    return *middle;
   }
 
   // Returns the lowest coordinate of the triangles that meet an interval.
@@ -279,8 +263,14 @@ class WindowedSimplifier {
     if (!memory) return tl::unexpected(std::move(memory.error()));
     fill(*window);
     lock(*window, interval, old);
-    CollapseStart start{window->corners, window->gone,  window->not_original,    window->locked,
-                        window->wanted,  window->sides, least_triangles(*window)};
+    CollapseStart start{window->corners,
+                        window->gone,
+                        window->not_original,
+                        window->locked,
+                        window->wanted,
+                        window->sides,
+                        least_triangles(*window, interval, old),
+                        slack_};
     SimplifyOptions options = options_;
     options.triangles = 0;
     SimplifyFigures facts;
@@ -292,9 +282,18 @@ class WindowedSimplifier {
     return {};
   }
 
-  // Returns the share of a window in the triangles that stay.
-  [[nodiscard]] std::size_t least_triangles(const Window& window) const {
-    return options_.triangles * window.present.size() / state_.size();
+  // Returns how many triangles a window keeps at least: all old ones, those that cross its end, and the share of its
+  // new triangles in the target. So the target is a lower bound for the whole mesh.
+  [[nodiscard]] std::size_t least_triangles(const Window& window, const Interval& interval, const Interval& old) const {
+    if (options_.triangles == 0) return 0;
+    std::size_t added = 0;
+    for (const std::uint32_t t : window.present) {
+      const Interval of_triangle = interval_of(mesh_.triangles[t]);
+      added += of_triangle.high > old.high && interval.contains(of_triangle) ? 1 : 0;
+    }
+    const double share = static_cast<double>(options_.triangles) / static_cast<double>(state_.size());
+    const auto kept = static_cast<std::size_t>(std::ceil(share * static_cast<double>(added)));
+    return window.present.size() - added + kept;
   }
 
   // Lists the triangles and vertices of a window; null if there are none.
@@ -418,6 +417,7 @@ class WindowedSimplifier {
   }
 
  private:
+  static constexpr std::size_t kFewest = 1 << 10;   // new triangles of a window
   static constexpr double kMargin = 0.25;           // of the patch size: how far below a plane triangles change
   static constexpr std::size_t kFarTriangles = 64;  // of a window: later windows change few of the farthest
 
@@ -426,8 +426,7 @@ class WindowedSimplifier {
   SimplifyFigures& facts_;
   const Context& context_;
   glm::dvec3 axis_{0.0};
-  glm::dvec3 longest_{0.0};
-  Interval extent_{0, 0};
+  double slack_ = 0;                 // rounding error of distances
   std::vector<std::uint8_t> state_;  // of each triangle
   std::vector<Interval> chunks_;     // encloses the original and the present triangles of each chunk
   std::vector<Original> saved_;      // of changed and removed triangles near the next window; ascending
@@ -444,7 +443,8 @@ std::optional<std::uint64_t> slab_triangles_for(std::uint64_t vertices, std::uin
   for (std::uint64_t slab = kMost; slab >= kFewest; slab /= 2) {
     const std::uint64_t window = window_triangles(slab);
     const std::uint64_t of_window = window * vertices / std::max<std::uint64_t>(triangles, 1);
-    const std::uint64_t needed = WindowedSimplifier::bytes_of(of_window, window) + Simplifier::patch_bytes(window, 0) +
+    const std::uint64_t needed = WindowedSimplifier::bytes_of(of_window, window) +
+                                 Simplifier::bytes_at_work(window, false) +
                                  WindowedSimplifier::lasting_bytes(vertices, triangles, window);
     if (needed <= bytes) return slab;
   }
@@ -456,12 +456,18 @@ Result<void> simplify_in_windows(mesh::Mesh& mesh, const SimplifyOptions& option
   facts.triangles_before = facts.triangles_after = mesh.triangles.size();
   const std::uint64_t lasting =
       WindowedSimplifier::lasting_bytes(mesh.positions.size(), mesh.triangles.size(), window_triangles(slab_triangles));
-  const std::uint64_t gathered = mesh.positions.size() * vertex_bytes(mesh);
-  const auto memory = TRY(context.reserve(lasting + gathered, mesh.name + ": the buffers for simplifying"));
+  auto memory = TRY(context.reserve(lasting, mesh.name + ": the buffers for simplifying"));
   WindowedSimplifier windows(mesh, options, facts, context);
-  TRY(windows.run(slab_triangles));
+  if (!TRY(windows.run(slab_triangles))) return {};
+  memory.release();
+  facts.triangles_after = windows.count_remaining();
+  // The list of triangles, and the numbers and copies of the vertices.
+  const std::uint64_t vertices = std::min<std::uint64_t>(mesh.positions.size(), 3 * facts.triangles_after);
+  memory = TRY(context.reserve(facts.triangles_after * sizeof(glm::uvec3) +
+                                   mesh.positions.size() * 2 * sizeof(std::uint32_t) + vertices * vertex_bytes(mesh),
+                               mesh.name + ": the vertices and triangles of the simplified mesh"));
   windows.drop_removed_triangles();
-  facts.triangles_after = mesh.triangles.size();
+  mesh.memory.shrink(mesh.positions.size() * vertex_bytes(mesh) + mesh.triangles.size_bytes());
   return {};
 }
 
