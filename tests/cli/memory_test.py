@@ -205,7 +205,7 @@ class MemoryTest(ProgramTest):
         self.assertEqual(run.code, 0, run.err)
         (whole,) = report["simplifications"]
         self.assertEqual(whole["windows"], 0)
-        for share in (3, 6):
+        for share in (2, 4):
             limit = report["reserved_memory_bytes"] // share
             told = self.convert(*simplify, "--dry-run", "--memory-limit", f"{limit}B").text
             run, limited = self.report(*simplify, "--memory-limit", f"{limit}B")
@@ -219,7 +219,7 @@ class MemoryTest(ProgramTest):
             self.assertLessEqual(windows["measured"]["voxels"]["upper"], 0.1)
             self.assertLess(windows["triangles_after"], 1.03 * whole["triangles_after"])
         before = set(self.files())
-        run = self.run_program(*simplify[:-1], "b.ply", "--memory-limit", "70M")
+        run = self.run_program(*simplify[:-1], "b.ply", "--memory-limit", "60M")
         self.assert_fails(2, run, "memory", "--memory-limit")
         self.assertEqual(set(self.files()), before)
 
