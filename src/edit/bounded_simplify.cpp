@@ -33,6 +33,12 @@ std::uint64_t needed_bytes(std::uint64_t vertices, std::uint64_t triangles, bool
 // Returns the memory of the vertices that set_triangles() keeps.
 std::uint64_t gathered_bytes(const mesh::Mesh& mesh) { return mesh.positions.size() * vertex_bytes(mesh); }
 
+// Returns the memory that is left for simplifying if these vertices are kept.
+std::uint64_t bytes_left(const mesh::Mesh& mesh, const Context& context) {
+  const std::uint64_t left = context.memory().left();
+  return left - std::min(left, gathered_bytes(mesh));
+}
+
 Result<void> simplify_whole(mesh::Mesh& mesh, const SimplifyOptions& options, SimplifyFigures& facts,
                             const Context& context) {
   const auto collapsed = TRY(collapse_sheets(mesh, Sheets(), options, facts, context));
@@ -69,7 +75,7 @@ Result<double> approach_target(mesh::Mesh& mesh, const SimplifyOptions& options,
   constexpr double kOfLimit = 1.0 / 8;
   double moved = 0;
   for (double distance = kFirst * options.patch_size; distance < options.patch_size; distance *= kSteps) {
-    const std::uint64_t left = context.memory().left() - std::min(context.memory().left(), gathered_bytes(mesh));
+    const std::uint64_t left = bytes_left(mesh, context);
     const std::uint64_t slab = slab_triangles(mesh.positions.size(), mesh.triangles.size(), true, left);
     const bool can_help = can_approach(mesh.positions.size(), mesh.triangles.size(), options.triangles, left) &&
                           moved + distance < kOfLimit * options.max_distance;
@@ -108,9 +114,8 @@ Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& option
   if (options.triangles > 0) {
     TRY(simplify_to_target(mesh, options, facts, context));
   } else {
-    const std::uint64_t left = context.memory().left();
     const std::uint64_t slab =
-        slab_triangles(mesh.positions.size(), mesh.triangles.size(), 0, left - std::min(left, gathered_bytes(mesh)));
+        slab_triangles(mesh.positions.size(), mesh.triangles.size(), false, bytes_left(mesh, context));
     TRY(slab > 0 ? simplify_in_windows(mesh, options, slab, facts, context)
                  : simplify_whole(mesh, options, facts, context));
   }
@@ -126,7 +131,6 @@ Result<CollapsedSheets> collapse_sheets(const mesh::Mesh& mesh, const Sheets& sh
                                         SimplifyFigures& facts, const Context& context) {
   facts.triangles_before = facts.triangles_after = mesh.triangles.size();
   if (mesh.triangles.empty()) return CollapsedSheets();
-
   const std::uint64_t bytes = whole_bytes(mesh.positions.size(), mesh.triangles.size(), options.triangles > 0);
   const auto memory = TRY(context.reserve(bytes + gathered_bytes(mesh), mesh.name + ": the buffers for simplifying"));
   Simplifier simplifier(mesh, sheets, options, facts, context);

@@ -38,8 +38,6 @@ class Simplifier {
 
   [[nodiscard]] CollapseState& state() { return state_; }
   [[nodiscard]] const std::vector<CollapseLog>& logs() const { return logs_; }
-  // Returns the rounding error of distances.
-  [[nodiscard]] double slack() const { return slack_; }
 
   // Returns the bytes that a simplifier takes, for the caller to reserve: the state and the logs, and the largest of
   // the lists of patches, proof and, with a target number of triangles, measurement.

@@ -278,7 +278,7 @@ class WindowedSimplifier {
     Simplifier simplifier(window->original, Sheets(), options, facts, own, &start);
     const bool is_changed = TRY(simplifier.run());
     add(facts);
-    if (is_changed) take_over(*window, simplifier.state(), simplifier.slack());
+    if (is_changed) take_over(*window, simplifier.state());
     return {};
   }
 
@@ -370,8 +370,7 @@ class WindowedSimplifier {
     add_counts(facts_, facts);
   }
 
-  // `slack` is the rounding error of the distances of `state`.
-  void take_over(const Window& window, const CollapseState& state, double slack) {
+  void take_over(const Window& window, const CollapseState& state) {
     const std::size_t known = saved_.size();
     std::vector<FarTriangle> far;
     for (std::uint32_t i = 0; i < window.triangles.size(); ++i) {
@@ -387,7 +386,7 @@ class WindowedSimplifier {
       corners = {window.vertices[c.x], window.vertices[c.y], window.vertices[c.z]};
       state_[t] = kChanged;
       chunks_[t / kChunk].add(interval_of(corners));
-      far.push_back({state.known[i].lower - slack, t, corners});
+      far.push_back({state.known[i].lower - slack_, t, corners});
     }
     std::inplace_merge(saved_.begin(), saved_.begin() + static_cast<std::ptrdiff_t>(known), saved_.end(),
                        [](const Original& a, const Original& b) { return a.triangle < b.triangle; });
