@@ -63,6 +63,7 @@ enum class NoteId {
   particles_left_out,
   periodic_box,
   region_at_samples,  // the surface ends at samples near the faces of the region
+  samples_in_file,    // a temporary file holds the samples, as the memory limit does not
   sparse_made_dense,
   voxel_size,
   // Surfaces
@@ -157,6 +158,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::particles_left_out, "particles-left-out"},
       Word{NoteId::periodic_box, "periodic-box"},
       Word{NoteId::region_at_samples, "region-at-samples"},
+      Word{NoteId::samples_in_file, "samples-in-file"},
       Word{NoteId::sparse_made_dense, "sparse-made-dense"},
       Word{NoteId::voxel_size, "voxel-size"},
       Word{NoteId::backend, "backend"},

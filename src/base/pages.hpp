@@ -6,8 +6,8 @@
 namespace isoextract {
 
 // Gives the whole pages within [begin, begin + bytes) back to the system, which reads them from the file again at the
-// next access. Only for read-only file mappings (DenseSamples::file_backed): other memory would lose its contents. Safe
-// while other threads read the same pages.
+// next access. Only for read-only or shared file mappings (DenseSamples::file_backed): other memory would lose its
+// contents. Safe while other threads use the same pages.
 void release_pages(const void* begin, std::size_t bytes);
 
 // Gives the allocator's free pages, and the blocks that Buffer keeps for reuse, back to the system. Worthwhile after a

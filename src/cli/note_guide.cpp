@@ -156,12 +156,17 @@ constexpr std::array kGuide{
               "The file says that the box of the simulation is periodic along some axes. Along these, particles near a "
               "face also count at the opposite face, and the mesh ends at both faces.",
               "Give --periodic none to treat the particles as they are."},
+
     NoteGuide{region_at_samples,
               "The surface does not end at the faces of --roi but at samples near them, because of --roi-snap, labels, "
               "voxels or surface nets. Or the axes of the samples are oblique to --roi: the program then extracts all "
               "samples that cover it, and clips the surface at its faces.",
               "To end the surface exactly at the faces, leave --roi-snap out. Labels, voxels and surface nets need "
               "--clip for that."},
+    NoteGuide{samples_in_file,
+              "The memory limit does not hold the samples, and the program cannot map their file, so it put them into "
+              "a temporary file. This file has no name; the system frees it when the program ends.",
+              "Raise --memory-limit, or set the environment variable TMPDIR to a folder on a fast disk."},
     NoteGuide{sparse_made_dense, "Resampling turns sparse samples into dense ones, which take more memory.",
               "Give a smaller --resolution or a larger --voxel-size."},
     NoteGuide{voxel_size,

@@ -210,7 +210,7 @@ ConversionSize size_of_samples(const field::ScalarField& field) {
   if (dense == nullptr) return size;
   const auto slices = static_cast<std::uint64_t>(dense->dims.z);
   size.slabs = (slices + extract::kBrickRows - 1) / extract::kBrickRows;
-  if (extract::releases_slices(*dense)) {
+  if (dense->releases_pages()) {
     const std::uint64_t in_work = static_cast<std::uint64_t>(usable_threads()) * extract::kSlabSlices;
     size.resident_bytes = size.sample_bytes / slices * std::min(in_work, slices);
   }

@@ -14,11 +14,6 @@ Result<field::IndexBox> dense_region(const field::ScalarField& field, const fiel
   return clip_region(field, {glm::ivec3(0), samples.dims - 1}, options);
 }
 
-bool releases_slices(const field::DenseSamples& samples) {
-  constexpr std::uint64_t kLarge = std::uint64_t{64} << 20U;  // bytes
-  return samples.file_backed && samples.count() * field::sample_size(samples.type) >= kLarge;
-}
-
 Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, int slices,
                               const Context& context) {
   auto memory = TRY(context.reserve(

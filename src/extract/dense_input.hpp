@@ -17,14 +17,11 @@ inline constexpr int kSlabSlices = kBrickRows + 1;  // slices of samples in a sl
 [[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
                                                    const ExtractOptions& options);
 
-// Returns whether extraction releases the memory pages of used slices: true for a large mapped file.
-[[nodiscard]] bool releases_slices(const field::DenseSamples& samples);
-
 template <class T>
 [[nodiscard]] DenseView<T> dense_view(const field::DenseSamples& samples) {
   const std::int64_t stride_y = samples.dims.x;
   return {static_cast<const T*>(samples.data), samples.dims, stride_y, stride_y * samples.dims.y,
-          releases_slices(samples)};
+          samples.releases_pages()};
 }
 
 template <class T>

@@ -44,6 +44,14 @@ struct DenseSamples {
   [[nodiscard]] std::size_t count() const {
     return static_cast<std::size_t>(dims.x) * static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z);
   }
+
+  // Returns whether passes over the samples should release the memory pages of parts after use: those of a large file.
+  [[nodiscard]] bool releases_pages() const {
+    constexpr std::uint64_t kLarge = std::uint64_t{64} << 20U;  // bytes
+    return file_backed && count() * sample_size(type) >= kLarge;
+  }
+  // Does so for the samples [begin, end), if releases_pages().
+  void leave(std::size_t begin, std::size_t end) const;
 };
 
 // Extractors refuse sparse samples whose indices are not within +- this (ErrorCode::input), so that index arithmetic on

@@ -295,6 +295,7 @@ std::uint64_t crossings_along_rows(const DenseSamples& dense, const ScalarField&
         for (std::size_t row = begin; row != end; ++row) {
           crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
         }
+        dense.leave(begin * row_length, end * row_length);
         return crossings;
       },
       std::plus<>{});
@@ -317,6 +318,8 @@ std::uint64_t min_vertex_count(const ScalarField& field, double iso, const std::
             for (int j = samples.min.y; j <= samples.max.y; ++j) {
               crossings += count_from_row<T>(field, *dense, samples, iso, j, k);
             }
+            const auto layer = static_cast<std::size_t>(dense->dims.x) * static_cast<std::size_t>(dense->dims.y);
+            dense->leave(layer * static_cast<std::size_t>(k), layer * (static_cast<std::size_t>(k) + 1));
           }
           return crossings;
         },

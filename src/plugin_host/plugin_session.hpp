@@ -70,8 +70,10 @@ class VolumeSession {
 
   [[nodiscard]] virtual std::string format() const = 0;
   [[nodiscard]] virtual const isoextract_volume_list& list() const = 0;
-  // Reads samples; call once.
+  // Reads samples; may be called again, for other samples.
   [[nodiscard]] virtual Result<SessionSamples> open(const VolumeSelection& selection) = 0;
+  // Closes the session after the last open(); the samples stay valid. Fails if the plug-in did not end normally.
+  [[nodiscard]] virtual Result<void> finish() { return {}; }
   // Returns the captured output of the plug-in and its library as one line; may be empty.
   [[nodiscard]] virtual std::string printed() const { return {}; }
 };

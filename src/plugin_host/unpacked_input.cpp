@@ -95,6 +95,7 @@ Result<std::shared_ptr<const files::UnpackedFiles>> unpack(const files::InputFil
   selection.count = {*total, 1, 1};
   selection.box_bytes = *total;
   const SessionSamples samples = TRY(session->open(selection));
+  TRY(session->finish());
   if (samples.samples->filled != *total) return invalid();
   const std::span content(static_cast<const std::byte*>(samples.box), static_cast<std::size_t>(*total));
   return files::UnpackedFiles::make(file.path(), members, content, as_file, context);

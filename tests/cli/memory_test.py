@@ -24,7 +24,7 @@ LARGE_GYROID = "demo:gyroid?size=272"  # large enough without its mesh, which go
 
 class MemoryTest(ProgramTest):
     def write_waves(self, size):
-        """Smooth waves of float samples, as NRRD packed by gzip: they are unpacked into memory."""
+        """Smooth waves of float samples, as NRRD packed by gzip."""
         row = [struct.pack(f"<{size}f", *(((x * 5 + shift) % 61 - 30) / 30 for x in range(size))) for shift in range(61)]
         samples = b"".join(row[(3 * y + 7 * z) % 61] for z in range(size) for y in range(size))
         header = f"NRRD0004\ntype: float\ndimension: 3\nsizes: {size} {size} {size}\nendian: little\nencoding: gzip\n\n"
@@ -59,7 +59,16 @@ class MemoryTest(ProgramTest):
         self.check(LARGE_GYROID, "--iso", "0", "-o", "a.ply")
 
     def test_samples_from_a_packed_file(self):
-        self.check(self.write_waves(272), "--iso", "0.1", "-o", "a.glb")
+        """They are in memory, or with half of it in a temporary file (scratch_test.py)."""
+        arguments = (self.write_waves(272), "--iso", "0.1", "-o", "a.glb")
+        run, report = self.report(*arguments)
+        self.assertEqual(run.code, 0, run.err)
+        needed = report["reserved_memory_bytes"]
+        self.assertGreater(needed, 4 * 272**3)
+        self.assertLess(report["peak_memory_bytes"], needed + OVERHEAD)
+        run, report = self.report(*arguments, "--memory-limit", f"{needed // 2}B")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertLess(report["peak_memory_bytes"], needed // 2 + OVERHEAD)
 
     def test_marching_tetrahedra_with_smooth_normals(self):
         self.check(GYROID, "--iso", "0", "--method", "mt", "--normals", "smooth", "-o", "a.obj")

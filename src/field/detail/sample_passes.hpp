@@ -37,6 +37,7 @@ template <class T, class Partial, class Body, class Join>
       [&](std::size_t begin, std::size_t end, Partial partial) {
         if (dense != nullptr) {
           body(partial, std::span<const T>(static_cast<const T*>(dense->data) + begin, end - begin));
+          dense->leave(begin, end);
         } else {
           for (std::size_t b = begin; b != end; ++b) {
             body(partial, std::span<const T>(static_cast<const T*>(blocks[b].values), kBlockSamples));

@@ -243,6 +243,30 @@ VolumeSelection heard_selection(MessageReader& message) {
   return selection;
 }
 
+// Reads the samples that a message chooses and answers. Returns false if that failed.
+bool open_grid(const VolumePlugin& plugin, Program& program, const isoextract_plugin_host& host,
+               const isoextract_volume_list& list, sandbox::ReceivedMessage& choice) {
+  const VolumeSelection chosen = heard_selection(choice.message);
+  const Mapping box(choice.descriptor.get(), chosen.box_bytes, Mapping::Access::write);
+  const isoextract_volume_selection selection = selection_of(chosen, box.bytes().data());
+  isoextract_volume_samples samples{};
+  if (const int failed = plugin.open(&list, &selection, &host, &samples); failed != 0) {
+    static_cast<void>(program.tell(failure(plugin.error_text(), failed)));
+    return false;
+  }
+  bool is_told = false;
+  if (chosen.box_bytes == 0) {
+    const auto message = grid_opened(program, samples);
+    is_told = program.tell(message ? *message : failure("not enough memory for its samples")) && message;
+  } else {
+    MessageWriter message = say(MessageKind::box_opened);
+    message.text(plugin_text(samples.note)).number(samples.parts_read).number(samples.parts).number(samples.filled);
+    is_told = program.tell(message);
+  }
+  plugin.free_samples(&samples);
+  return is_told;
+}
+
 void read_volume(const VolumePlugin& plugin, int socket) {
   Program program(socket);
   auto job = program.hear();
@@ -264,24 +288,10 @@ void read_volume(const VolumePlugin& plugin, int socket) {
     return;
   }
   if (!program.tell(listed(list))) return;
-  auto choice = program.hear();
-  if (!choice || choice->message.number() != static_cast<std::uint64_t>(MessageKind::open_grid)) return;
-  const VolumeSelection chosen = heard_selection(choice->message);
-  const Mapping box(choice->descriptor.get(), chosen.box_bytes, Mapping::Access::write);
-  const isoextract_volume_selection selection = selection_of(chosen, box.bytes().data());
-  isoextract_volume_samples samples{};
-  if (const int failed = plugin.open(&list, &selection, &host.get(), &samples); failed != 0) {
-    static_cast<void>(program.tell(failure(plugin.error_text(), failed)));
-    return;
+  for (auto choice = program.hear(); choice; choice = program.hear()) {
+    if (choice->message.number() != static_cast<std::uint64_t>(MessageKind::open_grid)) return;
+    if (!open_grid(plugin, program, host.get(), list, *choice)) return;
   }
-  if (chosen.box_bytes == 0) {
-    const auto message = grid_opened(program, samples);
-    static_cast<void>(program.tell(message ? *message : failure("not enough memory for its samples")));
-    return;
-  }
-  MessageWriter message = say(MessageKind::box_opened);
-  message.text(plugin_text(samples.note)).number(samples.parts_read).number(samples.parts).number(samples.filled);
-  static_cast<void>(program.tell(message));
 }
 
 // Particles.

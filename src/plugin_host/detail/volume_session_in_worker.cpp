@@ -140,7 +140,6 @@ class WorkerVolumeSession final : public VolumeSession {
       given->shared.push_back(std::move(box));
     }
     auto answer = TRY(answer_after_requests(*given));
-    TRY(talk_->finish());
     for (const SharedMemory& memory : given->shared) {
       given->mapped.emplace_back(memory.descriptor(), memory.size(), Mapping::Access::read);
       if (given->mapped.back().bytes().size() != memory.size()) {
@@ -167,6 +166,7 @@ class WorkerVolumeSession final : public VolumeSession {
     }
     return SessionSamples{&given->samples, box, given};
   }
+  [[nodiscard]] Result<void> finish() override { return talk_->finish(); }
 
  private:
   const char* take_text(MessageReader& message) {

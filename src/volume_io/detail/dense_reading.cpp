@@ -10,17 +10,16 @@
 
 #include <fmt/format.h>
 
+#include "base/pages.hpp"
 #include "base/parallel.hpp"
-#include "base/reserved_buffer.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 #include "volume_io/detail/label_ids.hpp"
+#include "volume_io/detail/sample_store.hpp"
 
 namespace isoextract::volume_io {
 namespace {
 
 constexpr std::size_t kSamplesAtOnce = std::size_t{1} << 16;
-
-using Owned = std::shared_ptr<ReservedBuffer<std::byte>>;
 
 // Returns whether double represents the value exactly: all up to 2^53, and larger ones with enough trailing zero bits.
 template <class T>
@@ -32,8 +31,9 @@ bool is_exact(T value) {
 
 // Converts 64-bit integers to double in place (both have eight bytes). Fails for inexact values other than `no_data`.
 template <class T>
-Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::span<std::byte> bytes,
+Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, SampleStore& store,
                    std::optional<double> no_data) {
+  const std::span<std::byte> bytes = store.bytes();
   const std::size_t count = bytes.size() / sizeof(T);
   std::atomic<std::size_t> first_bad{count};
   for_each_range(count, kSamplesAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -49,6 +49,7 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
       }
       std::memcpy(bytes.data() + i * sizeof value, &as_double, sizeof as_double);
     }
+    store.leave(bytes.subspan(begin * sizeof(T), (end - begin) * sizeof(T)));
   });
   const std::size_t bad = first_bad;
   if (bad == count) return {};
@@ -65,6 +66,12 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
       "subtract a common offset from the values, or divide them; renumber the ids of a label map");
 }
 
+Result<SamplesRead> read_into(SampleStore& store, const DenseFile& dense, const SampleSource& source,
+                              const Context& context) {
+  return dense.x_slowest ? read_samples_transposed(source, dense.dims, store, context)
+                         : read_samples(source, store, context);
+}
+
 // Maps the samples if possible, else reads them. A mapping needs no reserved memory: the system keeps the pages in use
 // and drops other pages when memory is short.
 Result<field::DenseSamples> load_samples(const files::InputFile& file, const DenseFile& dense,
@@ -77,22 +84,15 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
       return field::DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
     }
   }
-  const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
-  auto memory =
-      TRY(context.reserve(needed, fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type))));
-
-  auto read =
-      TRY(dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context));
+  auto store = TRY(SampleStore::make(file.name(), dense.dims, dense.type, context));
+  const auto read = TRY(read_into(store, dense, source, context));
   if (read.has_trailing_data && last && source.pieces.back().gzip)
     notes.push_back({NoteId::extra_bytes, "the reader skips the bytes after the samples"});
-  memory.shrink(source.bytes);
   if (dense.wide != Integer64::none) {
-    TRY(dense.wide == Integer64::i64 ? widen<std::int64_t>(file, dense.dims, read.data.span(), no_data)
-                                     : widen<std::uint64_t>(file, dense.dims, read.data.span(), no_data));
+    TRY(dense.wide == Integer64::i64 ? widen<std::int64_t>(file, dense.dims, store, no_data)
+                                     : widen<std::uint64_t>(file, dense.dims, store, no_data));
   }
-  const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
-      ReservedBuffer<std::byte>{std::move(read.data), std::move(memory)});
-  return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
+  return std::move(store).finish(notes);
 }
 
 // Reads or maps 64-bit ids. Keeps only their indices, and the table of the ids in `ids`.
@@ -108,12 +108,9 @@ Result<field::DenseSamples> load_ids(const files::InputFile& file, const DenseFi
       return fail(ErrorCode::input, file.name() + ": the file became shorter, or reading it failed, during the run");
     }
   } else {
-    const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
-    const auto memory =
-        TRY(context.reserve(needed, fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type))));
-    const auto read =
-        TRY(dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context));
-    indexed = TRY(index_ids(read.data.span(), dense.wide, dense.dims, file.name(), context));
+    auto store = TRY(SampleStore::make(file.name(), dense.dims, dense.type, context));
+    TRY(read_into(store, dense, source, context));
+    indexed = TRY(index_ids(store.bytes(), dense.wide, dense.dims, file.name(), context));
   }
   ids = std::move(indexed.ids);
   const void* data = indexed.samples->values.data();
@@ -149,7 +146,9 @@ Result<SampleSource> part_of(const SampleSource& all, const DenseFile& dense, st
 }
 
 template <class Length, class T>
-void add_to_lengths(const T* component, bool first, const field::ValueScale& scale, std::span<Length> lengths) {
+void add_to_lengths(const field::DenseSamples& samples, const T* component, bool first, const field::ValueScale& scale,
+                    SampleStore& store) {
+  const std::span lengths(reinterpret_cast<Length*>(store.bytes().data()), samples.count());
   for_each_range(lengths.size(), kSamplesAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const double value = scale(static_cast<double>(component[i]));
@@ -159,31 +158,28 @@ void add_to_lengths(const T* component, bool first, const field::ValueScale& sca
                                                                     : std::hypot(before, value);
       lengths[i] = static_cast<Length>(length);
     }
+    store.leave(std::as_bytes(lengths.subspan(begin, end - begin)));
+    if (samples.file_backed) release_pages(component + begin, (end - begin) * sizeof(T));
   });
 }
 
 // Reads one component after another, so that only one of them is in memory besides the lengths.
 template <class Length, class Load>
-Result<field::DenseSamples> read_lengths(const files::InputFile& file, const DenseFile& dense, const Load& load) {
-  field::DenseSamples result;
-  result.type = field::sample_type_of<Length>();
-  result.dims = dense.dims;
-  auto lengths = TRY(make_reserved_buffer<Length>(
-      result.count(), file.context(),
-      fmt::format("{}: lengths of {}", file.name(), describe_samples(dense.dims, dense.type))));
+Result<field::DenseSamples> read_lengths(const files::InputFile& file, const DenseFile& dense, const Load& load,
+                                         Notes& notes) {
+  auto store =
+      TRY(SampleStore::make(file.name() + ": lengths", dense.dims, field::sample_type_of<Length>(), file.context()));
   for (std::uint64_t c = 0; c < dense.components; ++c) {
     const Result<field::DenseSamples> component = load(c);
     if (!component) return component;
     field::visit_sample_type(component->type, [&]<class T>(std::type_identity<T>) {
-      add_to_lengths<Length>(static_cast<const T*>(component->data), c == 0, dense.scale, lengths->values.span());
+      add_to_lengths<Length>(*component, static_cast<const T*>(component->data), c == 0, dense.scale, store);
     });
     if (component->lost()) {
       return fail(ErrorCode::input, file.name() + ": the file became shorter, or reading it failed, during the run");
     }
   }
-  result.data = lengths->values.data();
-  result.owner = std::move(lengths);
-  return result;
+  return std::move(store).finish(notes);
 }
 
 bool needs_double(field::SampleType type) {
@@ -246,8 +242,8 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
     return load_ids(file, dense, TRY(part_of(source, dense, volume, component)), ids);
   };
   auto samples = TRY(chosen                     ? load_chosen(*chosen)
-                     : needs_double(dense.type) ? read_lengths<double>(file, dense, load)
-                                                : read_lengths<float>(file, dense, load));
+                     : needs_double(dense.type) ? read_lengths<double>(file, dense, load, dense.notes)
+                                                : read_lengths<float>(file, dense, load, dense.notes));
 
   field::ScalarField field;
   field.source = file.name();

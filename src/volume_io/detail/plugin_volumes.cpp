@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <string_view>
 
@@ -17,6 +18,7 @@
 #include "plugin_host/plugin_session.hpp"
 #include "volume_io/detail/dense_format.hpp"
 #include "volume_io/detail/grid_choice.hpp"
+#include "volume_io/detail/sample_store.hpp"
 #include "volume_io/detail/slice_stack.hpp"
 
 namespace isoextract::volume_io {
@@ -304,6 +306,7 @@ class PluginFormat final : public VolumeFormat {
                            const plugin_host::VolumeSelection& selection, field::ScalarField& field) const {
     const isoextract_volume_grid& grid = visit.list().grids[selection.grid];
     auto visited = TRY(visit.open(selection));
+    TRY(visit.finish());
     take_facts(visit, *visited.samples, field);
     const isoextract_sparse_samples* given = visited.samples->sparse;
     if (given == nullptr) return refused(input, "no samples, expected sparse ones");
@@ -338,20 +341,66 @@ class PluginFormat final : public VolumeFormat {
       selection.first[at] = static_cast<std::uint64_t>(needed.min[axis]);
       selection.count[at] = static_cast<std::uint64_t>(dense.dims[axis]);
     }
-    const std::uint64_t expected = sample_bytes(dense.dims, dense.type);
-    const std::string what = describe_samples(dense.dims, dense.type);
+    auto memory = context.reserve(sample_bytes(dense.dims, dense.type),
+                                  fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type)));
+    if (!memory) return read_by_runs(visit, input, selection, dense, std::move(memory.error()), context, field);
     const auto owner = std::make_shared<PluginSamples>();
-    owner->box_memory = TRY(context.reserve(expected, fmt::format("{}: {}", input, what)));
-    selection.box_bytes = expected;
-    auto visited = TRY(visit.open(selection));
-    owner->visited = std::move(visited);
+    owner->box_memory = std::move(*memory);
+    owner->visited = TRY(read_layers(visit, input, selection, dense));
+    TRY(visit.finish());
     take_facts(visit, *owner->visited.samples, field);
-    if (owner->visited.samples->filled != expected) {
-      return refused(input, fmt::format("{} bytes, expected {} ({})", owner->visited.samples->filled, expected, what));
-    }
     dense.data = owner->visited.box;
     dense.owner = owner;
     field.samples = std::move(dense);
+    return {};
+  }
+
+  // Reads the box that `selection` states, which has dense.dims samples.
+  Result<plugin_host::SessionSamples> read_layers(plugin_host::VolumeSession& visit, const std::string& input,
+                                                  plugin_host::VolumeSelection& selection,
+                                                  const field::DenseSamples& dense) const {
+    selection.box_bytes = sample_bytes(dense.dims, dense.type);
+    auto visited = TRY(visit.open(selection));
+    if (visited.samples->filled != selection.box_bytes) {
+      return refused(input, fmt::format("{} bytes, expected {} ({})", visited.samples->filled, selection.box_bytes,
+                                        describe_samples(dense.dims, dense.type)));
+    }
+    return visited;
+  }
+
+  // Reads a box that memory does not hold, a run of layers after the other, into a temporary file. `refusal` tells why
+  // there is no memory.
+  Result<void> read_by_runs(plugin_host::VolumeSession& visit, const std::string& input,
+                            plugin_host::VolumeSelection& selection, field::DenseSamples dense, Error refusal,
+                            const Context& context, field::ScalarField& field) const {
+    const int layers = dense.dims.z;
+    auto store = TRY(SampleStore::make_in_file(dense.dims, dense.type, std::move(refusal)));
+    dense.dims.z = 1;
+    const std::uint64_t layer_bytes = sample_bytes(dense.dims, dense.type);
+    const int run = layers_at_once(layer_bytes, layers, context);
+    const std::uint64_t first = selection.first[2];
+    std::uint64_t parts_read = 0;
+    context.progress().begin("reading", static_cast<std::uint64_t>(layers));
+    for (int z = 0; z < layers; z += run) {
+      dense.dims.z = std::min(run, layers - z);
+      selection.first[2] = first + static_cast<std::uint64_t>(z);
+      selection.count[2] = static_cast<std::uint64_t>(dense.dims.z);
+      const auto memory = TRY(context.reserve(sample_bytes(dense.dims, dense.type),
+                                              fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type))));
+      const auto visited = TRY(read_layers(visit, input, selection, dense));
+      const auto part = store.bytes().subspan(static_cast<std::size_t>(layer_bytes) * static_cast<std::size_t>(z),
+                                              static_cast<std::size_t>(selection.box_bytes));
+      std::memcpy(part.data(), visited.box, part.size());
+      store.leave(part);
+      context.progress().advance(static_cast<std::uint64_t>(dense.dims.z));
+      parts_read += visited.samples->parts_read;
+      if (z + run < layers) continue;
+      TRY(visit.finish());
+      take_facts(visit, *visited.samples, field);
+      // A part in two runs was read twice.
+      field.parts.read = std::min(parts_read, field.parts.of);
+    }
+    field.samples = std::move(store).finish(field.notes);
     return {};
   }
 

@@ -91,8 +91,11 @@ Result<void> fill_from_lane(std::span<std::byte> out, const SampleSource& source
 }
 
 // Reads wanted bytes of a piece from `first` on, and converts them to native byte order while they are in the cache.
+// Calls leave(part) for each part of `out` that is complete.
+template <class Leave>
 Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, std::uint64_t first,
-                        std::span<std::byte> out, const SampleSource& source, const Context& context) {
+                        std::span<std::byte> out, const SampleSource& source, const Context& context,
+                        const Leave& leave) {
   return for_each_parallel((out.size() + kChunk - 1) / kChunk, [&](std::size_t i) -> Result<void> {
     TRY(context.check());
     const auto chunk = out.subspan(i * kChunk, std::min(kChunk, out.size() - i * kChunk));
@@ -101,6 +104,7 @@ Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, 
     });
     if (!read) return read;
     if (source.swap_bytes) swap_samples(chunk, source.sample_size);
+    leave(chunk);
     context.progress().advance(chunk.size());
     return {};
   });
@@ -127,7 +131,9 @@ class PackedSamples {
     return samples;
   }
 
-  Result<void> fill(std::span<std::byte> out, const Context& context) {
+  // Calls leave(part) for each part of `out` that is complete.
+  template <class Leave>
+  Result<void> fill(std::span<std::byte> out, const Context& context, const Leave& leave) {
     for (std::size_t at = 0; at < out.size();) {
       TRY(context.check());
       const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
@@ -136,6 +142,7 @@ class PackedSamples {
       if (!filled) return filled;
       at += chunk.size();
       if (source_.swap_bytes) swap_samples(chunk, source_.sample_size);
+      leave(chunk);
       context.progress().advance(chunk.size());
     }
     return {};
@@ -208,16 +215,6 @@ bool is_mappable(const SampleSource& source) {
          piece.offset % source.sample_size == 0;
 }
 
-Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& source) {
-  try {
-    return Buffer<std::byte>(bytes);
-  } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(fmt::format(
-        "{}: no memory for {} bytes of samples{}", files::input_label(source.pieces.front().path), source.bytes,
-        is_mappable(source) ? ", neither as a mapping of the file (mmap) nor as a copy" : "")));
-  }
-}
-
 }  // namespace
 
 Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const Share& run) {
@@ -284,22 +281,23 @@ std::optional<files::MappedFile> map_samples(const SampleSource& source, const C
   return mapped;
 }
 
-Result<ReadSamples> read_samples(const SampleSource& source, const Context& context) {
+Result<SamplesRead> read_samples(const SampleSource& source, SampleStore& store, const Context& context) {
   context.progress().begin("reading", source.bytes);
-  auto data = TRY(allocate(source.bytes, source));
-  ReadSamples result{std::move(data), false};
+  SamplesRead result;
+  const auto leave = [&](std::span<const std::byte> part) { store.leave(part); };
   const auto piece_bytes = static_cast<std::size_t>(source.piece_bytes());
   for (std::size_t i = 0; i < source.pieces.size(); ++i) {
     const SamplePiece& piece = source.pieces[i];
-    const auto out = result.data.span().subspan(i * piece_bytes, piece_bytes);
+    const auto out = store.bytes().subspan(i * piece_bytes, piece_bytes);
     const auto file = TRY(files::InputFile::open(piece.path, context));
     if (piece.packed()) {
       auto packed = TRY(PackedSamples::open(file, piece, source, out.size()));
-      TRY(packed.fill(out, context));
+      TRY(packed.fill(out, context, leave));
       const auto more = TRY(packed.more());
       result.has_trailing_data |= more;
-    } else
-      TRY(read_range(file, piece, 0, out, source, context));
+    } else {
+      TRY(read_range(file, piece, 0, out, source, context, leave));
+    }
   }
   return result;
 }
@@ -309,32 +307,39 @@ namespace {
 // Planes in x that are transposed together: long enough runs in the result, little additional memory.
 constexpr int kSlab = 16;
 
+const auto leave_nothing = [](std::span<const std::byte> /*part*/) {};
+// Leaves each layer of the store, for which the reads from the slab are in the order of z: 64 layers at a time.
 template <class T>
-void transpose_slab(const T* slab, T* out, const glm::ivec3& dims, int x_begin, int x_count) {
+void transpose_slab(const T* slab, const glm::ivec3& dims, int x_begin, int x_count, SampleStore& store) {
+  T* const out = reinterpret_cast<T*>(store.bytes().data());
   const auto nx = static_cast<std::size_t>(dims.x);
   const auto ny = static_cast<std::size_t>(dims.y);
   const auto nz = static_cast<std::size_t>(dims.z);
-  for_each_index(ny, [&](std::size_t y) {
-    for (std::size_t z = 0; z < nz; ++z) {
-      T* row = out + (z * ny + y) * nx + static_cast<std::size_t>(x_begin);
-      for (int x = 0; x < x_count; ++x) row[x] = slab[(static_cast<std::size_t>(x) * ny + y) * nz + z];
-    }
-  });
+  const std::size_t layers = store.is_in_file() ? 64 : nz;
+  for (std::size_t z_begin = 0; z_begin < nz; z_begin += layers) {
+    const std::size_t z_end = std::min(z_begin + layers, nz);
+    for_each_index(ny, [&](std::size_t y) {
+      for (std::size_t z = z_begin; z < z_end; ++z) {
+        T* row = out + (z * ny + y) * nx + static_cast<std::size_t>(x_begin);
+        for (int x = 0; x < x_count; ++x) row[x] = slab[(static_cast<std::size_t>(x) * ny + y) * nz + z];
+      }
+    });
+    store.leave(std::as_bytes(std::span(out + z_begin * ny * nx, (z_end - z_begin) * ny * nx)));
+  }
 }
 
 }  // namespace
 
-std::uint64_t transpose_bytes(const glm::ivec3& dims, std::size_t sample_size) {
-  return static_cast<std::uint64_t>(std::min(kSlab, dims.x)) * static_cast<std::uint64_t>(dims.y) *
-         static_cast<std::uint64_t>(dims.z) * sample_size;
-}
-
-Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
+Result<SamplesRead> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims, SampleStore& store,
                                             const Context& context) {
   context.progress().begin("reading", source.bytes);
-  auto data = TRY(allocate(source.bytes, source));
-  auto slab = TRY(allocate(transpose_bytes(dims, source.sample_size), source));
+  const std::uint64_t plane_bytes =
+      static_cast<std::uint64_t>(dims.y) * static_cast<std::uint64_t>(dims.z) * source.sample_size;
+  const int planes = store.is_in_file() ? layers_at_once(plane_bytes, dims.x, context) : std::min(kSlab, dims.x);
   const SamplePiece& piece = source.pieces.front();
+  auto slab = TRY(
+      make_reserved_buffer<std::byte>(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(planes), context,
+                                      fmt::format("{}: {} planes of samples", files::input_label(piece.path), planes)));
   const auto file = TRY(files::InputFile::open(piece.path, context));
   std::optional<PackedSamples> packed;
   if (piece.packed()) {
@@ -342,14 +347,15 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
     packed.emplace(std::move(opened));
   }
 
-  const std::uint64_t plane_bytes = transpose_bytes({1, dims.y, dims.z}, source.sample_size);
-  for (int x = 0; x < dims.x; x += kSlab) {
-    const int count = std::min(kSlab, dims.x - x);
-    const auto part = slab.span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
+  for (int x = 0; x < dims.x; x += planes) {
+    const int count = std::min(planes, dims.x - x);
+    const auto part =
+        slab->values.span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
     const std::uint64_t first = plane_bytes * static_cast<std::uint64_t>(x);
-    TRY(packed ? packed->fill(part, context) : read_range(file, piece, first, part, source, context));
+    TRY(packed ? packed->fill(part, context, leave_nothing)
+               : read_range(file, piece, first, part, source, context, leave_nothing));
     const auto turn = [&]<class T>(std::type_identity<T>) {
-      transpose_slab(reinterpret_cast<const T*>(part.data()), reinterpret_cast<T*>(data.data()), dims, x, count);
+      transpose_slab(reinterpret_cast<const T*>(part.data()), dims, x, count, store);
     };
     switch (source.sample_size) {
       case 1: turn(std::type_identity<std::uint8_t>{}); break;
@@ -358,9 +364,8 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
       default: turn(std::type_identity<std::uint64_t>{}); break;
     }
   }
-  ReadSamples result{std::move(data), false};
-  if (!packed) return result;
-  result.has_trailing_data = TRY(packed->more());
+  SamplesRead result;
+  if (packed) result.has_trailing_data = TRY(packed->more());
   return result;
 }
 

@@ -11,12 +11,11 @@
 
 #include <glm/glm.hpp>
 
-#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "files/mapped_file.hpp"
 #include "volume_io/detail/deflate_stream.hpp"
-
+#include "volume_io/detail/sample_store.hpp"
 namespace isoextract::volume_io {
 
 // A contiguous run of samples in a file.
@@ -65,18 +64,17 @@ struct Share {
 // then call read_samples().
 [[nodiscard]] std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context);
 
-struct ReadSamples {
-  Buffer<std::byte> data;
-  bool has_trailing_data = false;  // decompressed bytes follow the samples
+// Whether decompressed bytes follow the samples.
+struct SamplesRead {
+  bool has_trailing_data = false;
 };
 
-// Reads all pieces into one buffer in native byte order. Reports bytes as "reading". The caller reserves the memory.
-[[nodiscard]] Result<ReadSamples> read_samples(const SampleSource& source, const Context& context);
+// Reads all pieces into a store of their size, in native byte order. Reports bytes as "reading".
+[[nodiscard]] Result<SamplesRead> read_samples(const SampleSource& source, SampleStore& store, const Context& context);
 
-// Reads a piece whose last axis is the fastest, and returns the samples with x fastest. Needs transpose_bytes() of
-// memory besides the result.
-[[nodiscard]] Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
-                                                          const Context& context);
-[[nodiscard]] std::uint64_t transpose_bytes(const glm::ivec3& dims, std::size_t sample_size);
+// Reads a piece whose last axis is the fastest, so that x is the fastest in the store. Reserves memory for some planes
+// in x: 16, or more if the store is in a file, as each run of planes passes over the whole file.
+[[nodiscard]] Result<SamplesRead> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
+                                                          SampleStore& store, const Context& context);
 
 }  // namespace isoextract::volume_io
