@@ -15,6 +15,7 @@
 #include "convert/stages/mesh_simplify.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/bounded_simplify.hpp"
+#include "edit/partwise_bodies.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/inner_wall.hpp"
 #include "field/resample.hpp"
@@ -122,8 +123,12 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     return std::max(most, TRY(memory_of_labels(job, source, *labels, context)));
   for (const ResolvedIso& iso : source.isos) {
     const ConversionSize size = size_of(source.field, iso.id.iso());
-    const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso());
-    const bool has_figures = use == MeshUse::figures || !job.edits.require.empty();
+    const bool selects = job.edits.pieces.drops();
+    const std::uint64_t selecting =
+        edit::whole_selection_bytes(size.vertices, estimated_triangles(size), job.normals == Normals::smooth);
+    const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso()) &&
+                          (!selects || selecting > context.memory().left());
+    const bool has_figures = use == MeshUse::figures || !job.edits.require.empty() || selects;
     std::uint64_t bytes =
         by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals, has_figures) : estimated_bytes(size);
     bytes += attribute_bytes(source, size.vertices);
@@ -132,6 +137,7 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     const double cell_area = std::pow(std::abs(source.output_from_index.determinant()), 2.0 / 3);
     after = std::max(
         after, hollow_bytes(job, source, estimated_triangles(size), static_cast<double>(size.vertices) * cell_area));
+    if (selects && !by_parts) after = std::max(after, selecting / 5 * 3);
     if (job.error) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
     bytes += after;
     most = std::max(most, bytes);

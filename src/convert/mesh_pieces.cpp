@@ -50,23 +50,33 @@ Result<edit::OriginalPositions> voxel_sites(const mesh::Mesh& mesh, const Source
   return sites;
 }
 
+edit::BodySelection body_selection(const PieceChoice& choice, const Source& source) {
+  edit::BodySelection selection;
+  if (choice.least) {
+    selection.least = choice.least->amount;
+    selection.measure = choice.least->measure;
+    if (!choice.least->in_world_units) selection.to_metric = glm::inverse(source.output_from_index.linear);
+  }
+  selection.fill_cavities = choice.fill_cavities;
+  selection.largest = choice.largest;
+  return selection;
+}
+
 Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   const PieceChoice& choice = stage.job.edits.pieces;
   if (!choice.drops()) return StageReport();
-  const bool was_empty = surface.mesh.triangles.empty();
-  auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));
-  edit::BodySelection options;
-  if (choice.least) {
-    options.least = choice.least->amount;
-    options.measure = choice.least->measure;
-    if (!choice.least->in_world_units) options.to_metric = glm::inverse(stage.source.output_from_index.linear);
+  const bool was_empty = surface.triangles() == 0;
+  edit::BodyFigures facts;
+  if (surface.taken) {
+    facts = surface.bodies;
+  } else {
+    auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));
+    stage.context.progress().begin("finding components", 0);
+    auto kept = TRY(edit::select_bodies(std::move(surface.mesh), body_selection(choice, stage.source), stage.context,
+                                        std::move(sites)));
+    surface.mesh = std::move(kept.mesh);
+    facts = kept.facts;
   }
-  options.fill_cavities = choice.fill_cavities;
-  options.largest = choice.largest;
-  stage.context.progress().begin("finding components", 0);
-  auto kept = TRY(edit::select_bodies(std::move(surface.mesh), options, stage.context, std::move(sites)));
-  surface.mesh = std::move(kept.mesh);
-  const edit::BodyFigures& facts = kept.facts;
   StageReport report = stage.report_on(StageName::pieces, surface);
   report.add_timed({{Key::before, figures_of(facts.before)},
                     {Key::after, figures_of(facts.after)},
@@ -79,7 +89,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
         {NoteId::open_components_kept, fmt::format("{}: kept {}, because an open component has no volume to compare",
                                                    report.subject, counted(facts.without_volume, "open component"))});
   }
-  if (!was_empty && surface.mesh.triangles.empty() && stage.job.empty == EmptyPolicy::error) {
+  if (!was_empty && surface.triangles() == 0 && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
                          fmt::format("{}: none of the {}{} has the requested size", stage.source.label,
                                      counted(facts.before.components, "component"), surface.id.at_text()),

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "base/allocation_error.hpp"
+#include "edit/detail/body_choice.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/component_facts.hpp"
 #include "mesh/shells.hpp"
@@ -23,20 +24,6 @@ namespace {
 
 using mesh::ComponentFacts;
 using mesh::Components;
-
-// The body around each cavity, and the cavity around each body.
-struct Nesting {
-  static constexpr std::uint32_t kNone = Components::kNone;
-
-  // For each component, the index of its body: a cavity has the body around it, a body itself. A cavity without a body
-  // around it (its material continues beyond the data) is its own body.
-  std::vector<std::uint32_t> body;
-  // For each body: the cavity that it lies in, or kNone.
-  std::vector<std::uint32_t> within;
-};
-
-// Bytes for each component: its measures, its nesting and the selection.
-constexpr std::uint64_t kComponentBytes = sizeof(ComponentFacts) + sizeof(mesh::Surroundings) + 64;
 
 // The component of a vertex when mark_bodies() ran, and the body of that component.
 struct BodyMark {
@@ -53,42 +40,8 @@ const mesh::Attribute* find_marks(const mesh::Mesh& mesh) {
 
 Result<Nesting> find_nesting(const mesh::Mesh& mesh, const Components& components,
                              const std::vector<ComponentFacts>& facts, const Context& context) {
-  Nesting nesting;
-  nesting.body.resize(facts.size());
-  std::iota(nesting.body.begin(), nesting.body.end(), 0U);
-  nesting.within.assign(facts.size(), Nesting::kNone);
-  if (std::ranges::none_of(facts, &ComponentFacts::faces_inward)) return nesting;
-
-  mesh::ShellQuery question{.find_open = true};
-  for (const ComponentFacts& one : facts) {
-    question.facing.push_back(!one.is_closed()     ? mesh::Facing::open
-                              : one.faces_inward() ? mesh::Facing::inward
-                                                   : mesh::Facing::outward);
-  }
-  const auto surroundings = TRY(find_enclosing_shells(mesh, components, question, context));
-  const auto is_deeper = [&](std::uint32_t a, std::uint32_t b) {
-    return surroundings[a].around.size() < surroundings[b].around.size();
-  };
-  // Returns the body around a cavity: the innermost shell around it if that is outward, or an open component, or kNone.
-  const auto body_around = [&](std::uint32_t cavity) {
-    const std::vector<std::uint32_t>& around = surroundings[cavity].around;
-    if (around.empty()) return surroundings[cavity].open;
-    const std::uint32_t innermost = *std::ranges::max_element(around, is_deeper);
-    return facts[innermost].faces_inward() ? Nesting::kNone : innermost;
-  };
-  for (std::uint32_t i = 0; i < facts.size(); ++i) {
-    if (!facts[i].faces_inward()) continue;
-    if (const std::uint32_t body = body_around(i); body != Nesting::kNone) nesting.body[i] = body;
-  }
-  for (std::uint32_t i = 0; i < facts.size(); ++i) {
-    if (nesting.body[i] != i) continue;
-    std::uint32_t& within = nesting.within[i];
-    for (const std::uint32_t other : surroundings[i].around) {
-      const bool is_wall = nesting.body[other] != other;
-      if (is_wall && (within == Nesting::kNone || is_deeper(within, other))) within = other;
-    }
-  }
-  return nesting;
+  if (!has_cavities(facts)) return Nesting::without_cavities(facts.size());
+  return nesting_of(facts, TRY(find_enclosing_shells(mesh, components, shell_query(facts), context)));
 }
 
 // The measured components of a mesh and their nesting.
@@ -142,85 +95,7 @@ struct Shells {
   }
 
   [[nodiscard]] std::size_t count() const { return facts.size(); }
-  [[nodiscard]] bool is_body(std::size_t i) const { return nesting.body[i] == i; }
 };
-
-// Returns the measure plus the largest loss through rounding, which moves each vertex by at most `rounding`.
-double measured(const ComponentFacts& facts, ComponentMeasure measure, double rounding) {
-  const auto triangles = static_cast<double>(facts.triangles);
-  switch (measure) {
-    case ComponentMeasure::triangles: return triangles;
-    // Rounding changes an area by up to `rounding` times half the sum of the sides, which is at least 4.56 roots of the
-    // area (equilateral). The factor 4 instead of 2.28 allows for longer sides.
-    case ComponentMeasure::area: return facts.area + 4 * rounding * std::sqrt(triangles * facts.area);
-    case ComponentMeasure::volume: break;
-  }
-  return facts.is_closed() ? std::abs(facts.volume) + facts.area * rounding : std::numeric_limits<double>::infinity();
-}
-
-// Returns how far a vertex may be from its exact position, in the space of `to_metric`: rounding to float32, plus the
-// margin at the ends of grid edges, which is eight times the rounding.
-double rounding_of(const mesh::Mesh& mesh, const glm::dmat3& to_metric) {
-  constexpr double kMarginAndRounding = 9;
-  const double stretch = glm::length(to_metric[0]) + glm::length(to_metric[1]) + glm::length(to_metric[2]);
-  return kMarginAndRounding * stretch * mesh::float32_resolution(mesh.positions.span());
-}
-
-// Returns the remaining bodies, the largest area first.
-std::vector<std::uint32_t> bodies_by_area(const Shells& shells, const std::vector<bool>& stays) {
-  std::vector<std::uint32_t> bodies;
-  for (std::uint32_t i = 0; i < shells.count(); ++i) {
-    if (stays[i] && shells.is_body(i)) bodies.push_back(i);
-  }
-  std::ranges::stable_sort(bodies, std::greater<>(), [&](std::uint32_t i) { return shells.facts[i].area; });
-  return bodies;
-}
-
-std::vector<bool> choose(const Shells& shells, const BodySelection& options, double rounding) {
-  const std::size_t count = shells.count();
-  std::vector<bool> stays(count, true);
-  std::vector<bool> filled(count, false);  // cavities to fill, and then the components in them
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool small = options.least && measured(shells.facts[i], options.measure, rounding) < *options.least;
-    if (!shells.is_body(i)) {
-      filled[i] = small || options.fill_cavities;
-    } else if (small) {
-      stays[i] = false;
-    }
-  }
-  // Filling a cavity removes the bodies in it and fills their cavities, too.
-  for (bool more = true; more;) {
-    more = false;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t around = shells.nesting.within[i];
-      const bool swallowed =
-          shells.is_body(i) ? around != Nesting::kNone && filled[around] : filled[shells.nesting.body[i]];
-      if (swallowed && !filled[i]) filled[i] = more = true;
-    }
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (filled[i]) stays[i] = false;
-  }
-  if (options.largest) {
-    std::vector<std::uint32_t> bodies = bodies_by_area(shells, stays);
-    for (std::size_t i = *options.largest; i < bodies.size(); ++i) stays[bodies[i]] = false;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!stays[shells.nesting.body[i]]) stays[i] = false;
-  }
-  return stays;
-}
-
-BodyCounts counts_of(const Shells& shells, const std::vector<bool>& stays) {
-  BodyCounts counts;
-  for (std::size_t i = 0; i < shells.count(); ++i) {
-    if (!stays[i]) continue;
-    ++counts.components;
-    counts.bodies += shells.is_body(i) ? 1 : 0;
-    counts.triangles += shells.facts[i].triangles;
-  }
-  return counts;
-}
 
 // Removes the components that do not stay.
 Result<void> remove_components(mesh::Mesh& mesh, const Components& components, const std::vector<bool>& stays,
@@ -257,16 +132,8 @@ Result<SelectedBodies> keep(mesh::Mesh mesh, const BodySelection& options, const
                             OriginalPositions sites) {
   const Stopwatch watch;
   auto shells = TRY(Shells::find_at(std::move(sites), mesh, options.to_metric, context));
-  const double rounding = options.least ? rounding_of(mesh, options.to_metric) : 0;
-  const std::vector<bool> stays = choose(shells, options, rounding);
-  BodyFigures facts;
-  facts.before = counts_of(shells, std::vector<bool>(shells.count(), true));
-  facts.after = counts_of(shells, stays);
-  if (options.least && options.measure == ComponentMeasure::volume) {
-    for (std::size_t i = 0; i < shells.count(); ++i) {
-      facts.without_volume += stays[i] && !shells.facts[i].is_closed() ? 1 : 0;
-    }
-  }
+  const double resolution = options.least ? mesh::float32_resolution(mesh.positions.span()) : 0;
+  auto [stays, facts] = choose_bodies(shells.facts, shells.nesting, options, resolution);
   if (facts.after.components < facts.before.components) {
     TRY(remove_components(mesh, shells.components, stays, facts.after.triangles, context));
   }
@@ -343,7 +210,7 @@ Result<void> mark(mesh::Mesh& mesh, const Context& context, OriginalPositions si
 Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const Context& context) {
   auto shells = TRY(Shells::find(mesh, glm::dmat3(1.0), context, find_marks(mesh)));
   std::erase_if(mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.name == kBodyMarks; });
-  const auto bodies = bodies_by_area(shells, std::vector<bool>(shells.count(), true));
+  const auto bodies = bodies_by_area(shells.facts, shells.nesting, std::vector<bool>(shells.count(), true));
   if (bodies.size() > most) {
     return fail(ErrorCode::input,
                 fmt::format("{}: the surface has {} bodies, and each needs a mesh of its own; expected at most {}",
@@ -395,31 +262,21 @@ Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const
   return pieces;
 }
 
-template <class Work>
-auto with_memory(const std::string& name, const Work& work) -> decltype(work()) {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return tl::unexpected(allocation_error(name + ": the components of its surface need more memory than is available",
-                                           {Remedy::use, Setting::parts}));
-  }
-}
-
 }  // namespace
 
 Result<SelectedBodies> select_bodies(mesh::Mesh mesh, const BodySelection& options, const Context& context,
                                      OriginalPositions sites) {
   const std::string name = mesh.name;
-  return with_memory(name, [&] { return keep(std::move(mesh), options, context, std::move(sites)); });
+  return with_body_memory(name, [&] { return keep(std::move(mesh), options, context, std::move(sites)); });
 }
 
 Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context, OriginalPositions sites) {
-  return with_memory(mesh.name, [&] { return mark(mesh, context, std::move(sites)); });
+  return with_body_memory(mesh.name, [&] { return mark(mesh, context, std::move(sites)); });
 }
 
 Result<std::vector<mesh::Mesh>> split_into_bodies(mesh::Mesh mesh, std::uint64_t most, const Context& context) {
   const std::string name = mesh.name;
-  return with_memory(name, [&] { return split(std::move(mesh), most, context); });
+  return with_body_memory(name, [&] { return split(std::move(mesh), most, context); });
 }
 
 }  // namespace isoextract::edit

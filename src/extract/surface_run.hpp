@@ -81,16 +81,16 @@ template <SurfacePasses Surface>
                                 .uses_near_vertices = surface.uses_near_vertices()};
     const bool takes = TRY(offer_mesh(*options.sink, shape, sizes, cap, context));
     if (!takes) return {};
-    const std::vector<mesh::PartPass> passes = options.sink->passes();
-    for (std::size_t p = 0; p < passes.size(); ++p) {
-      const mesh::PartPass& pass = passes[p];
+    for (std::size_t p = 0; p < options.sink->passes().size(); ++p) {
+      const mesh::PartPass pass = options.sink->passes()[p];
       TRY(options.sink->begin_pass(p));
       TRY(surface.deliver(*options.sink, pass));
       if (!cap.triangles.empty()) {
         TRY(deliver_cap(*options.sink, pass, sizes, cap, *box, surface.placement(), options, context));
       }
+      TRY(options.sink->end_pass());
     }
-    result.taken = shape;
+    if (!options.sink->has_declined()) result.taken = shape;
   }
   return {};
 }

@@ -25,6 +25,9 @@ class Components {
   // connecting triangle uses. A triangle belongs to the component of its vertices.
   [[nodiscard]] std::uint32_t of_vertex(std::size_t vertex) const { return label_[vertex]; }
 
+  // Returns the component of each vertex.
+  [[nodiscard]] std::span<const std::uint32_t> of_vertices() const { return label_.span(); }
+
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices) { return vertices * sizeof(std::uint32_t); }
 
  private:

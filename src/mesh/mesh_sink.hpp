@@ -69,14 +69,20 @@ class MeshSink {
   // Prepares for a mesh of this shape. Call once, before the first part. Returns false if the sink declines the mesh:
   // the caller then makes the whole mesh in memory.
   [[nodiscard]] virtual Result<bool> begin(const MeshShape& shape) = 0;
-  // Returns the passes in which the sink takes the parts; the mesh is made once for each. Call after begin(). Only a
-  // sink without ranks may have more than one pass, or one in order.
+  // Returns the passes in which the sink takes the parts; the mesh is made once for each. Call after begin(), and again
+  // after each end_pass(), which may have added passes. Only a sink without ranks may have more than one pass, or one
+  // in order.
   [[nodiscard]] virtual std::vector<PartPass> passes() const { return {PartPass()}; }
   // Called before the parts of each pass, with its index in passes().
   [[nodiscard]] virtual Result<void> begin_pass(std::size_t /*pass*/) { return {}; }
   // Takes one part, as passes() says. In each pass, the parts cover the mesh, without overlap. The arrays of the part
   // are valid only during the call.
   [[nodiscard]] virtual Result<void> take(const MeshPart& part) = 0;
+  // Called after the parts of each pass.
+  [[nodiscard]] virtual Result<void> end_pass() { return {}; }
+  // Returns whether the sink declined the mesh only after a pass; then there are no more passes, and the caller makes
+  // the whole mesh in memory. Never with ranks.
+  [[nodiscard]] virtual bool has_declined() const { return false; }
 };
 
 }  // namespace isoextract::mesh

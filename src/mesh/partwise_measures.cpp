@@ -14,8 +14,6 @@
 #include "base/allocation_error.hpp"
 #include "base/parallel.hpp"
 #include "mesh/buckets.hpp"
-#include "mesh/detail/linked_parts.hpp"
-#include "mesh/detail/part_vertices.hpp"
 #include "mesh/detail/topology_part.hpp"
 #include "mesh/detail/triangle_sums.hpp"
 
@@ -82,37 +80,45 @@ auto guarded(const std::string& what, const Step& step) -> decltype(step()) {
 
 class PartwiseMeasures::State {
  public:
-  State(std::string name, const Context& context)
-      : name_(std::move(name)), what_(name_ + ": its figures"), context_(context) {}
+  State(const std::string& name, const Context& context, const glm::dmat3& to_metric, LookAtPart look_at)
+      : what_(name + ": its figures"),
+        context_(context),
+        to_metric_(to_metric),
+        look_at_(std::move(look_at)),
+        parts_(name, what_, context) {}
+
+  [[nodiscard]] PartwiseComponents& components() { return parts_; }
 
   [[nodiscard]] const std::string& what() const { return what_; }
 
   Result<void> begin(const MeshShape& shape) {
-    const std::uint64_t bytes_of_far = 2 * sizeof(std::uint32_t) + sizeof(glm::vec3);
-    memory_ = TRY(context_.reserve(shape.far_vertices.size() * bytes_of_far, what_));
+    memory_ = TRY(context_.reserve(shape.far_vertices.size() * sizeof(std::uint32_t), what_));
     shape_ = shape;
-    far_positions_.resize(shape_.far_vertices.size());
     add_range_ends(0, shape.triangles, size_ends_);
-    parts_.emplace(shape_.far_vertices, what_, context_);
-    return {};
+    return parts_.begin(shape);
   }
 
-  Result<void> take(const MeshPart& part) { return is_summing_ ? sum(part) : link(part); }
+  Result<void> take(const MeshPart& part) {
+    if (!is_summing_) return parts_.link(part);
+    if (!space_.has_value() && !part.positions.empty()) set_apex(part.positions.front());
+    bounds_.add(part.positions);
+    return parts_.take(part, sum_);
+  }
 
   Result<void> begin_sums() {
     is_summing_ = true;
-    parts_->number();
-    const std::uint64_t count = parts_->count();
+    parts_.number();
+    const std::uint64_t count = parts_.count();
     const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
     list_memory_ = TRY(context_.reserve(count * sizeof(ComponentFacts), what_));
-    memory_.take(TRY(context_.reserve((threads + 1) * (count + 1) * sizeof(Topology), what_)));
+    star_memory_ = TRY(context_.reserve((threads + 1) * (count + 1) * sizeof(Topology), what_));
     stars_.emplace([count] { return TopologyPart(std::max<std::size_t>(count, 1)); });
     facts_ = facts_without_triangles(count);
     return {};
   }
 
   Result<MeshMeasures> finish() {
-    TRY(sum_waiting({}));
+    TRY(parts_.finish(sum_));
     TRY(look_at_far_vertices());
     if (!open_chunk_.empty()) add_chunk(facts_, open_chunk_, shape_.origin);
     MeshMeasures all;
@@ -123,98 +129,38 @@ class PartwiseMeasures::State {
     std::vector<Topology> topology(std::max<std::size_t>(facts_.size(), 1));
     for (const TopologyPart& star : *stars_) star.add_to(topology);
     add_up(topology, all.topology);
+    stars_.reset();
+    star_memory_.release();
     all.components = std::move(facts_);
     all.memory = std::move(list_memory_);
     return all;
   }
 
  private:
-  Result<void> link(const MeshPart& part) {
-    const auto memory = TRY(context_.reserve(PartVertices::bytes(part.triangles.size()), what_));
-    const PartVertices vertices(part.triangles, part.first_vertex, shape_.far_vertices);
-    const auto more = TRY(context_.reserve(kNumberBytes * vertices.size(), what_));
-    return parts_->add(vertices, part.first_vertex, Components(vertices.triangles(), vertices.size()));
+  void set_apex(const glm::vec3& apex) {
+    space_ = SumSpace{glm::dvec3(apex), to_metric_, glm::determinant(to_metric_) < 0 ? -1.0 : 1.0};
   }
 
-  // Sums the waiting part, which needs the positions of `part`. Then `part` waits.
-  Result<void> sum(const MeshPart& part) {
-    if (!space_ && !part.positions.empty()) space_.emplace(SumSpace{.apex = glm::dvec3(part.positions.front())});
-    TRY(sum_waiting(part.positions));
-    bounds_.add(part.positions);
-    // The vectors keep the room of their largest part; a larger part replaces it.
-    const std::size_t most_vertices = std::max(part.positions.size(), positions_.capacity());
-    const std::size_t most_triangles =
-        std::max(shared_triangles_.size() + part.triangles.size(), triangles_.capacity());
-    const std::uint64_t bytes = most_vertices * sizeof(glm::vec3) + most_triangles * sizeof(glm::uvec3);
-    if (bytes > waiting_memory_.bytes()) {
-      waiting_memory_.take(TRY(context_.reserve(bytes - waiting_memory_.bytes(), what_)));
-    }
-    if (most_vertices > positions_.capacity()) positions_ = {};
-    if (most_triangles > triangles_.capacity()) triangles_ = {};
-    triangles_.reserve(most_triangles);
-    first_vertex_ = part.first_vertex;
-    first_triangle_ = part.first_triangle;
-    positions_.assign(part.positions.begin(), part.positions.end());
-    triangles_.assign(shared_triangles_.begin(), shared_triangles_.end());
-    triangles_.insert(triangles_.end(), part.triangles.begin(), part.triangles.end());
-    const std::vector<std::uint32_t>& far = shape_.far_vertices;
-    for (auto v = std::ranges::lower_bound(far, first_vertex_);
-         v != far.end() && *v < first_vertex_ + positions_.size(); ++v) {
-      far_positions_[static_cast<std::size_t>(v - far.begin())] = positions_[*v - first_vertex_];
-    }
-    return {};
+  Result<void> sum(const LocalPart& part) {
+    const auto memory = TRY(context_.reserve(
+        Buckets<Corner>::bytes(3 * (shared_triangles_.size() + part.numbered.size()), part.own_positions.size()),
+        what_));
+    add_sums(part);
+    TRY(look_at_vertices(part));
+    TRY(keep_for_later_parts(part));
+    return look_at_ ? look_at_(part) : Result<void>();
   }
 
-  // Bytes of the component numbers of a vertex of a part: one here, one in Components and one in LinkedParts.
-  static constexpr std::uint64_t kNumberBytes = 3 * sizeof(std::uint32_t);
-
-  [[nodiscard]] std::span<const glm::uvec3> own_triangles() const {
-    return std::span(triangles_).subspan(shared_triangles_.size());
-  }
-
-  Result<void> sum_waiting(std::span<const glm::vec3> next) {
-    const std::span<const glm::uvec3> own = own_triangles();
-    const std::uint64_t bytes = PartVertices::bytes(own.size()) +
-                                (positions_.size() + next.size() + far_positions_.size()) * sizeof(glm::vec3) +
-                                Buckets<Corner>::bytes(3 * triangles_.size(), positions_.size());
-    const auto memory = TRY(context_.reserve(bytes, what_));
-    const PartVertices vertices(own, first_vertex_, shape_.far_vertices);
-    const auto more = TRY(context_.reserve(kNumberBytes * vertices.size(), what_));
-    const Components components(vertices.triangles(), vertices.size());
-    std::span<const std::uint32_t> numbers;
-    if (!own.empty()) numbers = parts_->of_part(part_++);
-    if (components.count() != numbers.size() || vertices.near() > positions_.size() + next.size()) {
-      return fail(ErrorCode::input, fmt::format("{}: the samples changed between two passes", name_),
-                  "wait until the program that writes the input has finished");
-    }
-    const auto component_of = [&](std::size_t number) {
-      const std::uint32_t component = components.of_vertex(number);
-      return component == Components::kNone ? Components::kNone : numbers[component];
-    };
-    add_sums(vertices, next, component_of);
-    look_at_vertices(vertices, component_of);
-    return carry_over(vertices, component_of);
-  }
-
-  template <class ComponentOf>
-  void add_sums(const PartVertices& vertices, std::span<const glm::vec3> next, const ComponentOf& component_of) {
-    Buffer<glm::vec3> positions(vertices.size());
-    for_each_range(positions.size(), kComponentChunk, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v != end; ++v) {
-        positions[v] = v < positions_.size() && v < vertices.near() ? positions_[v]
-                       : v < vertices.near()                        ? next[v - positions_.size()]
-                                                                    : far_positions_[v - vertices.near()];
-      }
-    });
-    const std::span<const glm::uvec3> triangles = vertices.triangles();
+  void add_sums(const LocalPart& part) {
+    const std::span<const glm::uvec3> triangles = part.triangles;
     const auto of = [&](const Piece& piece) { return triangles.subspan(piece.begin, piece.end - piece.begin); };
 
-    const auto ranges = split(first_triangle_, triangles.size(),
+    const auto ranges = split(part.first_triangle, triangles.size(),
                               [&](std::uint64_t t) { return *std::ranges::upper_bound(size_ends_, t); });
     std::vector<MeshSize> sizes(ranges.size());
     if (!sizes.empty()) sizes.front() = std::exchange(open_size_, {});
     for_each_index(ranges.size(), [&](std::size_t r) {
-      sizes[r] = with_sizes(sizes[r], std::as_const(positions).span(), of(ranges[r]), space_->apex);
+      sizes[r] = with_sizes(sizes[r], part.positions, of(ranges[r]), space_->apex);
     });
     for (std::size_t r = 0; r < ranges.size(); ++r) {
       if (ranges[r].is_last)
@@ -223,12 +169,13 @@ class PartwiseMeasures::State {
         open_size_ = sizes[r];
     }
 
-    const auto chunks = split(first_triangle_, triangles.size(),
+    const auto chunks = split(part.first_triangle, triangles.size(),
                               [](std::uint64_t t) { return (t / kComponentChunk + 1) * kComponentChunk; });
     std::vector<std::vector<ComponentSum>> sums(chunks.size());
     if (!sums.empty()) sums.front() = std::exchange(open_chunk_, {});
     for_each_index(chunks.size(), [&](std::size_t c) {
-      add_triangles(sums[c], std::as_const(positions).span(), of(chunks[c]), *space_, component_of);
+      add_triangles(sums[c], part.positions, of(chunks[c]), *space_,
+                    [&](std::uint32_t vertex) { return part.components[vertex]; });
     });
     for (std::size_t c = 0; c < chunks.size(); ++c) {
       if (chunks[c].is_last)
@@ -238,68 +185,64 @@ class PartwiseMeasures::State {
     }
   }
 
-  // Looks at the vertices of the waiting part, whose triangles are all in this part or in the part before it. Skips far
+  // Looks at the vertices of the part, whose triangles are all in this part or in the part before it. Skips far
   // vertices, because triangles of the cap use them too.
-  template <class ComponentOf>
-  void look_at_vertices(const PartVertices& vertices, const ComponentOf& component_of) {
-    const std::size_t count = positions_.size();
-    const std::vector<bool> is_far = far_marks(count);
-    const Buckets<Corner> corners(triangles_.size(), count, [&](std::size_t t, const auto& put) {
+  Result<void> look_at_vertices(const LocalPart& part) {
+    const std::size_t count = part.own_positions.size();
+    const std::vector<bool> is_far = far_marks(part, count);
+    std::vector<glm::uvec3> triangles;
+    const auto memory =
+        TRY(context_.reserve((shared_triangles_.size() + part.numbered.size()) * sizeof(glm::uvec3), what_));
+    triangles.reserve(shared_triangles_.size() + part.numbered.size());
+    triangles.insert(triangles.end(), shared_triangles_.begin(), shared_triangles_.end());
+    triangles.insert(triangles.end(), part.numbered.begin(), part.numbered.end());
+    const Buckets<Corner> corners(triangles.size(), count, [&](std::size_t t, const auto& put) {
       for (int c = 0; c < 3; ++c) {
-        const std::uint64_t place = triangles_[t][c] - first_vertex_;
+        const std::uint64_t place = triangles[t][c] - part.first_vertex;
         if (place < count && !is_far[place]) put(place, 3 * Corner{t} + static_cast<Corner>(c));
       }
     });
-    std::vector<std::uint32_t> numbers(count);
-    for (std::size_t v = 0; v < count; ++v) {
-      numbers[v] = v < vertices.near() ? component_of(v) : Components::kNone;
-      const std::uint64_t place = first_vertex_ + v - carried_from_;
-      if (numbers[v] == Components::kNone && place < carried_.size()) numbers[v] = carried_[place];
-    }
     for_each_range(count, kStarsTogether, [&](std::size_t begin, std::size_t end) {
       TopologyPart& star = stars_->local();
       for (std::size_t v = begin; v != end; ++v) {
         if (is_far[v]) continue;
-        look_at(star, static_cast<std::uint32_t>(first_vertex_ + v), numbers[v], corners.at(v), triangles_);
+        look_at(star, static_cast<std::uint32_t>(part.first_vertex + v), part.own_components[v], corners.at(v),
+                triangles);
       }
     });
     for (std::size_t v = 0; v < count; ++v) {
-      if (!is_far[v]) count_vertex(numbers[v]);
+      if (!is_far[v]) count_vertex(part.own_components[v]);
     }
+    return {};
   }
 
-  // Marks the far vertices among the `count` vertices that begin with the first vertex of the waiting part.
-  [[nodiscard]] std::vector<bool> far_marks(std::size_t count) const {
-    const std::vector<std::uint32_t>& far = shape_.far_vertices;
+  // Marks the far vertices among the `count` vertices that begin with the first vertex of the part.
+  static std::vector<bool> far_marks(const LocalPart& part, std::size_t count) {
     std::vector<bool> marks(count);
-    for (auto v = std::ranges::lower_bound(far, first_vertex_); v != far.end() && *v < first_vertex_ + count; ++v) {
-      marks[*v - first_vertex_] = true;
+    for (auto v = std::ranges::lower_bound(part.far, part.first_vertex);
+         v != part.far.end() && *v < part.first_vertex + count; ++v) {
+      marks[*v - part.first_vertex] = true;
     }
     return marks;
   }
 
-  // Keeps the triangles and component numbers of the waiting part that later parts need.
-  template <class ComponentOf>
-  Result<void> carry_over(const PartVertices& vertices, const ComponentOf& component_of) {
-    carried_from_ = first_vertex_;
-    carried_.resize(vertices.near());
-    for (std::size_t v = 0; v < carried_.size(); ++v) carried_[v] = component_of(v);
-    const std::vector<bool> is_far = far_marks(vertices.near());
+  // Keeps the triangles of the part that later parts need.
+  Result<void> keep_for_later_parts(const LocalPart& part) {
+    const std::vector<bool> is_far = far_marks(part, part.near);
     std::vector<glm::uvec3> shared;
     const std::size_t known = far_triangles_.size();
-    for (const glm::uvec3& t : own_triangles()) {
+    for (const glm::uvec3& t : part.numbered) {
       bool is_shared = false;
       bool has_far = false;
       for (int c = 0; c < 3; ++c) {
-        const bool is_near = t[c] >= first_vertex_;
-        is_shared = is_shared || (is_near && t[c] - first_vertex_ >= positions_.size());
-        has_far = has_far || !is_near || is_far[t[c] - first_vertex_];
+        const bool is_near = t[c] >= part.first_vertex;
+        is_shared = is_shared || (is_near && t[c] - part.first_vertex >= part.own_positions.size());
+        has_far = has_far || !is_near || is_far[t[c] - part.first_vertex];
       }
       if (is_shared) shared.push_back(t);
       if (has_far) far_triangles_.push_back(t);
     }
     shared_triangles_ = std::move(shared);
-    triangles_.clear();
     memory_.take(TRY(context_.reserve((far_triangles_.size() - known) * sizeof(glm::uvec3), what_)));
     return {};
   }
@@ -325,8 +268,8 @@ class PartwiseMeasures::State {
       }
     });
     for (std::size_t f = 0; f < far.size(); ++f) {
-      look_at(stars_->local(), far[f], parts_->of_far(f), corners.at(f), far_triangles_);
-      count_vertex(parts_->of_far(f));
+      look_at(stars_->local(), far[f], parts_.of_far(f), corners.at(f), far_triangles_);
+      count_vertex(parts_.of_far(f));
     }
     return {};
   }
@@ -353,13 +296,14 @@ class PartwiseMeasures::State {
                 static_cast<std::int64_t>(all.edges) + static_cast<std::int64_t>(triangles);
   }
 
-  std::string name_;
   std::string what_;  // starts messages about memory
   Context context_;
+  glm::dmat3 to_metric_;
+  LookAtPart look_at_;
   MeshShape shape_;
   bool is_summing_ = false;  // in the second pass
-  std::optional<LinkedParts> parts_;
-  std::size_t part_ = 0;  // in `parts_`, of the next part with triangles
+  PartwiseComponents parts_;
+  PartwiseComponents::Visit sum_ = [this](const LocalPart& part) { return sum(part); };
 
   std::vector<std::uint64_t> size_ends_;  // of the ranges of reduce_ranges()
   std::vector<MeshSize> sizes_;           // of completed ranges
@@ -370,27 +314,19 @@ class PartwiseMeasures::State {
   GrowingBounds bounds_;
   std::optional<SumSpace> space_;
 
-  Reservation memory_;  // for these:
+  Reservation star_memory_;  // for this:
   std::optional<tbb::enumerable_thread_specific<TopologyPart>> stars_;
-  std::vector<glm::vec3> far_positions_;
-  std::vector<glm::uvec3> far_triangles_;  // triangles with far vertices
-
-  // The part that waits for the vertices of the next one.
-  Reservation waiting_memory_;
-  std::uint64_t first_vertex_ = 0;
-  std::uint64_t first_triangle_ = 0;
-  std::vector<glm::vec3> positions_;
-  std::vector<glm::uvec3> triangles_;  // `shared_triangles_` and the waiting part's triangles
-  // Data of the part before the waiting part: its triangles with vertices of the waiting part, and the components of
-  // its vertices from carried_from_ on.
-  std::vector<glm::uvec3> shared_triangles_;
-  std::uint64_t carried_from_ = 0;
-  std::vector<std::uint32_t> carried_;
+  Reservation memory_;                        // for the far vertices and these:
+  std::vector<glm::uvec3> far_triangles_;     // triangles with far vertices
+  std::vector<glm::uvec3> shared_triangles_;  // of the last part, with vertices of the next part
 };
 
-PartwiseMeasures::PartwiseMeasures(const std::string& name, const Context& context)
-    : state_(std::make_unique<State>(name, context)) {}
+PartwiseMeasures::PartwiseMeasures(const std::string& name, const Context& context, const glm::dmat3& to_metric,
+                                   LookAtPart look_at)
+    : state_(std::make_unique<State>(name, context, to_metric, std::move(look_at))) {}
 PartwiseMeasures::~PartwiseMeasures() = default;
+
+PartwiseComponents& PartwiseMeasures::components() { return state_->components(); }
 
 Result<bool> PartwiseMeasures::begin(const MeshShape& shape) {
   return guarded(state_->what(), [&]() -> Result<bool> {

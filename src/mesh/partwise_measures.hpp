@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,13 +14,19 @@
 #include "base/error.hpp"
 #include "mesh/mesh_measures.hpp"
 #include "mesh/mesh_sink.hpp"
+#include "mesh/partwise_components.hpp"
 
 namespace isoextract::mesh {
 
 class PartwiseMeasures final : public MeshSink {
  public:
-  // `name` is the name of the mesh, for messages.
-  PartwiseMeasures(const std::string& name, const Context& context);
+  // Gets each part in the second pass, after it was measured.
+  using LookAtPart = std::function<Result<void>(const LocalPart& part)>;
+
+  // `name` is the name of the mesh, for messages. Areas and volumes of components are in the space that `to_metric`
+  // maps to; those of the whole mesh are not.
+  PartwiseMeasures(const std::string& name, const Context& context, const glm::dmat3& to_metric = glm::dmat3(1.0),
+                   LookAtPart look_at = {});
   ~PartwiseMeasures() override;
 
   Result<bool> begin(const MeshShape& shape) override;
@@ -30,6 +37,8 @@ class PartwiseMeasures final : public MeshSink {
   Result<void> take(const MeshPart& part) override;
   // Call once, after the last part.
   [[nodiscard]] Result<MeshMeasures> finish();
+  // Returns the components, for passes after finish().
+  [[nodiscard]] PartwiseComponents& components();
 
  private:
   class State;

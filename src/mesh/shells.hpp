@@ -7,13 +7,15 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "mesh/components.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/partwise_components.hpp"
 
 namespace isoextract::mesh {
 
@@ -44,5 +46,35 @@ struct ShellQuery {
 [[nodiscard]] Result<std::vector<Surroundings>> find_enclosing_shells(const Mesh& mesh, const Components& components,
                                                                       const ShellQuery& question,
                                                                       const Context& context);
+
+// Does the same for a mesh that comes in parts. look_at() gets each part first; then each step gets each part, in
+// order.
+class PartwiseShells {
+ public:
+  enum class Step { shoot, move_starts, done };
+
+  // `name` is the name of the mesh, for messages.
+  PartwiseShells(const std::string& name, const Context& context);
+  ~PartwiseShells();
+
+  // Makes memory for the components. Fails with ErrorCode::out_of_memory.
+  [[nodiscard]] Result<void> begin(std::uint32_t components);
+  void look_at(const LocalPart& part);
+  // Returns mesh::float32_resolution() of all positions.
+  [[nodiscard]] double resolution() const;
+
+  // Return the next step, for which take() gets each part; Step::done if the surroundings are found. begin_steps()
+  // fails with ErrorCode::out_of_memory.
+  [[nodiscard]] Result<Step> begin_steps(ShellQuery question);
+  [[nodiscard]] Step end_step();
+  void take(const LocalPart& part);
+
+  // Returns the surroundings. Call once, after Step::done. Fails with ErrorCode::cancelled.
+  [[nodiscard]] Result<std::vector<Surroundings>> finish();
+
+ private:
+  class Rays;
+  std::unique_ptr<Rays> rays_;
+};
 
 }  // namespace isoextract::mesh

@@ -63,6 +63,40 @@ class PartwiseTest(ProgramTest):
                 ("--smooth", 3), ("--threads", 1), ("--scale", 1e-3))
         return [(*gyroid, *options) for options in more] + [("demo:sphere?size=20", "--iso", 0)]
 
+    def test_bodies_are_selected_by_parts_if_memory_does_not_hold_the_mesh(self):
+        """Of noise: thousands of components, cavities, and one body through all parts. Nothing else may differ."""
+        size, noise = 72, random.Random(5)
+        samples = [noise.random() for _ in range(size**3)]
+        for step in (1, size, size * size):  # means of neighbors
+            samples = [(a + b) / 2 for a, b in zip(samples, samples[step:] + samples[:step])]
+        (self.folder / "a.raw").write_bytes(struct.pack(f"<{size**3}f", *samples))
+        raw = ("a.raw", "--dims", f"{size},{size},{size}", "--dtype", "f32", "--report", "r.json")
+        cavities = 0
+        for iso, *options in ((0.54, "--largest"), (0.45, "--largest", 2), (0.5, "--drop-components", 40),
+                              (0.5, "--drop-components", "area:30"), (0.45, "--drop-components", "volume:2world"),
+                              (0.4, "--fill-cavities"), (0.42, "--drop-components", 9, "--cap", "--largest", 1),
+                              (0.5, "--method", "mt", "--largest"), (0.5, "--drop-components", 3, "--threads", 1),
+                              (0.5, "--drop-components", 1)):
+            limit = ("--memory-limit", "48M" if "mt" in options else "24M" if iso >= 0.45 else "16M")
+            for name, *form in (*PLACED, *ORDERED) if iso == 0.54 else PLACED[:1] if iso == 0.5 else ORDERED[:2]:
+                with self.subTest(iso=iso, options=options, name=name, form=form):
+                    arguments = (*raw, "--iso", iso, *options, *form, *(() if name == "a.stl" else ("--normals", "none")))
+                    parts, whole = (self.selected(name, *arguments, *given) for given in (limit, WHOLE))
+                    self.assertEqual((parts.pop("by_parts"), whole.pop("by_parts")), (True, False))
+                    self.assertTrue(parts.pop("bytes") == whole.pop("bytes"))
+                    self.assertEqual(parts, whole)
+                    cavities += parts["pieces"]["after"]["components"] > parts["pieces"]["after"]["bodies"]
+        self.assertGreater(cavities, 5)
+
+    def selected(self, name, *arguments):
+        """All that a conversion makes and tells of the bodies."""
+        run = self.convert(*arguments, "-v", "-o", name)
+        report = json.loads((self.folder / "r.json").read_text())
+        (pieces,) = report["pieces"]
+        return {"bytes": (self.folder / name).read_bytes(), "by_parts": "extracted and written" in run.err,
+                "meshes": report["meshes"], "pieces": {key: pieces[key] for key in ("before", "after", "without_volume")},
+                "notes": [note["id"] for note in report["notes"]]}
+
     def test_coordinates_far_from_the_origin(self):
         """Vertices then have an origin of their own, or are doubles."""
         self.write_raw("a.raw", (40, 40, 40), lambda x, y, z: (x * 7 + y * 5 + z * 3) % 11)

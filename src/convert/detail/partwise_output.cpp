@@ -2,6 +2,7 @@
 
 #include <variant>
 
+#include "convert/mesh_pieces.hpp"
 #include "convert/stages/mesh_require.hpp"
 #include "convert/stages/vertex_colors.hpp"
 #include "extract/edge_geometry.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
   const SurfaceEdits& edits = job.edits;
-  const bool edits_mesh = edits.pieces.drops() || edits.pieces.split || edits.smooth || edits.hollow || edits.simplify;
+  const bool edits_mesh = edits.pieces.split || edits.smooth || edits.hollow || edits.simplify;
   const bool examines_mesh = job.verify || job.error || !tests_by_parts(edits.require);
   const bool has_attributes = !job.source.attributes.empty() || (job.color && job.color->attribute);
   const auto* file = job.writes<MeshFileOptions>();
@@ -71,24 +72,36 @@ void add_partwise_hint(Error& error) {
 Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {
   if (needs_.distinct_positions && !shape.distinct_positions) return false;
   if (needs_.near_vertices && !shape.uses_near_vertices) return false;
-  const bool takes = TRY(writer_.begin_parts(hooks_.head(shape), shape, ranks()));
-  if (!takes || measuring_ == nullptr) return takes;
-  measuring_passes_ = measuring_->passes().size();
-  return measuring_->begin(shape);
+  if (bodies_ == nullptr) return begin_rest(shape);
+  if (edit::whole_selection_bytes(shape.vertices, shape.triangles, shape.has_normals) <= memory_.left()) return false;
+  TRY(bodies_->begin(shape));
+  passes_ = bodies_->passes();
+  selecting_end_ = passes_.size();
+  return true;
 }
 
-std::vector<mesh::PartPass> PartwiseOutput::passes() const {
-  std::vector<mesh::PartPass> all = writer_.part_passes();
-  if (measuring_ == nullptr) return all;
-  const std::vector<mesh::PartPass> first = measuring_->passes();
-  all.insert(all.begin(), first.begin(), first.end());
-  return all;
+Result<bool> PartwiseOutput::begin_rest(const mesh::MeshShape& shape) {
+  selecting_end_ = measuring_end_ = passes_.size();
+  const bool takes = TRY(writer_.begin_parts(hooks_.head(shape), shape, ranks()));
+  if (!takes) return false;
+  const auto add = [&](const std::vector<mesh::PartPass>& more) {
+    passes_.insert(passes_.end(), more.begin(), more.end());
+  };
+  if (measuring_ != nullptr) {
+    add(measuring_->passes());
+    measuring_end_ = passes_.size();
+    TRY(measuring_->begin(shape));
+  }
+  add(writer_.part_passes());
+  return true;
 }
 
 Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
-  if (pass < measuring_passes_) {
-    if (pass == 0) watch_.restart();
-    return measuring_->begin_pass(pass);
+  pass_ = pass;
+  if (pass < selecting_end_) return bodies_->begin_pass(pass);
+  if (pass < measuring_end_) {
+    if (pass == selecting_end_) watch_.restart();
+    return measuring_->begin_pass(pass - selecting_end_);
   }
   if (measuring_ != nullptr) {
     measures_ = TRY(measuring_->finish());
@@ -96,7 +109,26 @@ Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
     measuring_time_ = watch_.elapsed();
     TRY(hooks_.accept(*measures_));
   }
-  return writer_.begin_pass(pass - measuring_passes_);
+  return writer_.begin_pass(pass - measuring_end_);
+}
+
+Result<void> PartwiseOutput::take(const mesh::MeshPart& part) {
+  if (bodies_ == nullptr) return take_rest(part);
+  if (pass_ < selecting_end_) return bodies_->take(part);
+  return bodies_->keep(part, [this](const mesh::MeshPart& kept) { return take_rest(kept); });
+}
+
+Result<void> PartwiseOutput::end_pass() {
+  if (pass_ >= selecting_end_) return {};
+  TRY(bodies_->end_pass());
+  passes_ = bodies_->passes();
+  const bool goes_on = passes_.size() > selecting_end_;
+  selecting_end_ = passes_.size();
+  if (goes_on || pass_ + 1 < selecting_end_) return {};
+  const mesh::MeshShape& shape = bodies_->kept_shape();
+  has_declined_ = shape.triangles == 0 || !TRY(begin_rest(shape));
+  if (has_declined_) bodies_.reset();  // its memory is needed for the whole mesh
+  return {};
 }
 
 std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const SurfaceId& id,
@@ -117,9 +149,16 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
     measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context);
     ranks = nullptr;
   }
-  const PartwiseOutput::Needs needs{needs_distinct_positions(job), measures != nullptr || needs_triangle_corners(job)};
+  std::unique_ptr<edit::PartwiseBodies> bodies;
+  if (job.edits.pieces.drops()) {
+    bodies = std::make_unique<edit::PartwiseBodies>(stage.source.field.name,
+                                                    body_selection(job.edits.pieces, stage.source), stage.context);
+    ranks = nullptr;
+  }
+  const PartwiseOutput::Needs needs{needs_distinct_positions(job),
+                                    measures != nullptr || bodies != nullptr || needs_triangle_corners(job)};
   return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks, needs,
-                                          std::move(measures));
+                                          std::move(bodies), std::move(measures), stage.context.memory());
 }
 
 std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,

@@ -15,6 +15,7 @@
 #include "convert/conversion_job.hpp"
 #include "convert/source.hpp"
 #include "convert/stages/surface_stages.hpp"
+#include "edit/partwise_bodies.hpp"
 #include "mesh/mesh_sink.hpp"
 #include "mesh/partwise_measures.hpp"
 #include "mesh_io/mesh_writer.hpp"
@@ -34,19 +35,33 @@ class PartwiseOutput final : public mesh::MeshSink {
     bool distinct_positions = false;  // no two vertices may have equal positions
     bool near_vertices = false;       // MeshShape::uses_near_vertices
   };
-  // The writer must outlive this object. `measures` measures the mesh in passes of its own; null: no measuring. If set,
-  // `ranks` must be null.
+  // The writer must outlive this object. `bodies` selects those that are written, and `measures` measures the mesh, in
+  // passes of their own; null: all bodies, no measuring. If one of them is set, `ranks` must be null. With `bodies`,
+  // the output declines meshes that `memory` holds as a whole: select_bodies() is faster.
   PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs,
-                 std::unique_ptr<mesh::PartwiseMeasures> measures)
-      : writer_(writer), hooks_(std::move(hooks)), ranks_(ranks), needs_(needs), measuring_(std::move(measures)) {}
+                 std::unique_ptr<edit::PartwiseBodies> bodies, std::unique_ptr<mesh::PartwiseMeasures> measures,
+                 const MemoryBudget& memory)
+      : writer_(writer),
+        hooks_(std::move(hooks)),
+        ranks_(ranks),
+        needs_(needs),
+        bodies_(std::move(bodies)),
+        measuring_(std::move(measures)),
+        memory_(memory) {}
 
   [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
   Result<bool> begin(const mesh::MeshShape& shape) override;
-  [[nodiscard]] std::vector<mesh::PartPass> passes() const override;
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override { return passes_; }
   Result<void> begin_pass(std::size_t pass) override;
-  Result<void> take(const mesh::MeshPart& part) override {
-    return measuring_ != nullptr ? measuring_->take(part) : writer_.take_part(part);
+  Result<void> take(const mesh::MeshPart& part) override;
+  Result<void> end_pass() override;
+  [[nodiscard]] bool has_declined() const override { return has_declined_; }
+
+  // With `bodies`: returns their figures, and the shape of the mesh that was written.
+  [[nodiscard]] edit::BodyFigures bodies() const {
+    return bodies_ != nullptr ? bodies_->figures() : edit::BodyFigures();
   }
+  [[nodiscard]] const mesh::MeshShape& kept_shape() const { return bodies_->kept_shape(); }
 
   // Returns the measures of the mesh; nothing without `measures`, or if no mesh was taken.
   [[nodiscard]] std::optional<mesh::MeshMeasures> take_measures() { return std::exchange(measures_, std::nullopt); }
@@ -54,12 +69,25 @@ class PartwiseOutput final : public mesh::MeshSink {
   [[nodiscard]] const StageTime& measuring_time() const { return measuring_time_; }
 
  private:
+  // Begins the passes after the selection of bodies. Returns false if the output declines the mesh.
+  Result<bool> begin_rest(const mesh::MeshShape& shape);
+  Result<void> take_rest(const mesh::MeshPart& part) {
+    return measuring_ != nullptr ? measuring_->take(part) : writer_.take_part(part);
+  }
+
   mesh_io::MeshWriter& writer_;
   Hooks hooks_;
   Ranks* ranks_;
   Needs needs_;
+  std::unique_ptr<edit::PartwiseBodies> bodies_;
   std::unique_ptr<mesh::PartwiseMeasures> measuring_;  // until it has seen all parts
-  std::size_t measuring_passes_ = 0;
+  MemoryBudget memory_;
+  std::vector<mesh::PartPass> passes_;
+  // The ends of the passes that select bodies, once they are known, and of those that measure.
+  std::size_t selecting_end_ = 0;
+  std::size_t measuring_end_ = 0;
+  std::size_t pass_ = 0;
+  bool has_declined_ = false;
   std::optional<mesh::MeshMeasures> measures_;
   Stopwatch watch_;
   StageTime measuring_time_;
@@ -71,7 +99,8 @@ class PartwiseOutput final : public mesh::MeshSink {
 
 // Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
 // May wrongly return true in three cases known only later: a GLB with few vertices, and smooth normals with NaN
-// samples. The third is a sparse field whose surface leaves the stored blocks, if the output needs near vertices.
+// samples. The third is a sparse field whose surface leaves the stored blocks, if the output needs near vertices. If
+// the job selects bodies, the surface goes by parts only if memory does not hold edit::whole_selection_bytes().
 [[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
 
 // Adds to the hint of an ErrorCode::out_of_memory which formats take a mesh in parts. Leaves other errors unchanged.

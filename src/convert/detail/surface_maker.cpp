@@ -65,7 +65,10 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   if (surface.taken) {
     surface.measures = maker.sink->take_measures();
     surface.measuring_time = maker.sink->measuring_time();
-    stats.emit += {-surface.measuring_time.wall_seconds, -surface.measuring_time.cpu_seconds};
+    surface.bodies = maker.sink->bodies();
+    for (const StageTime& other : {surface.measuring_time, surface.bodies.time}) {
+      stats.emit += {-other.wall_seconds, -other.cpu_seconds};
+    }
   }
   if (const auto* found = maker.labels != nullptr ? maker.labels->find(asked.id.label()) : nullptr) {
     const double voxel = std::abs(glm::determinant(source.output_from_index.linear));
@@ -76,6 +79,7 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
   if (stats.device) made.bytes_uploaded = stats.device->bytes_uploaded;
   made.events.end(extraction_report(stats, options, surface, stage, watch.elapsed()));
+  if (surface.taken && maker.job.edits.pieces.drops()) surface.taken = maker.sink->kept_shape();
   if (maker.other != nullptr) {
     const auto record = TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method),
                                              surface.mesh, *maker.extractor, *maker.other, maker.context));
