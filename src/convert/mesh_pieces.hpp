@@ -23,7 +23,7 @@ struct Source;
 [[nodiscard]] Result<edit::OriginalPositions> voxel_sites(const mesh::Mesh& mesh, const Source& source,
                                                           const SurfaceOptions& surface, const Context& context);
 
-// Returns which bodies the job keeps.
+// Makes the selection of the bodies that the job keeps.
 [[nodiscard]] edit::BodySelection body_selection(const PieceChoice& choice, const Source& source);
 
 // Splits the mesh into its bodies, named `NAME piece 1` and so on. An empty mesh gives one empty mesh, or none if

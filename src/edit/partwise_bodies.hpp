@@ -33,8 +33,9 @@ class PartwiseBodies {
   PartwiseBodies(const std::string& name, const BodySelection& options, const Context& context);
   ~PartwiseBodies();
 
-  // As the functions of mesh::MeshSink; they fail as select_bodies() does, and with ErrorCode::input if a pass brings
-  // another mesh than the first one. end_pass() may add passes.
+  // Prepares the selection. This and the next functions are used like those of mesh::MeshSink. They fail as
+  // select_bodies() does, and with ErrorCode::input if a pass brings another mesh than the first one. end_pass() may
+  // add passes.
   [[nodiscard]] Result<void> begin(const mesh::MeshShape& shape);
   [[nodiscard]] const std::vector<mesh::PartPass>& passes() const;
   [[nodiscard]] Result<void> begin_pass(std::size_t pass);

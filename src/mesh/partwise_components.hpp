@@ -22,7 +22,7 @@ namespace isoextract::mesh {
 // the next part that the triangles use, then, if the part is a cap, all far vertices (MeshShape::far_vertices).
 struct LocalPart {
   std::uint64_t first_vertex = 0;               // of the part, in the whole mesh
-  std::uint64_t first_triangle = 0;             // likewise
+  std::uint64_t first_triangle = 0;             // in the whole mesh, too
   std::size_t near = 0;                         // local numbers below this are vertices of the part or of the next one
   std::span<const glm::uvec3> triangles{};      // local numbers
   std::span<const glm::uvec3> numbered{};       // the same triangles, with vertex numbers of the whole mesh

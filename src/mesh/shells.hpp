@@ -63,8 +63,8 @@ class PartwiseShells {
   // Returns mesh::float32_resolution() of all positions.
   [[nodiscard]] double resolution() const;
 
-  // Return the next step, for which take() gets each part; Step::done if the surroundings are found. begin_steps()
-  // fails with ErrorCode::out_of_memory.
+  // Starts the steps. Returns the first one, as end_step() returns the next: take() gets each part for it. Step::done:
+  // the surroundings are found. Fails with ErrorCode::out_of_memory.
   [[nodiscard]] Result<Step> begin_steps(ShellQuery question);
   [[nodiscard]] Step end_step();
   void take(const LocalPart& part);

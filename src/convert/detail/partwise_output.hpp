@@ -57,7 +57,8 @@ class PartwiseOutput final : public mesh::MeshSink {
   Result<void> end_pass() override;
   [[nodiscard]] bool has_declined() const override { return has_declined_; }
 
-  // With `bodies`: returns their figures, and the shape of the mesh that was written.
+  // Returns the figures of the selected bodies; kept_shape() returns the shape of the mesh that was written. Both only
+  // with `bodies`.
   [[nodiscard]] edit::BodyFigures bodies() const {
     return bodies_ != nullptr ? bodies_->figures() : edit::BodyFigures();
   }
