@@ -168,7 +168,7 @@ template <class Length, class Load>
 Result<field::DenseSamples> read_lengths(const files::InputFile& file, const DenseFile& dense, const Load& load,
                                          Notes& notes) {
   auto store =
-      TRY(SampleStore::make(file.name() + ": lengths", dense.dims, field::sample_type_of<Length>(), file.context()));
+      TRY(SampleStore::make(file.name(), dense.dims, field::sample_type_of<Length>(), file.context(), "lengths of "));
   for (std::uint64_t c = 0; c < dense.components; ++c) {
     const Result<field::DenseSamples> component = load(c);
     if (!component) return component;

@@ -23,8 +23,8 @@ int layers_at_once(std::uint64_t layer_bytes, int layers, const Context& context
 }
 
 Result<SampleStore> SampleStore::make(const std::string& source, const glm::ivec3& dims, field::SampleType type,
-                                      const Context& context) {
-  const std::string what = fmt::format("{}: {}", source, describe_samples(dims, type));
+                                      const Context& context, const std::string& kind) {
+  const std::string what = fmt::format("{}: {}{}", source, kind, describe_samples(dims, type));
   const std::uint64_t bytes = sample_bytes(dims, type);
   auto reserved = context.reserve(bytes, what);
   if (reserved) {

@@ -29,10 +29,12 @@ inline constexpr std::uint64_t kLeastInFile = std::uint64_t{64} << 20U;  // byte
 
 class SampleStore {
  public:
-  // Makes a store for samples of that type and size; `source` names the input for messages. Fails as
+  // Makes a store for samples of that type and size. For messages, `source` names the input, and `kind` is empty or
+  // tells what the samples are: "lengths of ". Fails as
   // Context::reserve(), with what is needed for a temporary file as a hint. May throw std::bad_alloc.
   [[nodiscard]] static Result<SampleStore> make(const std::string& source, const glm::ivec3& dims,
-                                                field::SampleType type, const Context& context);
+                                                field::SampleType type, const Context& context,
+                                                const std::string& kind = {});
   // Makes a store in a temporary file. Fails with `refusal`, the error of memory, and the hint above; also if the
   // samples have less than kLeastInFile bytes.
   [[nodiscard]] static Result<SampleStore> make_in_file(const glm::ivec3& dims, field::SampleType type, Error refusal);
