@@ -141,6 +141,8 @@ class ChildTest(ProgramTest):
         run = self.run_hostile("allocate", "--memory-limit", "64M")
         self.assert_fails(2, run, "a.hostile: ", "memory", "--memory-limit")
         self.assert_nothing_left("a.hostile")
+        # A temporary file would hold the samples, if there were a disk for it.
+        self.environment["TMPDIR"] = "/dev/shm"
         self.assert_fails(2, self.run_hostile("huge", "--memory-limit", "64M"), "2000x2000x2000", "--memory-limit")
         self.assert_fails(2, self.run_hostile("greed", "--memory-limit", "64M"), "a.hostile: ", "--memory-limit")
 
