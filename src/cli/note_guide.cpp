@@ -156,7 +156,6 @@ constexpr std::array kGuide{
               "The file says that the box of the simulation is periodic along some axes. Along these, particles near a "
               "face also count at the opposite face, and the mesh ends at both faces.",
               "Give --periodic none to treat the particles as they are."},
-
     NoteGuide{region_at_samples,
               "The surface does not end at the faces of --roi but at samples near them, because of --roi-snap, labels, "
               "voxels or surface nets. Or the axes of the samples are oblique to --roi: the program then extracts all "

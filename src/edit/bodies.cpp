@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <memory>
-#include <new>
 #include <numeric>
 #include <string>
 #include <string_view>
@@ -13,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "base/allocation_error.hpp"
 #include "edit/detail/body_choice.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/component_facts.hpp"

@@ -6,8 +6,6 @@
 #include <span>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "edit/detail/body_choice.hpp"
@@ -58,7 +56,7 @@ class PartwiseBodies::State {
   }
 
   Result<void> begin_pass(std::size_t pass) {
-    if (pass >= kMeasuring) return {};
+    if (visit_) return {};
     TRY(measuring_.begin_pass(pass));
     return pass == 0 ? Result<void>() : shells_.begin(measuring_.components().count());
   }
@@ -90,15 +88,15 @@ class PartwiseBodies::State {
     std::uint64_t first_triangle = 0;
     if (!part.triangles.empty()) {
       const auto known = std::ranges::lower_bound(triangles_, part.first_triangle, {}, &KeptTriangles::first);
-      if (known == triangles_.end() || known->first != part.first_triangle) return changed();
+      if (known == triangles_.end() || known->first != part.first_triangle) return mesh::changed_between_passes(name_);
       first_triangle = known->kept_first;
       triangles.reserve(known->kept);
       for (const glm::uvec3& t : part.triangles) {
         if (mesh::has_repeated_index(t) || !vertices_.is_kept(t.x)) continue;
-        if (triangles.size() == known->kept) return changed();
+        if (triangles.size() == known->kept) return mesh::changed_between_passes(name_);
         triangles.emplace_back(vertices_.number(t.x), vertices_.number(t.y), vertices_.number(t.z));
       }
-      if (triangles.size() != known->kept) return changed();
+      if (triangles.size() != known->kept) return mesh::changed_between_passes(name_);
     }
     if (positions.empty() && normals.empty() && triangles.empty()) return {};
     return take({vertices_.number(part.first_vertex), positions, normals, first_triangle, triangles});
@@ -106,7 +104,6 @@ class PartwiseBodies::State {
 
  private:
   enum class Stage { linking, measuring, nesting, marking };
-  static constexpr std::size_t kMeasuring = 2;  // passes of measuring_
 
   [[nodiscard]] bool is_filtered() const {
     return choice_.figures.after.components < choice_.figures.before.components;
@@ -141,6 +138,7 @@ class PartwiseBodies::State {
     if (!is_filtered()) return end_choosing();
     memory_.take(TRY(context_.reserve(KeptVertices::bytes(shape_.vertices), what_)));
     vertices_ = KeptVertices(shape_.vertices);
+    kept_shape_.triangles = 0;
     stage_ = Stage::marking;
     visit_ = [this](const mesh::LocalPart& part) { return mark(part); };
     passes_.push_back(kWhole);
@@ -164,19 +162,18 @@ class PartwiseBodies::State {
       kept += static_cast<std::uint64_t>(std::ranges::count_if(part.triangles.subspan(begin, end - begin), remains));
     });
     memory_.take(TRY(context_.reserve(sizeof(KeptTriangles), what_)));
-    triangles_.push_back({part.first_triangle, kept_triangles_, kept});
-    kept_triangles_ += kept;
+    triangles_.push_back({part.first_triangle, kept_shape_.triangles, kept});
+    kept_shape_.triangles += kept;
     return {};
   }
 
   Result<void> end_marking() {
     kept_shape_.vertices = vertices_.count();
-    kept_shape_.triangles = kept_triangles_;
     std::vector<std::uint32_t>& far = kept_shape_.far_vertices;
     std::erase_if(far, [&](std::uint32_t v) { return !vertices_.is_kept(v); });
     for (std::uint32_t& v : far) v = vertices_.number(v);
     visit_ = nullptr;
-    if (kept_shape_.triangles != choice_.figures.after.triangles) return changed();
+    if (kept_shape_.triangles != choice_.figures.after.triangles) return mesh::changed_between_passes(name_);
     return end_choosing();
   }
 
@@ -184,11 +181,6 @@ class PartwiseBodies::State {
     choice_.figures.time = watch_.elapsed();
     measures_ = {};
     return {};
-  }
-
-  [[nodiscard]] tl::unexpected<Error> changed() const {
-    return fail(ErrorCode::input, fmt::format("{}: the samples changed between two passes", name_),
-                "wait until the program that writes the input has finished");
   }
 
   [[nodiscard]] std::vector<glm::vec3> kept_of(std::span<const glm::vec3> values, std::uint64_t first) const {
@@ -217,7 +209,6 @@ class PartwiseBodies::State {
   BodyChoice choice_;
   KeptVertices vertices_;
   std::vector<KeptTriangles> triangles_;  // of each part with triangles
-  std::uint64_t kept_triangles_ = 0;
   mesh::MeshShape kept_shape_;
 };
 

@@ -22,6 +22,11 @@ constexpr std::uint64_t kNumberBytes = 3 * sizeof(std::uint32_t);
 
 }  // namespace
 
+tl::unexpected<Error> changed_between_passes(const std::string& name) {
+  return fail(ErrorCode::input, fmt::format("{}: the samples changed between two passes", name),
+              "wait until the program that writes the input has finished");
+}
+
 class PartwiseComponents::State {
  public:
   State(std::string name, std::string what, const Context& context)
@@ -99,8 +104,7 @@ class PartwiseComponents::State {
       std::span<const std::uint32_t> numbers;
       if (!triangles_.empty()) numbers = parts_->of_part(part_++);
       if (components.count() != numbers.size() || vertices.near() > positions_.size() + next.size()) {
-        return fail(ErrorCode::input, fmt::format("{}: the samples changed between two passes", name_),
-                    "wait until the program that writes the input has finished");
+        return changed_between_passes(name_);
       }
       for_each_range(of_vertex.size(), kNumbersTogether, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v != end; ++v) {

@@ -38,6 +38,9 @@ struct LocalPart {
   }
 };
 
+// Returns the error of a mesh that differs from that of an earlier pass. `name` is its name.
+[[nodiscard]] tl::unexpected<Error> changed_between_passes(const std::string& name);
+
 class PartwiseComponents {
  public:
   // Gets a part. The spans are valid only during the call.

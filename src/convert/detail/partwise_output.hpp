@@ -57,11 +57,11 @@ class PartwiseOutput final : public mesh::MeshSink {
   Result<void> end_pass() override;
   [[nodiscard]] bool has_declined() const override { return has_declined_; }
 
-  // Returns the figures of the selected bodies; kept_shape() returns the shape of the mesh that was written. Both only
-  // with `bodies`.
+  // Returns the figures of the selected bodies; zeros without `bodies`.
   [[nodiscard]] edit::BodyFigures bodies() const {
     return bodies_ != nullptr ? bodies_->figures() : edit::BodyFigures();
   }
+  // Returns the shape of the mesh that was written. Call only with `bodies`.
   [[nodiscard]] const mesh::MeshShape& kept_shape() const { return bodies_->kept_shape(); }
 
   // Returns the measures of the mesh; nothing without `measures`, or if no mesh was taken.

@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 #include "volume_io/detail/label_ids.hpp"
@@ -66,8 +65,7 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, SampleS
       "subtract a common offset from the values, or divide them; renumber the ids of a label map");
 }
 
-Result<SamplesRead> read_into(SampleStore& store, const DenseFile& dense, const SampleSource& source,
-                              const Context& context) {
+Result<bool> read_into(SampleStore& store, const DenseFile& dense, const SampleSource& source, const Context& context) {
   return dense.x_slowest ? read_samples_transposed(source, dense.dims, store, context)
                          : read_samples(source, store, context);
 }
@@ -85,8 +83,8 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
     }
   }
   auto store = TRY(SampleStore::make(file.name(), dense.dims, dense.type, context));
-  const auto read = TRY(read_into(store, dense, source, context));
-  if (read.has_trailing_data && last && source.pieces.back().gzip)
+  const bool has_trailing_data = TRY(read_into(store, dense, source, context));
+  if (has_trailing_data && last && source.pieces.back().gzip)
     notes.push_back({NoteId::extra_bytes, "the reader skips the bytes after the samples"});
   if (dense.wide != Integer64::none) {
     TRY(dense.wide == Integer64::i64 ? widen<std::int64_t>(file, dense.dims, store, no_data)
@@ -159,7 +157,7 @@ void add_to_lengths(const field::DenseSamples& samples, const T* component, bool
       lengths[i] = static_cast<Length>(length);
     }
     store.leave(std::as_bytes(lengths.subspan(begin, end - begin)));
-    if (samples.file_backed) release_pages(component + begin, (end - begin) * sizeof(T));
+    samples.leave(begin, end);
   });
 }
 

@@ -281,9 +281,9 @@ std::optional<files::MappedFile> map_samples(const SampleSource& source, const C
   return mapped;
 }
 
-Result<SamplesRead> read_samples(const SampleSource& source, SampleStore& store, const Context& context) {
+Result<bool> read_samples(const SampleSource& source, SampleStore& store, const Context& context) {
   context.progress().begin("reading", source.bytes);
-  SamplesRead result;
+  bool has_trailing_data = false;
   const auto leave = [&](std::span<const std::byte> part) { store.leave(part); };
   const auto piece_bytes = static_cast<std::size_t>(source.piece_bytes());
   for (std::size_t i = 0; i < source.pieces.size(); ++i) {
@@ -294,12 +294,12 @@ Result<SamplesRead> read_samples(const SampleSource& source, SampleStore& store,
       auto packed = TRY(PackedSamples::open(file, piece, source, out.size()));
       TRY(packed.fill(out, context, leave));
       const auto more = TRY(packed.more());
-      result.has_trailing_data |= more;
+      has_trailing_data |= more;
     } else {
       TRY(read_range(file, piece, 0, out, source, context, leave));
     }
   }
-  return result;
+  return has_trailing_data;
 }
 
 namespace {
@@ -308,6 +308,7 @@ namespace {
 constexpr int kSlab = 16;
 
 const auto leave_nothing = [](std::span<const std::byte> /*part*/) {};
+
 // Leaves each layer of the store, for which the reads from the slab are in the order of z: 64 layers at a time.
 template <class T>
 void transpose_slab(const T* slab, const glm::ivec3& dims, int x_begin, int x_count, SampleStore& store) {
@@ -330,8 +331,8 @@ void transpose_slab(const T* slab, const glm::ivec3& dims, int x_begin, int x_co
 
 }  // namespace
 
-Result<SamplesRead> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims, SampleStore& store,
-                                            const Context& context) {
+Result<bool> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims, SampleStore& store,
+                                     const Context& context) {
   context.progress().begin("reading", source.bytes);
   const std::uint64_t plane_bytes =
       static_cast<std::uint64_t>(dims.y) * static_cast<std::uint64_t>(dims.z) * source.sample_size;
@@ -364,9 +365,7 @@ Result<SamplesRead> read_samples_transposed(const SampleSource& source, const gl
       default: turn(std::type_identity<std::uint64_t>{}); break;
     }
   }
-  SamplesRead result;
-  if (packed) result.has_trailing_data = TRY(packed->more());
-  return result;
+  return packed ? packed->more() : Result<bool>(false);
 }
 
 }  // namespace isoextract::volume_io

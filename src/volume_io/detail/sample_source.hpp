@@ -16,6 +16,7 @@
 #include "files/mapped_file.hpp"
 #include "volume_io/detail/deflate_stream.hpp"
 #include "volume_io/detail/sample_store.hpp"
+
 namespace isoextract::volume_io {
 
 // A contiguous run of samples in a file.
@@ -64,17 +65,13 @@ struct Share {
 // then call read_samples().
 [[nodiscard]] std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context);
 
-// Whether decompressed bytes follow the samples.
-struct SamplesRead {
-  bool has_trailing_data = false;
-};
-
-// Reads all pieces into a store of their size, in native byte order. Reports bytes as "reading".
-[[nodiscard]] Result<SamplesRead> read_samples(const SampleSource& source, SampleStore& store, const Context& context);
+// Reads all pieces into a store of their size, in native byte order. Returns whether decompressed bytes follow the
+// samples. Reports bytes as "reading".
+[[nodiscard]] Result<bool> read_samples(const SampleSource& source, SampleStore& store, const Context& context);
 
 // Reads a piece whose last axis is the fastest, so that x is the fastest in the store. Reserves memory for some planes
-// in x: 16, or more if the store is in a file, as each run of planes passes over the whole file.
-[[nodiscard]] Result<SamplesRead> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
-                                                          SampleStore& store, const Context& context);
+// in x: 16, or more if the store is in a file, as each run of planes passes over the whole file. Returns the same.
+[[nodiscard]] Result<bool> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
+                                                   SampleStore& store, const Context& context);
 
 }  // namespace isoextract::volume_io

@@ -30,8 +30,8 @@ inline constexpr std::uint64_t kLeastInFile = std::uint64_t{64} << 20U;  // byte
 class SampleStore {
  public:
   // Makes a store for samples of that type and size. For messages, `source` names the input, and `kind` is empty or
-  // tells what the samples are: "lengths of ". Fails as
-  // Context::reserve(), with what is needed for a temporary file as a hint. May throw std::bad_alloc.
+  // tells what the samples are: "lengths of ". Fails as Context::reserve(), with what is needed for a temporary file as
+  // a hint. May throw std::bad_alloc.
   [[nodiscard]] static Result<SampleStore> make(const std::string& source, const glm::ivec3& dims,
                                                 field::SampleType type, const Context& context,
                                                 const std::string& kind = {});
