@@ -59,8 +59,9 @@ std::uint64_t count_not_finite(std::span<const float> values, std::size_t compon
   return count;
 }
 
-Result<Records> add_of_particles(const ParticleAttributes& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
-                                 const Context& context) {
+// `samplers` may be null, here and below.
+Result<Records> add_of_particles(const ParticleAttributes& source, const AttributeSamplers* samplers,
+                                 std::span<const glm::dvec3> places, mesh::Mesh& mesh, const Context& context) {
   if (source.attributes.empty()) return Records();
   if (places.empty()) {  // without vertices there may be no particles, and then no radius
     for (std::size_t a = 0; a < source.attributes.size(); ++a) {
@@ -69,8 +70,10 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     }
     return Records();
   }
-  auto sampled = TRY(points::sample_attributes(*source.particles, source.attributes, places, source.radius,
-                                               source.smoothing_length, context));
+  const auto sampled =
+      TRY(samplers != nullptr ? samplers->of_particles()->sample(places, context)
+                              : points::sample_attributes(*source.particles, source.attributes, places, source.radius,
+                                                          source.smoothing_length, context));
   std::uint64_t bytes = 0;
   for (const points::SampledAttribute& attribute : sampled.attributes) bytes += attribute.values.size_bytes();
   auto memory = TRY(context.reserve(bytes, "attributes of vertices"));
@@ -86,7 +89,7 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     record.source = fmt::format("{}: {}", printable(source.particles->label), printable(source.choices[a].from));
     record.components = made.components;
     record.vertices_beyond_kernels = sampled.vertices_beyond_kernels;
-    record.not_finite = count_not_finite(attribute.values.span(), attribute.components);
+    record.counts = {{.not_finite = count_not_finite(attribute.values.span(), attribute.components)}};
   }
   take_attributes(std::move(added), std::move(memory), mesh);
   return records;
@@ -97,15 +100,16 @@ AttributeKind kind_of(const AttributeSource& source, const std::string& name) {
   return found == source.kinds.end() ? AttributeKind::scalar : found->kind;
 }
 
-Result<Records> add_of_volumes(const AttributeSource& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
-                               const Context& context) {
+Result<Records> add_of_volumes(const AttributeSource& source, const AttributeSamplers* samplers,
+                               std::span<const glm::dvec3> places, mesh::Mesh& mesh, const Context& context) {
   const auto& attributes = std::get<std::vector<VolumeAttribute>>(source.from);
   std::size_t components = 0;
   for (const VolumeAttribute& attribute : attributes) components += attribute.components.size();
   auto memory = TRY(context.reserve(components * places.size() * sizeof(float), "attributes of vertices"));
   Records records;
   std::vector<mesh::Attribute> added;
-  for (const VolumeAttribute& attribute : attributes) {
+  for (std::size_t a = 0; a < attributes.size(); ++a) {
+    const VolumeAttribute& attribute = attributes[a];
     const std::size_t count = attribute.components.size();
     mesh::Attribute& made = added.emplace_back(float_attribute(attribute.choice.name, count, places.size()));
     const std::span<float> values(reinterpret_cast<float*>(made.values.data()), count * places.size());
@@ -115,10 +119,10 @@ Result<Records> add_of_volumes(const AttributeSource& source, std::span<const gl
     record.components = count;
     for (std::size_t c = 0; c < count && !places.empty(); ++c) {
       const field::ScalarField& field = attribute.components[c];
-      const auto counts = TRY(field::sample_points(field, places, values.subspan(c), count, context));
+      const auto to = values.subspan(c);
+      record.counts.push_back(TRY(samplers != nullptr ? samplers->of_volume(a, c).sample(places, to, count, context)
+                                                      : field::sample_points(field, places, to, count, context)));
       TRY(volume_io::check_mapping_intact(field));
-      record.outside = std::max(record.outside, counts.outside);
-      record.not_finite = std::max(record.not_finite, counts.not_finite);
     }
     if (!attribute.in_voxels) continue;
     const field::Affine& world_from_voxels = attribute.components.front().index_to_world;
@@ -184,15 +188,13 @@ bool changes_values(const field::Affine& placement, AttributeKind kind) {
   return is_transformed_with_mesh(kind) && placement.linear != glm::dmat3(1);
 }
 
-}  // namespace
-
-Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
-                                                    const Context& context) {
+Result<Records> add_with(const AttributeSource& source, const AttributeSamplers* samplers, mesh::Mesh& mesh,
+                         const Context& context) {
   const auto places = TRY(world_positions(source.world_from_output, mesh, context));
   const std::span<const glm::dvec3> at = places->values.span();
   const auto* particles = std::get_if<ParticleAttributes>(&source.from);
-  auto records = particles != nullptr ? add_of_particles(*particles, at, mesh, context)
-                                      : add_of_volumes(source, at, mesh, context);
+  auto records = particles != nullptr ? add_of_particles(*particles, samplers, at, mesh, context)
+                                      : add_of_volumes(source, samplers, at, mesh, context);
   if (!records) return records;
   for (AttributeResult& record : *records) {
     record.vertices = at.size();
@@ -202,22 +204,80 @@ Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& sourc
   return records;
 }
 
+}  // namespace
+
+std::uint64_t AttributeResult::outside() const {
+  std::uint64_t most = 0;
+  for (const field::PointCounts& one : counts) most = std::max(most, one.outside);
+  return most;
+}
+
+std::uint64_t AttributeResult::not_finite() const {
+  std::uint64_t most = 0;
+  for (const field::PointCounts& one : counts) most = std::max(most, one.not_finite);
+  return most;
+}
+
+void AttributeResult::add(const AttributeResult& other) {
+  vertices += other.vertices;
+  vertices_beyond_kernels += other.vertices_beyond_kernels;
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    counts[c].outside += other.counts[c].outside;
+    counts[c].not_finite += other.counts[c].not_finite;
+  }
+}
+
+Result<AttributeSamplers> AttributeSamplers::make(const AttributeSource& source, const Context& context) {
+  AttributeSamplers samplers;
+  if (const auto* particles = std::get_if<ParticleAttributes>(&source.from)) {
+    if (particles->attributes.empty()) return samplers;
+    samplers.particles_ = TRY(points::AttributeSampler::make(*particles->particles, particles->attributes,
+                                                             particles->radius, particles->smoothing_length, context));
+    return samplers;
+  }
+  for (const VolumeAttribute& attribute : std::get<std::vector<VolumeAttribute>>(source.from)) {
+    std::vector<field::PointSampler>& all = samplers.volumes_.emplace_back();
+    for (const field::ScalarField& field : attribute.components) {
+      all.push_back(TRY(field::PointSampler::make(field, context)));
+    }
+  }
+  return samplers;
+}
+
+Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
+                                                    const Context& context) {
+  return add_with(source, nullptr, mesh, context);
+}
+
+Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, const AttributeSamplers& samplers,
+                                                    mesh::Mesh& mesh, const Context& context) {
+  return add_with(source, &samplers, mesh, context);
+}
+
 Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContext& stage) {
   const auto& attributes = stage.source.attributes;
   if (!attributes) return StageReport();
   StageReport report = stage.report_on(StageName::attributes, surface);
   for (const MissingAttribute& missing : attributes->missing) {
     if (missing.choice.optional) continue;
-    if (!surface.mesh.triangles.empty()) return tl::unexpected(missing.error);
+    if (surface.triangles() > 0) return tl::unexpected(missing.error);
     report.notes.push_back(
         {NoteId::no_surface, fmt::format("{}: the surface is empty, and the input has no attribute '{}'",
                                          report.subject, printable(missing.choice.name))});
   }
   const Stopwatch watch;
-  const std::vector<AttributeResult> carried = TRY(add_attributes(*attributes, surface.mesh, stage.context));
-  report.time = watch.elapsed();
+  std::vector<AttributeResult> carried;
+  std::uint64_t vertices = surface.vertices();
+  if (surface.taken) {
+    carried = surface.attributes->results;
+    vertices = surface.attributes->vertices;
+    report.time = surface.attributes->time;
+  } else {
+    carried = TRY(add_attributes(*attributes, surface.mesh, stage.context));
+    report.time = watch.elapsed();
+  }
   report.did = "attributes sampled";
-  report.details.push_back(counted(surface.mesh.positions.size(), "vertex", "vertices"));
+  report.details.push_back(counted(vertices, "vertex", "vertices"));
   for (const AttributeResult& one : carried) {
     report.entries.push_back({{Key::name, one.name},
                               {Key::source, one.source},
@@ -225,22 +285,22 @@ Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContex
                               {Key::kind, word_of(one.kind)},
                               {Key::changed, one.changed},
                               {Key::vertices, one.vertices},
-                              {Key::outside, one.outside},
-                              {Key::not_finite, one.not_finite},
+                              {Key::outside, one.outside()},
+                              {Key::not_finite, one.not_finite()},
                               {Key::out_of_reach, one.vertices_beyond_kernels}});
     const std::string start = report.subject + ": ";
-    if (one.outside > 0) {
+    if (one.outside() > 0) {
       report.notes.push_back(
           {NoteId::attribute_outside,
            fmt::format(
                "{}{} of {} vertices lie outside {}; their '{}' is the value at the nearest point of its boundary",
-               start, one.outside, one.vertices, one.source, printable(one.name))});
+               start, one.outside(), one.vertices, one.source, printable(one.name))});
     }
-    if (one.not_finite > 0) {
+    if (one.not_finite() > 0) {
       report.notes.push_back(
           {NoteId::nan_attribute,
            fmt::format("{}the attribute '{}' is not finite at {} of {} vertices, because {} has non-finite values",
-                       start, printable(one.name), one.not_finite, one.vertices, one.source)});
+                       start, printable(one.name), one.not_finite(), one.vertices, one.source)});
     }
   }
   // All attributes of particles have the same reach, so the first one's count stands for all.
@@ -250,7 +310,7 @@ Result<StageReport> sample_vertex_attributes(Surface& surface, const StageContex
          fmt::format(
              "{}: {} of {} vertices have the attributes of the nearest particle, because no particle's kernel reaches "
              "these vertices",
-             report.subject, carried.front().vertices_beyond_kernels, surface.mesh.positions.size())});
+             report.subject, carried.front().vertices_beyond_kernels, vertices)});
   }
   return report;
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -19,7 +20,9 @@
 #include "convert/conversion_job.hpp"
 #include "convert/particle_source.hpp"
 #include "field/affine.hpp"
+#include "field/point_samples.hpp"
 #include "mesh/mesh.hpp"
+#include "points/attribute_sampling.hpp"
 
 namespace isoextract::convert {
 
@@ -56,12 +59,34 @@ struct AttributeResult {
   // components
   bool changed = false;
   std::uint64_t vertices = 0;
-  // For volumes: vertices outside dense samples, which have the value at the data boundary. With several components:
-  // the largest of the components' counts.
-  std::uint64_t outside = 0;
-  std::uint64_t not_finite = 0;  // vertices with a value that is not a finite number
+  std::vector<field::PointCounts> counts;  // of each component; for particles one for all
   // For particles: vertices out of every particle's reach, which have the values of the nearest particle.
   std::uint64_t vertices_beyond_kernels = 0;
+
+  // For volumes: returns how many vertices lie outside dense samples and have the value at the data boundary; of
+  // several components the largest count.
+  [[nodiscard]] std::uint64_t outside() const;
+  // Returns how many vertices have a value that is not a finite number; of several components the largest count.
+  [[nodiscard]] std::uint64_t not_finite() const;
+  // Adds the counts of other vertices of the same surface.
+  void add(const AttributeResult& other);
+};
+
+// The samplers of a source, for many meshes with few vertices each. The source must outlive them.
+class AttributeSamplers {
+ public:
+  // Holds reservations for the tables of the samplers. Fails as the make() functions of the samplers do.
+  [[nodiscard]] static Result<AttributeSamplers> make(const AttributeSource& source, const Context& context);
+
+  [[nodiscard]] const points::AttributeSampler* of_particles() const { return particles_ ? &*particles_ : nullptr; }
+  // Returns the sampler of a component of an attribute of volumes.
+  [[nodiscard]] const field::PointSampler& of_volume(std::size_t attribute, std::size_t component) const {
+    return volumes_[attribute][component];
+  }
+
+ private:
+  std::optional<points::AttributeSampler> particles_;
+  std::vector<std::vector<field::PointSampler>> volumes_;
 };
 
 // Adds the attributes to the vertices of `mesh` as float32, in the input's world: color_surface() transforms them
@@ -70,6 +95,10 @@ struct AttributeResult {
 // Fails as points::sample_attributes(), field::sample_points(), volume_io::check_mapping_intact() and
 // Context::reserve() do; `mesh` then has none of the attributes.
 [[nodiscard]] Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
+                                                                  const Context& context);
+// Does the same by the samplers of the source. Several threads may call it at once, for different meshes.
+[[nodiscard]] Result<std::vector<AttributeResult>> add_attributes(const AttributeSource& source,
+                                                                  const AttributeSamplers& samplers, mesh::Mesh& mesh,
                                                                   const Context& context);
 
 }  // namespace isoextract::convert

@@ -26,7 +26,8 @@
 namespace isoextract::convert {
 namespace {
 
-// Returns the memory of vertex attributes: other volumes, world positions of vertices, values and a color.
+// Returns the memory of vertex attributes: other volumes, world positions of vertices, values and a color. `vertices`
+// are those in memory at a time.
 std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
   if (!source.attributes) return 0;
   std::uint64_t bytes = 0;
@@ -124,14 +125,15 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   for (const ResolvedIso& iso : source.isos) {
     const ConversionSize size = size_of(source.field, iso.id.iso());
     const bool selects = job.edits.pieces.drops();
+    const std::uint64_t sampling = source.attributes ? size.vertices * sampling_bytes(*source.attributes) : 0;
     const std::uint64_t selecting =
         edit::whole_selection_bytes(size.vertices, estimated_triangles(size), job.normals == Normals::smooth);
     const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso()) &&
-                          (!selects || selecting > context.memory().left());
+                          (!selects || selecting + sampling > context.memory().left());
     const bool has_figures = use == MeshUse::figures || !job.edits.require.empty() || selects;
     std::uint64_t bytes =
         by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals, has_figures) : estimated_bytes(size);
-    bytes += attribute_bytes(source, size.vertices);
+    bytes += attribute_bytes(source, by_parts ? vertices_sampled_at_once(size.vertices) : size.vertices);
     std::uint64_t after = edit_bytes(job, size.vertices, memory.limit() - std::min(memory.limit(), bytes));
     // About a vertex for each cell that the surface crosses.
     const double cell_area = std::pow(std::abs(source.output_from_index.determinant()), 2.0 / 3);

@@ -5,12 +5,10 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -25,10 +23,9 @@ double value_between(double a, double b, double t) { return t == 0 ? a : t == 1 
 template <class T>
 class StoredValues {
  public:
-  StoredValues(const Samples& samples, const std::vector<glm::ivec3>& nodes)
-      : dense_(std::get_if<DenseSamples>(&samples)), sparse_(std::get_if<SparseSamples>(&samples)) {
-    if (sparse_ != nullptr) lookup_.emplace(*sparse_, nodes);
-  }
+  // `lookup` is that of sparse samples; null for dense ones.
+  StoredValues(const Samples& samples, const SparseLookup* lookup)
+      : dense_(std::get_if<DenseSamples>(&samples)), sparse_(std::get_if<SparseSamples>(&samples)), lookup_(lookup) {}
 
   // Clamps a position without NaN to the range of the samples.
   [[nodiscard]] glm::dvec3 nearest(const glm::dvec3& index) const {
@@ -66,31 +63,38 @@ class StoredValues {
 
   const DenseSamples* dense_;
   const SparseSamples* sparse_;
-  std::optional<SparseLookup> lookup_;
+  const SparseLookup* lookup_;
 };
 
 }  // namespace
 
-Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm::dvec3> places, std::span<float> values,
-                                  std::size_t stride, const Context& context) {
-  std::vector<glm::ivec3> nodes;
-  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) nodes = SparseLookup::node_origins(*sparse);
+Result<PointSampler> PointSampler::make(const ScalarField& field, const Context& context) {
+  PointSampler sampler(field);
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return sampler;
+  const std::vector<glm::ivec3> nodes = SparseLookup::node_origins(*sparse);
   // The table of the nodes' origins is small beside the nodes.
-  const auto memory =
+  sampler.memory_ =
       TRY(context.reserve(nodes.size() * sizeof(SparseLookup::Node), field.source + ": the index of blocks"));
-  const Affine index_of_world = field.index_to_world.inverse();
+  sampler.lookup_.emplace(*sparse, nodes);
+  return sampler;
+}
+
+Result<PointCounts> PointSampler::sample(std::span<const glm::dvec3> places, std::span<float> values,
+                                         std::size_t stride, const Context& context) const {
+  const ScalarField& field = *field_;
   const bool dense = std::holds_alternative<DenseSamples>(field.samples);
   std::atomic<std::uint64_t> outside{0};
   std::atomic<std::uint64_t> not_finite{0};
   context.progress().begin("sampling attributes", places.size());
   visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    const StoredValues<T> stored(field.samples, nodes);
+    const StoredValues<T> stored(field.samples, lookup_ ? &*lookup_ : nullptr);
     for_each_range(places.size(), 2048, [&](std::size_t begin, std::size_t end) {
       if (context.cancelled()) return;
       std::uint64_t beyond = 0;
       std::uint64_t no_numbers = 0;
       for (std::size_t i = begin; i != end; ++i) {
-        const glm::dvec3 index = index_of_world(places[i]);
+        const glm::dvec3 index = index_of_world_(places[i]);
         if (glm::any(glm::isnan(index))) {
           ++no_numbers;
           values[stride * i] = std::numeric_limits<float>::quiet_NaN();
@@ -109,6 +113,12 @@ Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm:
   });
   TRY(context.check());
   return PointCounts{outside.load(), not_finite.load()};
+}
+
+Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm::dvec3> places, std::span<float> values,
+                                  std::size_t stride, const Context& context) {
+  const auto sampler = TRY(PointSampler::make(field, context));
+  return sampler.sample(places, values, stride, context);
 }
 
 }  // namespace isoextract::field

@@ -26,10 +26,12 @@ struct MeshShape {
   // `far_vertices`. False: a triangle may use the vertices of any part.
   bool uses_near_vertices = true;
   std::vector<std::uint32_t> far_vertices = {};  // vertices that triangles of later parts may use, ascending
+  // Indices of the attributes that have a value that is not finite, ascending.
+  std::vector<std::size_t> not_finite_attributes = {};
 };
 
-// Sets neither `may_be_open`, which takes a pass over the mesh, nor `distinct_positions` and `far_vertices`, which the
-// extraction knows.
+// Sets neither `may_be_open` and `not_finite_attributes`, which take a pass over the mesh, nor `distinct_positions` and
+// `far_vertices`, which the extraction knows.
 [[nodiscard]] inline MeshShape shape_of(const Mesh& mesh) {
   return {.origin = mesh.origin,
           .vertices = mesh.positions.size(),
@@ -44,6 +46,8 @@ struct MeshPart {
   std::span<const glm::vec3> normals;  // one per position; or empty
   std::uint64_t first_triangle = 0;
   std::span<const glm::uvec3> triangles;  // vertex indices in the whole mesh; the vertices may be in other parts
+  std::span<const Attribute> attributes =
+      {};  // all attributes of the mesh, with the values of these vertices; or empty
 };
 
 // One pass over the parts of a mesh. The mesh is made anew for each pass.
@@ -54,6 +58,7 @@ struct PartPass {
   bool positions = true;
   bool normals = true;
   bool triangles = true;
+  bool attributes = false;  // an extraction makes none: its parts have only the arrays above
 };
 
 class MeshSink {

@@ -420,9 +420,10 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
   State& state = *state_;
   const MeshWriteOptions& options = state.options;
   const bool splits_triangles = options.flat_normals && is_gltf(options.format);
+  const bool omits_attributes = !head.attributes.empty() && !mesh_format_info(options.format).has_attributes;
   const bool has_stream = options.format == MeshFormat::gltf && files::is_stream(state.binary_path());
   const bool needs_whole_mesh = !mesh_format_info(options.format).takes_parts || splits_triangles || has_stream ||
-                                options.packing.packs() || options.packing.optimize_order || !head.attributes.empty() ||
+                                options.packing.packs() || options.packing.optimize_order || omits_attributes ||
                                 shape.origin != glm::dvec3(0) ||
                                 (ranks != nullptr && !takes_any_order(state.path, options));
   if (needs_whole_mesh || state.count > 0) return false;

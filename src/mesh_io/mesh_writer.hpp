@@ -116,11 +116,12 @@ class MeshWriter {
   // call returns the first error.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
-  // Begins the only mesh of the file, whose parts take_part() writes. `head` is the mesh without its arrays. Works for
-  // PLY, OBJ, STL and unpacked glTF, in the original order, without attributes or an origin. A glTF must have 32-bit
-  // indices and no flat normals, an OBJ no vertex copies for normals. Otherwise returns false: add() the whole mesh.
-  // Fails like add(). If `ranks` is not null, these ranks write a binary PLY without flat normals or a GLB together:
-  // all of them call it with the same mesh, each writes its parts, and all call finish(). Only rank 0 knows the hash.
+  // Begins the only mesh of the file, whose parts take_part() writes. `head` is the mesh without its arrays and without
+  // the values of its attributes; glTF also needs MeshShape::not_finite_attributes. Works for PLY, OBJ, STL and
+  // unpacked glTF, in the original order, without an origin. A glTF must have 32-bit indices and no flat normals, an
+  // OBJ no vertex copies for normals, OBJ and STL no attributes. Otherwise returns false: add() the whole mesh. Fails
+  // like add(). If `ranks` is not null, these ranks write a binary PLY without flat normals or a GLB together: all of
+  // them call it with the same mesh, each writes its parts, and all call finish(). Only rank 0 knows the hash.
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
   // After begin_parts() returned true, part_passes() are the passes of mesh::MeshSink, begin_pass() comes before each
   // of them, and take_part() writes a part. They fail with ErrorCode::output, for STL and flat normals with

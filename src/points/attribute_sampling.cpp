@@ -4,8 +4,12 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include "base/parallel.hpp"
 #include "field/samples.hpp"
@@ -55,36 +59,78 @@ void for_each_kernel_at(const CellGrid& grid, const float* densities, const glm:
   });
 }
 
-}  // namespace
+Result<void> check_lengths(double radius, double smoothing_length) {
+  if (radius > 0 && smoothing_length > 0 && std::isfinite(2 * smoothing_length * radius)) return {};
+  return fail(ErrorCode::usage,
+              fmt::format("expected a particle radius and a smoothing length above 0, found {} and {}", radius,
+                          smoothing_length));
+}
 
-Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::span<const std::size_t> attributes,
-                                            std::span<const glm::dvec3> vertices, double radius,
-                                            double smoothing_length, const Context& context) {
-  const double support = 2 * smoothing_length * radius;
-  if (!(radius > 0 && smoothing_length > 0 && std::isfinite(support))) {
-    return fail(ErrorCode::usage,
-                fmt::format("expected a particle radius and a smoothing length above 0, found {} and {}", radius,
-                            smoothing_length));
-  }
-  const auto points = TRY(SourcePoints::make(particles, support, context));
-  const std::span<const glm::dvec3> positions = points.positions();
-  const ParticleBounds bounds = measure_bounds(positions);
-  if (bounds.finite == 0 && !vertices.empty()) {
-    return fail(ErrorCode::input, particles.label + ": expected particles with attributes, found none");
-  }
+// Returns room for the values of vertices.
+Result<SampledAttributes> make_room(const ParticleSet& particles, std::span<const std::size_t> attributes,
+                                    std::size_t vertices, const Context& context) {
   std::size_t components = 0;
   for (const std::size_t a : attributes) components += particles.attributes[a].components;
-  const std::string what =
-      fmt::format("{}: {} attributes of {} vertices", particles.label, attributes.size(), vertices.size());
-  auto memory = TRY(context.reserve(components * vertices.size() * sizeof(float), what));
-  SampledAttributes result;
-  result.memory = std::move(memory);
+  SampledAttributes room;
+  room.memory = TRY(
+      context.reserve(components * vertices * sizeof(float),
+                      fmt::format("{}: {} attributes of {} vertices", particles.label, attributes.size(), vertices)));
   for (const std::size_t a : attributes) {
     const ParticleAttribute& from = particles.attributes[a];
-    result.attributes.push_back({from.name, from.components, Buffer<float>(from.components * vertices.size())});
+    room.attributes.push_back({from.name, from.components, Buffer<float>(from.components * vertices)});
   }
-  if (vertices.empty()) return result;
+  return room;
+}
 
+}  // namespace
+
+struct AttributeSampler::State {
+  Context context;  // of make()
+  const ParticleSet& particles;
+  std::vector<std::size_t> attributes;
+  SourcePoints points;
+  GridFrame frame;
+  glm::dvec3 half;  // half of the box around the points, in grid coordinates
+  CellGrid grid;
+  std::shared_ptr<ReservedBuffer<float>> densities;
+  std::vector<std::shared_ptr<ReservedBuffer<float>>> means = {};  // of each attribute, by spot
+  std::mutex mutex = {};                                           // guards `tree` while it is made
+  std::optional<NearestTree> tree = {};
+
+  // Returns the tree of the particles; makes it on the first call.
+  [[nodiscard]] Result<const NearestTree*> nearest() {
+    const std::lock_guard lock(mutex);
+    if (tree) return &*tree;
+    Result<void> made;
+    // A thread that holds the mutex must not begin other work that waits for it.
+    tbb::this_task_arena::isolate([&] {
+      auto result = NearestTree::make(points.positions(), context, particles.label);
+      if (result) {
+        tree.emplace(std::move(*result));
+      } else {
+        made = tl::unexpected(std::move(result.error()));
+      }
+    });
+    TRY(std::move(made));
+    return &*tree;
+  }
+};
+
+AttributeSampler::AttributeSampler(std::unique_ptr<State> state) : state_(std::move(state)) {}
+AttributeSampler::AttributeSampler(AttributeSampler&&) noexcept = default;
+AttributeSampler& AttributeSampler::operator=(AttributeSampler&&) noexcept = default;
+AttributeSampler::~AttributeSampler() = default;
+
+Result<AttributeSampler> AttributeSampler::make(const ParticleSet& particles, std::span<const std::size_t> attributes,
+                                                double radius, double smoothing_length, const Context& context) {
+  TRY(check_lengths(radius, smoothing_length));
+  const double support = 2 * smoothing_length * radius;
+  auto points = TRY(SourcePoints::make(particles, support, context));
+  const std::span<const glm::dvec3> positions = points.positions();
+  const ParticleBounds bounds = measure_bounds(positions);
+  if (bounds.finite == 0) {
+    return fail(ErrorCode::input, particles.label + ": expected particles with attributes, found none");
+  }
   const GridFrame frame{bounds.box.min / 2.0 + bounds.box.max / 2.0, points.support()};
   const glm::dvec3 half = frame(bounds.box.max);
   if (!(std::max({half.x, half.y, half.z}) < field::kMaxSparseIndex)) {
@@ -93,12 +139,28 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   }
   auto grid = TRY(CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label));
   auto densities = TRY(compute_spot_densities(grid, 1, context, particles.label));
-  std::vector<std::shared_ptr<ReservedBuffer<float>>> means;
+  auto state = std::unique_ptr<State>(new State{context,
+                                                particles,
+                                                {attributes.begin(), attributes.end()},
+                                                std::move(points),
+                                                frame,
+                                                half,
+                                                std::move(grid),
+                                                std::move(densities)});
+  const std::string what = fmt::format("{}: {} attributes", particles.label, attributes.size());
   for (const std::size_t a : attributes) {
-    auto made = TRY(average_by_spot(grid, points, particles.attributes[a], context, what));
-    means.push_back(std::move(made));
+    state->means.push_back(TRY(average_by_spot(state->grid, state->points, particles.attributes[a], context, what)));
   }
-  auto flags = TRY(make_reserved_buffer<std::uint8_t>(vertices.size(), context, what));
+  return AttributeSampler(std::move(state));
+}
+
+Result<SampledAttributes> AttributeSampler::sample(std::span<const glm::dvec3> vertices, const Context& context) const {
+  State& state = *state_;
+  auto result = TRY(make_room(state.particles, state.attributes, vertices.size(), context));
+  std::size_t components = 0;
+  for (const SampledAttribute& attribute : result.attributes) components += attribute.components;
+  auto flags = TRY(
+      make_reserved_buffer<std::uint8_t>(vertices.size(), context, state.particles.label + ": attributes of vertices"));
 
   context.progress().begin("sampling attributes", vertices.size());
   std::atomic<std::uint64_t> vertices_beyond_kernels{0};
@@ -107,18 +169,18 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
     std::vector<double> sums(components);
     for (std::size_t v = begin; v != end; ++v) {
       // Vertices beyond the reach of every kernel are excluded first: their cell coordinates could overflow an int.
-      const glm::dvec3 p = frame(points.place_of(vertices[v]));
-      const bool near = glm::all(glm::lessThan(glm::abs(p), half + 1.5));
+      const glm::dvec3 p = state.frame(state.points.place_of(vertices[v]));
+      const bool near = glm::all(glm::lessThan(glm::abs(p), state.half + 1.5));
       double total = 0;
       std::ranges::fill(sums, 0.0);
       if (near) {
-        for_each_kernel_at(grid, densities->values.data(), p, [&](std::size_t spot, double share) {
+        for_each_kernel_at(state.grid, state.densities->values.data(), p, [&](std::size_t spot, double share) {
           total += share;
           double* sum = sums.data();
-          for (std::size_t a = 0; a < means.size(); ++a) {
+          for (std::size_t a = 0; a < state.means.size(); ++a) {
             const std::size_t width = result.attributes[a].components;
             for (std::size_t c = 0; c < width; ++c) {
-              *sum++ += share * static_cast<double>(means[a]->values[spot * width + c]);
+              *sum++ += share * static_cast<double>(state.means[a]->values[spot * width + c]);
             }
           }
         });
@@ -138,19 +200,28 @@ Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::s
   result.vertices_beyond_kernels = vertices_beyond_kernels.load();
   if (result.vertices_beyond_kernels == 0) return result;
 
-  auto tree = TRY(NearestTree::make(positions, context, particles.label));
+  const NearestTree& tree = *TRY(state.nearest());
   for_each_range(vertices.size(), 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v != end; ++v) {
       if (flags->values[v] == 0) continue;
-      const std::size_t nearest = points.particle(tree.nearest(points.place_of(vertices[v])).point);
-      for (std::size_t a = 0; a < attributes.size(); ++a) {
+      const std::size_t nearest = state.points.particle(tree.nearest(state.points.place_of(vertices[v])).point);
+      for (std::size_t a = 0; a < state.attributes.size(); ++a) {
+        const ParticleAttribute& from = state.particles.attributes[state.attributes[a]];
         const std::size_t width = result.attributes[a].components;
-        std::copy_n(particles.attributes[attributes[a]].values.data() + nearest * width, width,
-                    result.attributes[a].values.data() + v * width);
+        std::copy_n(from.values.data() + nearest * width, width, result.attributes[a].values.data() + v * width);
       }
     }
   });
   return result;
+}
+
+Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::span<const std::size_t> attributes,
+                                            std::span<const glm::dvec3> vertices, double radius,
+                                            double smoothing_length, const Context& context) {
+  TRY(check_lengths(radius, smoothing_length));
+  if (vertices.empty()) return make_room(particles, attributes, 0, context);
+  const auto sampler = TRY(AttributeSampler::make(particles, attributes, radius, smoothing_length, context));
+  return sampler.sample(vertices, context);
 }
 
 }  // namespace isoextract::points

@@ -1,5 +1,7 @@
 #include "convert/detail/partwise_output.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <variant>
 
 #include "convert/mesh_pieces.hpp"
@@ -15,12 +17,12 @@ bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
   const SurfaceEdits& edits = job.edits;
   const bool edits_mesh = edits.pieces.split || edits.smooth || edits.hollow || edits.simplify;
   const bool examines_mesh = job.verify || job.error || !tests_by_parts(edits.require);
-  const bool has_attributes = !job.source.attributes.empty() || (job.color && job.color->attribute);
   const auto* file = job.writes<MeshFileOptions>();
   // The normals of caps are known only when the mesh is whole. glTF with flat normals has three vertices per triangle.
   const bool normals_need_all = job.normals == Normals::area || (job.normals == Normals::smooth && job.surface.cap) ||
                                 (job.normals == Normals::flat && file != nullptr && mesh_io::is_gltf(file->format));
-  return file == nullptr || !source.clip.empty() || edits_mesh || examines_mesh || has_attributes || normals_need_all;
+  return file == nullptr || !source.clip.empty() || edits_mesh || examines_mesh || normals_need_all ||
+         attributes_need_whole_mesh(job, source);
 }
 
 bool writes_one_surface(const ConversionJob& job) {
@@ -66,42 +68,65 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
 void add_partwise_hint(Error& error) {
   if (error.code != ErrorCode::out_of_memory) return;
   error.hint.steps.emplace_back(
-      "PLY, glTF, OBJ and STL files take a mesh in parts, unless edits, attributes or tests need it whole");
+      "PLY, glTF, OBJ and STL files take a mesh in parts, unless edits or tests need it whole");
 }
 
 Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {
   if (needs_.distinct_positions && !shape.distinct_positions) return false;
   if (needs_.near_vertices && !shape.uses_near_vertices) return false;
+  if (bodies_ != nullptr) {
+    const std::uint64_t selecting = edit::whole_selection_bytes(shape.vertices, shape.triangles, shape.has_normals);
+    const std::uint64_t sampling = attributes_ != nullptr ? attributes_->whole_bytes(shape.vertices) : 0;
+    if (selecting + sampling <= memory_.left()) return false;
+  }
+  if (attributes_ != nullptr) {
+    const bool has_memory = TRY(attributes_->begin(shape));
+    if (!has_memory) return false;
+  }
   if (bodies_ == nullptr) return begin_rest(shape);
-  if (edit::whole_selection_bytes(shape.vertices, shape.triangles, shape.has_normals) <= memory_.left()) return false;
   TRY(bodies_->begin(shape));
   passes_ = bodies_->passes();
-  selecting_end_ = passes_.size();
+  selecting_end_ = looking_end_ = passes_.size();
   return true;
 }
 
 Result<bool> PartwiseOutput::begin_rest(const mesh::MeshShape& shape) {
-  selecting_end_ = measuring_end_ = passes_.size();
-  const bool takes = TRY(writer_.begin_parts(hooks_.head(shape), shape, ranks()));
-  if (!takes) return false;
-  const auto add = [&](const std::vector<mesh::PartPass>& more) {
-    passes_.insert(passes_.end(), more.begin(), more.end());
-  };
-  if (measuring_ != nullptr) {
-    add(measuring_->passes());
-    measuring_end_ = passes_.size();
-    TRY(measuring_->begin(shape));
+  shape_ = shape;
+  selecting_end_ = looking_end_ = passes_.size();
+  if (attributes_ == nullptr || !attributes_->measures_first()) return begin_writing();
+  passes_.push_back({.normals = false, .triangles = false});
+  looking_end_ = passes_.size();
+  return true;
+}
+
+Result<bool> PartwiseOutput::begin_writing() {
+  measuring_end_ = passes_.size();
+  mesh::Mesh head = hooks_.head(shape_);
+  if (attributes_ != nullptr) {
+    head.attributes = TRY(attributes_->attributes());
+    shape_.not_finite_attributes = attributes_->not_finite();
   }
-  add(writer_.part_passes());
+  const bool takes = TRY(writer_.begin_parts(std::move(head), shape_, ranks()));
+  if (!takes) return false;
+  if (measuring_ != nullptr) {
+    std::ranges::copy(measuring_->passes(), std::back_inserter(passes_));
+    measuring_end_ = passes_.size();
+    TRY(measuring_->begin(shape_));
+  }
+  for (mesh::PartPass pass : writer_.part_passes()) {
+    pass.positions |= pass.attributes;
+    passes_.push_back(pass);
+  }
   return true;
 }
 
 Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
   pass_ = pass;
   if (pass < selecting_end_) return bodies_->begin_pass(pass);
+  if (pass < looking_end_) return {};
   if (pass < measuring_end_) {
-    if (pass == selecting_end_) watch_.restart();
-    return measuring_->begin_pass(pass - selecting_end_);
+    if (pass == looking_end_) watch_.restart();
+    return measuring_->begin_pass(pass - looking_end_);
   }
   if (measuring_ != nullptr) {
     measures_ = TRY(measuring_->finish());
@@ -109,25 +134,43 @@ Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
     measuring_time_ = watch_.elapsed();
     TRY(hooks_.accept(*measures_));
   }
+  if (passes_[pass].attributes) attributes_->begin_pass(writer_.part_passes()[pass - measuring_end_]);
   return writer_.begin_pass(pass - measuring_end_);
 }
 
 Result<void> PartwiseOutput::take(const mesh::MeshPart& part) {
-  if (bodies_ == nullptr) return take_rest(part);
   if (pass_ < selecting_end_) return bodies_->take(part);
+  if (pass_ < looking_end_) TRY(attributes_->measure(part));
+  if (bodies_ == nullptr) return take_rest(part);
   return bodies_->keep(part, [this](const mesh::MeshPart& kept) { return take_rest(kept); });
 }
 
+Result<void> PartwiseOutput::take_rest(const mesh::MeshPart& part) {
+  if (pass_ < looking_end_) return bodies_ != nullptr ? attributes_->measure_written(part) : Result<void>();
+  if (measuring_ != nullptr) return measuring_->take(part);
+  if (!passes_[pass_].attributes) return writer_.take_part(part);
+  return attributes_->add(part, [this](const mesh::MeshPart& piece) { return writer_.take_part(piece); });
+}
+
 Result<void> PartwiseOutput::end_pass() {
-  if (pass_ >= selecting_end_) return {};
-  TRY(bodies_->end_pass());
-  passes_ = bodies_->passes();
-  const bool goes_on = passes_.size() > selecting_end_;
-  selecting_end_ = passes_.size();
-  if (goes_on || pass_ + 1 < selecting_end_) return {};
-  const mesh::MeshShape& shape = bodies_->kept_shape();
-  has_declined_ = shape.triangles == 0 || !TRY(begin_rest(shape));
-  if (has_declined_) bodies_.reset();  // its memory is needed for the whole mesh
+  if (pass_ >= looking_end_) return {};
+  bool takes = true;
+  if (pass_ >= selecting_end_) {
+    attributes_->finish_measuring();
+    takes = TRY(begin_writing());
+  } else {
+    TRY(bodies_->end_pass());
+    passes_ = bodies_->passes();
+    const bool goes_on = passes_.size() > selecting_end_;
+    selecting_end_ = looking_end_ = passes_.size();
+    if (goes_on || pass_ + 1 < selecting_end_) return {};
+    const mesh::MeshShape& shape = bodies_->kept_shape();
+    takes = shape.triangles > 0 && TRY(begin_rest(shape));
+  }
+  if (takes) return {};
+  has_declined_ = true;  // the whole mesh needs their memory
+  bodies_.reset();
+  attributes_.reset();
   return {};
 }
 
@@ -144,21 +187,20 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
   const auto accept = [&stage, id](const mesh::MeshMeasures& measures) {
     return require_of_parts(measures, id, stage);
   };
-  std::unique_ptr<mesh::PartwiseMeasures> measures;
+  PartwiseOutput::Work work;
   if (stage.facts.recorded || !job.edits.require.empty()) {
-    measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context);
-    ranks = nullptr;
+    work.measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context);
   }
-  std::unique_ptr<edit::PartwiseBodies> bodies;
   if (job.edits.pieces.drops()) {
-    bodies = std::make_unique<edit::PartwiseBodies>(stage.source.field.name,
-                                                    body_selection(job.edits.pieces, stage.source), stage.context);
-    ranks = nullptr;
+    work.bodies = std::make_unique<edit::PartwiseBodies>(stage.source.field.name,
+                                                         body_selection(job.edits.pieces, stage.source), stage.context);
   }
+  if (stage.source.attributes) work.attributes = std::make_unique<PartwiseAttributes>(stage);
+  if (work.any()) ranks = nullptr;
   const PartwiseOutput::Needs needs{needs_distinct_positions(job),
-                                    measures != nullptr || bodies != nullptr || needs_triangle_corners(job)};
+                                    work.measures != nullptr || work.bodies != nullptr || needs_triangle_corners(job)};
   return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks, needs,
-                                          std::move(bodies), std::move(measures), stage.context.memory());
+                                          std::move(work), stage.context.memory());
 }
 
 std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,

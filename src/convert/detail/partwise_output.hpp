@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
+#include "convert/detail/partwise_attributes.hpp"
 #include "convert/source.hpp"
 #include "convert/stages/surface_stages.hpp"
 #include "edit/partwise_bodies.hpp"
@@ -35,18 +36,26 @@ class PartwiseOutput final : public mesh::MeshSink {
     bool distinct_positions = false;  // no two vertices may have equal positions
     bool near_vertices = false;       // MeshShape::uses_near_vertices
   };
-  // The writer must outlive this object. `bodies` selects those that are written, and `measures` measures the mesh, in
-  // passes of their own; null: all bodies, no measuring. If one of them is set, `ranks` must be null. With `bodies`,
-  // the output declines meshes that `memory` holds as a whole: select_bodies() is faster.
-  PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs,
-                 std::unique_ptr<edit::PartwiseBodies> bodies, std::unique_ptr<mesh::PartwiseMeasures> measures,
+  // The work on the parts before they are written, in passes of its own; null: none. `bodies` selects those that are
+  // written, `attributes` samples the attributes of the vertices, and `measures` measures the mesh.
+  struct Work {
+    std::unique_ptr<edit::PartwiseBodies> bodies;
+    std::unique_ptr<PartwiseAttributes> attributes;
+    std::unique_ptr<mesh::PartwiseMeasures> measures;
+
+    [[nodiscard]] bool any() const { return bodies != nullptr || attributes != nullptr || measures != nullptr; }
+  };
+  // The writer must outlive this object. With any work, `ranks` must be null. With `work.bodies`, the output declines
+  // meshes that `memory` holds as a whole: select_bodies() is faster.
+  PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs, Work work,
                  const MemoryBudget& memory)
       : writer_(writer),
         hooks_(std::move(hooks)),
         ranks_(ranks),
         needs_(needs),
-        bodies_(std::move(bodies)),
-        measuring_(std::move(measures)),
+        bodies_(std::move(work.bodies)),
+        attributes_(std::move(work.attributes)),
+        measuring_(std::move(work.measures)),
         memory_(memory) {}
 
   [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
@@ -64,6 +73,12 @@ class PartwiseOutput final : public mesh::MeshSink {
   // Returns the shape of the mesh that was written. Call only with `bodies`.
   [[nodiscard]] const mesh::MeshShape& kept_shape() const { return bodies_->kept_shape(); }
 
+  // Returns the figures of the attributes; nothing if the job has none. Call once, if the mesh was taken.
+  [[nodiscard]] std::optional<AttributesOfParts> take_attributes() {
+    if (attributes_ == nullptr) return std::nullopt;
+    return attributes_->take_figures();
+  }
+
   // Returns the measures of the mesh; nothing without `measures`, or if no mesh was taken.
   [[nodiscard]] std::optional<mesh::MeshMeasures> take_measures() { return std::exchange(measures_, std::nullopt); }
   // Returns the time of the measuring passes, which make and measure all parts.
@@ -72,21 +87,24 @@ class PartwiseOutput final : public mesh::MeshSink {
  private:
   // Begins the passes after the selection of bodies. Returns false if the output declines the mesh.
   Result<bool> begin_rest(const mesh::MeshShape& shape);
-  Result<void> take_rest(const mesh::MeshPart& part) {
-    return measuring_ != nullptr ? measuring_->take(part) : writer_.take_part(part);
-  }
+  // Begins the passes after the one that looks at attributes. Returns false if the output declines the mesh.
+  Result<bool> begin_writing();
+  Result<void> take_rest(const mesh::MeshPart& part);
 
   mesh_io::MeshWriter& writer_;
   Hooks hooks_;
   Ranks* ranks_;
   Needs needs_;
   std::unique_ptr<edit::PartwiseBodies> bodies_;
+  std::unique_ptr<PartwiseAttributes> attributes_;
   std::unique_ptr<mesh::PartwiseMeasures> measuring_;  // until it has seen all parts
   MemoryBudget memory_;
   std::vector<mesh::PartPass> passes_;
-  // The ends of the passes that select bodies, once they are known, and of those that measure.
+  // The ends of the passes that select bodies, look at attributes, and measure, once they are known.
   std::size_t selecting_end_ = 0;
+  std::size_t looking_end_ = 0;
   std::size_t measuring_end_ = 0;
+  mesh::MeshShape shape_;  // of the written mesh
   std::size_t pass_ = 0;
   bool has_declined_ = false;
   std::optional<mesh::MeshMeasures> measures_;
@@ -110,7 +128,8 @@ void add_partwise_hint(Error& error);
 // Returns a sink that writes a surface as the only mesh of the writer's file. Returns null if a stage of the job needs
 // the whole mesh, or if the job writes no mesh file. The sink measures the mesh if stage.facts.recorded is set or the
 // job has requirements, and fails with ErrorCode::verification if the mesh does not meet these. `ranks` write the file
-// together; may be null; ignored if the sink measures. `stage` and the writer must outlive the sink.
+// together; may be null; ignored if the sink does other work with the parts, too. `stage` and the writer must outlive
+// the sink.
 [[nodiscard]] std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const SurfaceId& id,
                                                               mesh_io::MeshWriter& writer, Ranks* ranks);
 

@@ -66,7 +66,9 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
     surface.measures = maker.sink->take_measures();
     surface.measuring_time = maker.sink->measuring_time();
     surface.bodies = maker.sink->bodies();
-    for (const StageTime& other : {surface.measuring_time, surface.bodies.time}) {
+    surface.attributes = maker.sink->take_attributes();
+    const StageTime sampling = surface.attributes ? surface.attributes->time : StageTime();
+    for (const StageTime& other : {surface.measuring_time, surface.bodies.time, sampling}) {
       stats.emit += {-other.wall_seconds, -other.cpu_seconds};
     }
   }

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/detail/label_looks.hpp"
 #include "convert/events.hpp"
@@ -14,12 +16,21 @@
 #include "convert/stages.hpp"
 #include "convert/stages/vertex_colors.hpp"
 #include "edit/bodies.hpp"
+#include "edit/vertex_colors.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/mesh_measures.hpp"
 #include "mesh/mesh_sink.hpp"
 #include "mesh/topology.hpp"
 
 namespace isoextract::convert {
+
+// The vertex attributes of a mesh that went to its file part by part.
+struct AttributesOfParts {
+  std::vector<AttributeResult> results;
+  std::uint64_t vertices = 0;     // of the mesh, before bodies were dropped
+  edit::ValueColors colors = {};  // if the job colors the vertices by an attribute
+  StageTime time = {};
+};
 
 struct Surface {
   IsoChoice asked;
@@ -42,6 +53,7 @@ struct Surface {
   edit::BodyFigures bodies = {};  // of a mesh that went part by part, if the job drops some (PieceChoice::drops())
   // The measures of a mesh that went part by part, if its sink measured it (partwise_output()).
   std::optional<mesh::MeshMeasures> measures = {};
+  std::optional<AttributesOfParts> attributes = {};  // set if the mesh went part by part, and has attributes
 
   [[nodiscard]] std::uint64_t vertices() const { return taken ? taken->vertices : mesh.positions.size(); }
   [[nodiscard]] std::uint64_t triangles() const { return taken ? taken->triangles : mesh.triangles.size(); }

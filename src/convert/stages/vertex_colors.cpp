@@ -49,16 +49,6 @@ double opacity_of(const ConversionJob& job, const SurfaceList& all, const Surfac
   return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, id, kind);
 }
 
-// Removes the attributes that only give colors.
-void drop_unwritten(const ConversionJob& job, mesh::Mesh& mesh) {
-  for (const AttributeChoice& choice : job.source.attributes) {
-    if (choice.written) continue;
-    std::erase_if(mesh.attributes, [&](const mesh::Attribute& a) {
-      return a.role != mesh::AttributeRole::color && a.name == choice.name;
-    });
-  }
-}
-
 // Keeps the material of a mesh file, with the job's opacity, and double-sided if the mesh is open.
 void adjust_material(const ConversionJob& job, bool open, std::optional<mesh::Material>& material) {
   if (job.opacity.empty() && !open) return;
@@ -85,16 +75,17 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
   const ConversionJob& job = stage.job;
   if (!job.color || !job.color->attribute) return StageReport();
   const std::string& attribute = *job.color->attribute;
-  const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
   if (stage.source.of_meshes) {
     TRY(check_has(surface.mesh, stage.subject(surface), attribute));
-  } else if (std::ranges::any_of(stage.source.attributes->missing, is_meant)) {
+  } else if (color_attribute_of(job, stage.source) == nullptr) {
     return StageReport();  // sample_vertex_attributes() or the source has reported it
   }
-  const auto made = TRY(edit::color_by_values(
-      surface.mesh, attribute, job.color->map, job.color->range,
-      mesh_io::is_gltf(job.meshes().format) ? edit::ColorStorage::linear_u16 : edit::ColorStorage::srgb_u8,
-      stage.context));
+  edit::ValueColors made;
+  if (surface.taken) {
+    made = surface.attributes->colors;
+  } else {
+    made = TRY(color_vertices(surface.mesh, job, job.color->range, stage.context));
+  }
   const bool own_range = !job.color->range;
   StageReport report = stage.report_on(StageName::color, surface);
   report.entries.push_back({{Key::attribute, attribute},
@@ -106,10 +97,9 @@ Result<StageReport> color_by_attribute(Surface& surface, const StageContext& sta
                                       printable(attribute), word_of(job.color->map), made.range[0], made.range[1],
                                       own_range ? ", the range of its vertices" : "")});
   if (made.not_numbers > 0) {
-    report.notes.push_back(
-        {NoteId::nan_attribute,
-         fmt::format("{}: {} of {} vertices are gray, because '{}' is not a number there", report.subject,
-                     made.not_numbers, surface.mesh.positions.size(), printable(attribute))});
+    report.notes.push_back({NoteId::nan_attribute,
+                            fmt::format("{}: {} of {} vertices are gray, because '{}' is not a number there",
+                                        report.subject, made.not_numbers, surface.vertices(), printable(attribute))});
   }
   drop_unwritten(job, surface.mesh);
   return report;
@@ -136,6 +126,29 @@ std::optional<mesh::Material> material_of(const ConversionJob& job, const Surfac
       job.color->map, edit::place_in(job.color->range.value_or(edit::ValueRange{least, greatest}), id.rounded()));
   material.color = glm::dvec3(srgb_to_linear(color.x), srgb_to_linear(color.y), srgb_to_linear(color.z));
   return material;
+}
+
+const std::string* color_attribute_of(const ConversionJob& job, const Source& source) {
+  if (!job.color || !job.color->attribute || !source.attributes) return nullptr;
+  const std::string& attribute = *job.color->attribute;
+  const auto is_meant = [&](const MissingAttribute& missing) { return missing.choice.name == attribute; };
+  return std::ranges::any_of(source.attributes->missing, is_meant) ? nullptr : &attribute;
+}
+
+Result<edit::ValueColors> color_vertices(mesh::Mesh& mesh, const ConversionJob& job,
+                                         const std::optional<edit::ValueRange>& range, const Context& context) {
+  const bool is_gltf = mesh_io::is_gltf(job.meshes().format);
+  return edit::color_by_values(mesh, *job.color->attribute, job.color->map, range,
+                               is_gltf ? edit::ColorStorage::linear_u16 : edit::ColorStorage::srgb_u8, context);
+}
+
+void drop_unwritten(const ConversionJob& job, mesh::Mesh& mesh) {
+  for (const AttributeChoice& choice : job.source.attributes) {
+    if (choice.written) continue;
+    std::erase_if(mesh.attributes, [&](const mesh::Attribute& a) {
+      return a.role != mesh::AttributeRole::color && a.name == choice.name;
+    });
+  }
 }
 
 Result<StageReport> color_surface(Surface& surface, const StageContext& stage) {

@@ -37,9 +37,20 @@ bool has_finite_values(const mesh::Attribute& attribute) {
       [](bool a, bool b) { return a && b; });
 }
 
-std::vector<GltfSemantic> semantics_of(const mesh::Mesh& mesh, Notes& notes) {
+// Returns the shape of a mesh, with MeshShape::not_finite_attributes.
+mesh::MeshShape shape_with_attributes(const mesh::Mesh& mesh) {
+  mesh::MeshShape shape = mesh::shape_of(mesh);
+  for (std::size_t a = 0; a < mesh.attributes.size() && shape.triangles > 0; ++a) {
+    if (!has_finite_values(mesh.attributes[a])) shape.not_finite_attributes.push_back(a);
+  }
+  return shape;
+}
+
+// `not_finite` is MeshShape::not_finite_attributes.
+std::vector<GltfSemantic> semantics_of(const mesh::Mesh& mesh, std::span<const std::size_t> not_finite, Notes& notes) {
   std::vector<GltfSemantic> semantics;
-  for (const mesh::Attribute& attribute : mesh.attributes) {
+  for (std::size_t a = 0; a < mesh.attributes.size(); ++a) {
+    const mesh::Attribute& attribute = mesh.attributes[a];
     const std::string shown = as_utf8(attribute.name);
     const auto type = attribute.type;
     if (type == mesh::ComponentType::i32 || type == mesh::ComponentType::u32 || type == mesh::ComponentType::f64) {
@@ -48,7 +59,7 @@ std::vector<GltfSemantic> semantics_of(const mesh::Mesh& mesh, Notes& notes) {
                                    mesh::component_name(type), shown)});
       continue;
     }
-    if (!has_finite_values(attribute)) {
+    if (std::ranges::binary_search(not_finite, a)) {
       notes.push_back(
           {NoteId::attribute_left_out,
            fmt::format(
@@ -91,14 +102,6 @@ Result<void> write_split(const mesh::Mesh& mesh, files::OutputFile& file) {
                               });
 }
 
-// Writes values padded to the stride.
-char* put_value(char* out, const GltfSemantic& semantic, std::uint32_t vertex) {
-  const mesh::Attribute& attribute = *semantic.attribute;
-  std::memcpy(out, attribute.values.data() + vertex * attribute.stride(), attribute.stride());
-  std::fill(out + attribute.stride(), out + semantic.stride(), '\0');
-  return out + semantic.stride();
-}
-
 Result<void> write_attributes(const GltfPart& part, files::OutputFile& file) {
   Result<void> written;
   for (const GltfSemantic& semantic : part.semantics) {
@@ -109,11 +112,13 @@ Result<void> write_attributes(const GltfPart& part, files::OutputFile& file) {
                                    [&](std::size_t first, std::size_t last, char* out) {
                                      for (std::size_t i = first; i < last; ++i) {
                                        if (!split) {
-                                         out = put_value(out, semantic, static_cast<std::uint32_t>(i));
+                                         out = put_gltf_value(out, *semantic.attribute, i);
                                          continue;
                                        }
                                        const glm::uvec3 triangle = part.mesh->triangles[i];
-                                       for (int c = 0; c < 3; ++c) out = put_value(out, semantic, triangle[c]);
+                                       for (int c = 0; c < 3; ++c) {
+                                         out = put_gltf_value(out, *semantic.attribute, triangle[c]);
+                                       }
                                      }
                                      return out;
                                    });
@@ -149,18 +154,26 @@ std::string as_utf8(const std::string& text) {
   return nlohmann::json::parse(quoted).get<std::string>();
 }
 
-GltfPart::GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes)
-    : GltfPart(source, mesh::shape_of(source)) {
-  if (layout == Layout::nothing) return;
-  semantics = semantics_of(source, notes);
-  if (flat_normals) layout = Layout::split;
+char* put_gltf_value(char* out, const mesh::Attribute& attribute, std::size_t vertex) {
+  const std::span<const std::byte> value = attribute.at(vertex);
+  std::memcpy(out, value.data(), value.size());
+  char* const end = out + gltf_aligned(value.size());
+  std::fill(out + value.size(), end, '\0');
+  return end;
 }
 
-GltfPart::GltfPart(const mesh::Mesh& head, const mesh::MeshShape& shape_of_mesh)
+GltfPart::GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes)
+    : GltfPart(source, shape_with_attributes(source), notes) {
+  if (layout == Layout::indexed && flat_normals) layout = Layout::split;
+}
+
+GltfPart::GltfPart(const mesh::Mesh& head, const mesh::MeshShape& shape_of_mesh, Notes& notes)
     : mesh(&head),
       shape(shape_of_mesh),
       layout(shape.triangles == 0 ? Layout::nothing : Layout::indexed),
-      short_indices(layout == Layout::indexed && shape.vertices <= kMaxShortVertices) {}
+      short_indices(layout == Layout::indexed && shape.vertices <= kMaxShortVertices) {
+  if (layout != Layout::nothing) semantics = semantics_of(head, shape.not_finite_attributes, notes);
+}
 
 Result<GltfPart> GltfPart::make(const mesh::Mesh& source, const MeshWriteOptions& options, const Context& context,
                                 Notes& notes) {

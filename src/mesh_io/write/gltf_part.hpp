@@ -61,9 +61,9 @@ struct GltfPart {
   static constexpr std::size_t kSplitStride = 2 * sizeof(glm::vec3);
 
   GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes);
-  // Lays out a mesh that is not in memory; `head` is this mesh without arrays and attributes. Set `bounds` before the
-  // JSON is made.
-  GltfPart(const mesh::Mesh& head, const mesh::MeshShape& shape);
+  // Lays out a mesh that is not in memory, without normals of faces; `head` is this mesh without arrays and without the
+  // values of its attributes. Set `bounds` before the JSON is made.
+  GltfPart(const mesh::Mesh& head, const mesh::MeshShape& shape, Notes& notes);
   // Packs as options.packing asks; its box must be set if positions are quantized. Fails as pack_part() does.
   [[nodiscard]] static Result<GltfPart> make(const mesh::Mesh& source, const MeshWriteOptions& options,
                                              const Context& context, Notes& notes);
@@ -74,6 +74,9 @@ struct GltfPart {
   [[nodiscard]] std::uint64_t index_bytes() const;
   [[nodiscard]] std::uint64_t bytes() const;  // of the whole part in the file, with padding
 };
+
+// Writes the value of a vertex, padded as GltfSemantic::stride() says, and returns its end.
+[[nodiscard]] char* put_gltf_value(char* out, const mesh::Attribute& attribute, std::size_t vertex);
 
 [[nodiscard]] Result<void> write_part(const GltfPart& part, files::OutputFile& file);
 

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "base/packed_values.hpp"
+#include "files/record_stream.hpp"
 #include "mesh_io/write/glb_container.hpp"
 #include "mesh_io/write/gltf_model.hpp"
 #include "mesh_io/write/gltf_packed_part.hpp"
@@ -145,11 +146,14 @@ class PartwiseJson {
 
   // Returns false if the length of the JSON of a GLB depends on the bounds.
   bool begin(const mesh::MeshShape& shape) {
-    const GltfPart part(head_, shape);
+    const GltfPart part(head_, shape, notes_);
     if (!reserves_bounds(part)) return false;
     part_.emplace(part);
     return true;
   }
+
+  [[nodiscard]] const GltfPart& layout() const { return *part_; }
+  [[nodiscard]] bool has_attributes() const { return !part_->semantics.empty(); }
 
   // Returns the bytes of the JSON of a GLB. Fails if the file would be too large.
   [[nodiscard]] Result<std::size_t> glb_bytes(const files::OutputFile& file) const {
@@ -180,6 +184,7 @@ class PartwiseJson {
   }
 
   [[nodiscard]] std::string text(const std::string& uri, int indent, Notes& notes) {
+    notes.insert(notes.end(), notes_.begin(), notes_.end());
     part_->bounds = all_bounds().get();
     GltfModel model(placement_);
     model.add(*part_);
@@ -200,18 +205,43 @@ class PartwiseJson {
 
   const mesh::Mesh& head_;
   std::string placement_;
+  Notes notes_;  // notes about the attributes
   std::optional<GltfPart> part_;
   std::mutex mutex_;
   std::multimap<std::uint64_t, mesh::GrowingBounds> bounds_;  // by the first vertex of their part
 };
 
+// Returns the values of a part for an attribute, by its index in the mesh, padded as in the file. The part must outlive
+// the result.
+files::FillRecords padded_values_of(const mesh::MeshPart& part, std::size_t attribute) {
+  return [&part, attribute](std::size_t first, std::size_t last, char* out) {
+    for (std::size_t v = first; v < last; ++v) out = put_gltf_value(out, part.attributes[attribute], v);
+    return out;
+  };
+}
+
+std::size_t count_values(const mesh::MeshPart& part, std::size_t attribute) {
+  const mesh::Attribute& values = part.attributes[attribute];
+  return values.values.size() / values.stride();
+}
+
+// Returns the index of an attribute in the mesh.
+std::size_t attribute_index_of(const GltfSemantic& semantic, const GltfPart& layout) {
+  return static_cast<std::size_t>(semantic.attribute - layout.mesh->attributes.data());
+}
+
 // File offsets of the arrays of one mesh.
 class PartPlaces {
  public:
   // Makes room at the end of the file.
-  Result<void> extend(files::OutputFile& file, const mesh::MeshShape& shape) {
+  Result<void> extend(files::OutputFile& file, const GltfPart& layout) {
+    const mesh::MeshShape& shape = layout.shape;
     positions_at_ = TRY(file.extend(shape.vertices * sizeof(glm::vec3)));
     normals_at_ = TRY(file.extend(shape.has_normals ? shape.vertices * sizeof(glm::vec3) : 0));
+    for (const GltfSemantic& semantic : layout.semantics) {
+      const std::uint64_t at = TRY(file.extend(shape.vertices * semantic.stride()));
+      attributes_.push_back({attribute_index_of(semantic, layout), semantic.stride(), at});
+    }
     triangles_at_ = TRY(file.extend(shape.triangles * sizeof(glm::uvec3)));
     return {};
   }
@@ -220,12 +250,24 @@ class PartPlaces {
   Result<void> fill(const files::OutputFile& file, const mesh::MeshPart& part) const {
     TRY(file.fill(positions_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.positions)));
     TRY(file.fill(normals_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.normals)));
+    for (const Values& values : attributes_) {
+      if (part.attributes.empty()) break;  // a part without vertices
+      TRY(files::fill_records(file, values.at + part.first_vertex * values.stride, count_values(part, values.attribute),
+                              values.stride, padded_values_of(part, values.attribute)));
+    }
     return file.fill(triangles_at_ + part.first_triangle * sizeof(glm::uvec3), std::as_bytes(part.triangles));
   }
 
  private:
+  struct Values {
+    std::size_t attribute;  // index in the mesh
+    std::size_t stride;
+    std::uint64_t at;
+  };
+
   std::uint64_t positions_at_ = 0;
   std::uint64_t normals_at_ = 0;
+  std::vector<Values> attributes_;
   std::uint64_t triangles_at_ = 0;
 };
 
@@ -241,9 +283,11 @@ class PartwiseGlbWriter final : public PartwiseWriter {
     TRY(file_.write(glb_start(json_bytes_, json_.binary_bytes())));
     json_at_ = TRY(file_.extend(json_bytes_));
     TRY(file_.write(glb_binary_head(json_.binary_bytes())));
-    TRY(places_.extend(file_, shape));
+    TRY(places_.extend(file_, json_.layout()));
     return true;
   }
+
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override { return {{.attributes = json_.has_attributes()}}; }
 
   Result<void> take(const mesh::MeshPart& part) override {
     json_.measure(part);
@@ -275,9 +319,11 @@ class PartwiseGltfWriter final : public PartwiseWriter {
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
     if (!json_.begin(shape)) return false;
-    TRY(places_.extend(binary_, shape));
+    TRY(places_.extend(binary_, json_.layout()));
     return true;
   }
+
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override { return {{.attributes = json_.has_attributes()}}; }
 
   Result<void> take(const mesh::MeshPart& part) override {
     json_.measure(part);
@@ -307,16 +353,21 @@ class OrderedGlbWriter final : public PartwiseWriter {
     return true;
   }
 
+  // Has one pass for each attribute, because the file has one array after the other.
   [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
     std::vector<mesh::PartPass> all{{.normals = false, .triangles = false},
                                     {.in_order = true, .normals = false, .triangles = false}};
     if (has_normals_) all.push_back({.in_order = true, .positions = false, .triangles = false});
+    all.insert(all.end(), json_.layout().semantics.size(),
+               {.in_order = true, .positions = false, .normals = false, .triangles = false, .attributes = true});
     all.push_back({.in_order = true, .positions = false, .normals = false});
     return all;
   }
 
   Result<void> begin_pass(std::size_t pass) override {
     measures_ = pass == 0;
+    const std::size_t first_of_attributes = has_normals_ ? 3 : 2;
+    if (pass >= first_of_attributes) semantic_ = pass - first_of_attributes;
     if (pass != 1) return {};
     TRY(file_.write(glb_start(json_bytes_, json_.binary_bytes())));
     TRY(file_.write(json_.glb_text(json_bytes_, notes_)));
@@ -330,6 +381,12 @@ class OrderedGlbWriter final : public PartwiseWriter {
     }
     TRY(file_.write(std::as_bytes(part.positions)));
     TRY(file_.write(std::as_bytes(part.normals)));
+    if (!part.attributes.empty()) {
+      const GltfSemantic& semantic = json_.layout().semantics[semantic_];
+      const std::size_t attribute = attribute_index_of(semantic, json_.layout());
+      TRY(files::write_records(file_, count_values(part, attribute), semantic.stride(),
+                               padded_values_of(part, attribute)));
+    }
     return file_.write(std::as_bytes(part.triangles));
   }
 
@@ -343,8 +400,9 @@ class OrderedGlbWriter final : public PartwiseWriter {
   files::OutputFile& file_;
   std::size_t json_bytes_ = 0;
   bool has_normals_ = false;
-  bool measures_ = false;  // true in the first pass
-  Notes notes_;            // notes about the JSON
+  bool measures_ = false;     // true in the first pass
+  std::size_t semantic_ = 0;  // index of the attribute of the pass
+  Notes notes_;               // notes about the JSON
 };
 
 class GltfWriter final : public FormatWriter {

@@ -28,8 +28,8 @@ class PartwiseWriter : public mesh::MeshSink {
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;
 };
 
-// `head` is the mesh without vertices, triangles and attributes. `head` and the file must outlive the writer. The
-// options must be without packing, and in glTF without flat normals.
+// `head` is the mesh without vertices, triangles and the values of attributes. `head` and the file must outlive the
+// writer. The options must be without packing, and in glTF without flat normals.
 
 // Makes a writer of a regular file; the PLY is binary. begin() of glTF returns false for a mesh with 16-bit
 // indices, which is small.

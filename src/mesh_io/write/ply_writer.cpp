@@ -84,8 +84,10 @@ std::size_t attribute_bytes(const mesh::Mesh& mesh) {
   return bytes;
 }
 
-char* put_attributes(char* out, const mesh::Mesh& mesh, std::size_t vertex) {
-  for (const mesh::Attribute& attribute : mesh.attributes) {
+using Attributes = std::span<const mesh::Attribute>;
+
+char* put_attributes(char* out, Attributes attributes, std::size_t vertex) {
+  for (const mesh::Attribute& attribute : attributes) {
     std::memcpy(out, attribute.values.data() + vertex * attribute.stride(), attribute.stride());
     out += attribute.stride();
   }
@@ -93,9 +95,9 @@ char* put_attributes(char* out, const mesh::Mesh& mesh, std::size_t vertex) {
 }
 
 // Returns an upper bound of the text bytes of one vertex's attributes.
-std::size_t attribute_text(const mesh::Mesh& mesh) {
+std::size_t attribute_text(Attributes attributes) {
   std::size_t size = 0;
-  for (const mesh::Attribute& attribute : mesh.attributes) size += attribute.components * (1 + kMaxNumberText<double>);
+  for (const mesh::Attribute& attribute : attributes) size += attribute.components * (1 + kMaxNumberText<double>);
   return size;
 }
 
@@ -125,8 +127,8 @@ char* put_component(char* out, mesh::ComponentType type, const std::byte* bytes)
   return put_component<double>(out, bytes);
 }
 
-char* put_attribute_text(char* out, const mesh::Mesh& mesh, std::size_t vertex) {
-  for (const mesh::Attribute& attribute : mesh.attributes) {
+char* put_attribute_text(char* out, Attributes attributes, std::size_t vertex) {
+  for (const mesh::Attribute& attribute : attributes) {
     const std::byte* component = attribute.values.data() + vertex * attribute.stride();
     for (std::size_t c = 0; c < attribute.components; ++c) {
       *out++ = ' ';
@@ -169,7 +171,7 @@ Result<void> write_binary(const mesh::Mesh& mesh, bool vertex_normals, bool face
                                   for (std::size_t v = first; v < last; ++v) {
                                     out = put_bytes(out, position(v));
                                     if (vertex_normals) out = put_bytes(out, mesh.normals[v]);
-                                    out = put_attributes(out, mesh, v);
+                                    out = put_attributes(out, mesh.attributes, v);
                                   }
                                   return out;
                                 });
@@ -223,11 +225,11 @@ Result<void> write_face_lines(std::span<const glm::uvec3> triangles, PutRest put
 Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_normals, files::OutputFile& file) {
   const auto put_rest = [&](char* out, std::size_t v) {
     if (vertex_normals) out = put_vector(out, mesh.normals[v]);
-    return put_attribute_text(out, mesh, v);
+    return put_attribute_text(out, mesh.attributes, v);
   };
   TRY(with_world_positions(mesh, [&](auto position) {
-    return write_vertex_lines(mesh.positions.size(), position, kMaxVectorText<float> + attribute_text(mesh), put_rest,
-                              file);
+    return write_vertex_lines(mesh.positions.size(), position, kMaxVectorText<float> + attribute_text(mesh.attributes),
+                              put_rest, file);
   }));
   return write_face_lines(
       mesh.triangles.span(),
@@ -237,12 +239,22 @@ Result<void> write_ascii(const mesh::Mesh& mesh, bool vertex_normals, bool face_
       file);
 }
 
-constexpr std::size_t kShadedVertexBytes = 2 * sizeof(glm::vec3);
+// Returns the bytes of a binary vertex of a mesh that comes in parts.
+std::size_t vertex_record_bytes(const mesh::Mesh& head, bool has_normals) {
+  return (has_normals ? 2 : 1) * sizeof(glm::vec3) + attribute_bytes(head);
+}
 
-// Return the binary records of a part: vertices with normals, or faces. The part must outlive the result.
+bool has_positions_only(const mesh::MeshPart& part) { return part.normals.empty() && part.attributes.empty(); }
+
+// Return the binary records of a part: vertices with normals and attributes, or faces. The part must outlive the
+// result.
 files::FillRecords vertices_of(const mesh::MeshPart& part) {
   return [&part](std::size_t first, std::size_t last, char* out) {
-    for (std::size_t v = first; v < last; ++v) out = put_bytes(put_bytes(out, part.positions[v]), part.normals[v]);
+    for (std::size_t v = first; v < last; ++v) {
+      out = put_bytes(out, part.positions[v]);
+      if (!part.normals.empty()) out = put_bytes(out, part.normals[v]);
+      out = put_attributes(out, part.attributes, v);
+    }
     return out;
   };
 }
@@ -272,17 +284,20 @@ class PartwisePlyWriter final : public PartwiseWriter {
       : head_(head), options_(options), file_(file) {}
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
-    Notes none;  // header() has notes about attributes only
-    TRY(file_.write(header(head_, shape, options_, none)));
-    vertex_bytes_ = shape.has_normals ? kShadedVertexBytes : sizeof(glm::vec3);
+    TRY(file_.write(header(head_, shape, options_, notes_)));
+    vertex_bytes_ = vertex_record_bytes(head_, shape.has_normals);
     vertices_at_ = TRY(file_.extend(shape.vertices * vertex_bytes_));
     triangles_at_ = TRY(file_.extend(shape.triangles * kFaceBytes));
     return true;
   }
 
+  [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
+    return {{.attributes = !head_.attributes.empty()}};
+  }
+
   Result<void> take(const mesh::MeshPart& part) override {
     const std::uint64_t vertices_at = vertices_at_ + part.first_vertex * vertex_bytes_;
-    if (part.normals.empty()) {
+    if (has_positions_only(part)) {
       TRY(file_.fill(vertices_at, std::as_bytes(part.positions)));
     } else {
       TRY(files::fill_records(file_, vertices_at, part.positions.size(), vertex_bytes_, vertices_of(part)));
@@ -291,12 +306,16 @@ class PartwisePlyWriter final : public PartwiseWriter {
                                kFaceBytes, faces_of(part));
   }
 
-  Result<void> finish(Notes& /*notes*/) override { return {}; }
+  Result<void> finish(Notes& notes) override {
+    notes.insert(notes.end(), notes_.begin(), notes_.end());
+    return {};
+  }
 
  private:
   const mesh::Mesh& head_;
   MeshWriteOptions options_;
   files::OutputFile& file_;
+  Notes notes_;  // notes about the attributes
   std::size_t vertex_bytes_ = 0;
   std::uint64_t vertices_at_ = 0;   // file offset of the first vertex
   std::uint64_t triangles_at_ = 0;  // file offset of the first triangle
@@ -311,14 +330,14 @@ class OrderedPlyWriter final : public PartwiseWriter {
       : head_(head), options_(options), file_(file), waiting_(context, file.shown_name()) {}
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
-    Notes none;  // header() has notes about attributes only
-    TRY(file_.write(header(head_, shape, options_, none)));
+    TRY(file_.write(header(head_, shape, options_, notes_)));
+    vertex_bytes_ = vertex_record_bytes(head_, shape.has_normals);
     if (options_.flat_normals) TRY(waiting_.begin(shape));
     return true;
   }
 
   [[nodiscard]] std::vector<mesh::PartPass> passes() const override {
-    return {{.in_order = true, .triangles = false},
+    return {{.in_order = true, .triangles = false, .attributes = !head_.attributes.empty()},
             {.in_order = true, .positions = options_.flat_normals, .normals = false}};
   }
 
@@ -333,25 +352,29 @@ class OrderedPlyWriter final : public PartwiseWriter {
     return waiting_.keep(part);
   }
 
-  Result<void> finish(Notes& /*notes*/) override { return writes_flat_faces_ ? write_flat_faces({}) : Result<void>(); }
+  Result<void> finish(Notes& notes) override {
+    notes.insert(notes.end(), notes_.begin(), notes_.end());
+    return writes_flat_faces_ ? write_flat_faces({}) : Result<void>();
+  }
 
  private:
   Result<void> write_text(const mesh::MeshPart& part) {
-    const auto put_normal = [&](char* out, std::size_t v) {
-      return part.normals.empty() ? out : put_vector(out, part.normals[v]);
+    const auto put_rest = [&](char* out, std::size_t v) {
+      if (!part.normals.empty()) out = put_vector(out, part.normals[v]);
+      return put_attribute_text(out, part.attributes, v);
     };
     TRY(write_vertex_lines(
-        part.positions.size(), [&](std::size_t v) { return part.positions[v]; }, kMaxVectorText<float>, put_normal,
-        file_));
+        part.positions.size(), [&](std::size_t v) { return part.positions[v]; },
+        kMaxVectorText<float> + attribute_text(part.attributes), put_rest, file_));
     return write_face_lines(
         part.triangles, [](char* out, std::size_t /*triangle*/) { return out; }, file_);
   }
 
   Result<void> write_binary_part(const mesh::MeshPart& part) {
-    if (part.normals.empty()) {
+    if (has_positions_only(part)) {
       TRY(file_.write(std::as_bytes(part.positions)));
     } else {
-      TRY(files::write_records(file_, part.positions.size(), kShadedVertexBytes, vertices_of(part)));
+      TRY(files::write_records(file_, part.positions.size(), vertex_bytes_, vertices_of(part)));
     }
     return files::write_records(file_, part.triangles.size(), kFaceBytes, faces_of(part));
   }
@@ -375,6 +398,8 @@ class OrderedPlyWriter final : public PartwiseWriter {
   MeshWriteOptions options_;
   files::OutputFile& file_;
   WaitingPart waiting_;
+  Notes notes_;  // notes about the attributes
+  std::size_t vertex_bytes_ = 0;
   bool writes_flat_faces_ = false;
 };
 

@@ -1,12 +1,16 @@
 #include "points/attribute_sampling.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "base/parallel.hpp"
 #include "points/detail/cubic_spline.hpp"
 #include "unit/points/particles.hpp"
 
@@ -91,6 +95,30 @@ TEST(AttributeSampling, UsesTheNearestParticleBeyondAllKernels) {
   EXPECT_FALSE(sample_attributes(particles_at({}), {}, vertices, kSamplingRadius, 2, Context()));
   EXPECT_FALSE(sample_attributes(set, {}, vertices, 0, 2, Context()));
   EXPECT_TRUE(sample_attributes(particles_at({}), {}, {}, kSamplingRadius, 2, Context()));
+}
+
+// Some vertices are beyond all kernels.
+TEST(AttributeSampling, IsTheSameForPartsOfTheVertices) {
+  const ParticleSet set = with_attributes(random_positions(2000, 1, 46));
+  const std::vector<glm::dvec3> vertices = random_positions(3000, 1.5, 47);
+  const SampledAttributes whole = sampled(set, {1, 0}, vertices);
+  EXPECT_GT(whole.vertices_beyond_kernels, 100U);
+  const std::vector<std::size_t> which = {1, 0};
+  const auto sampler = AttributeSampler::make(set, which, kSamplingRadius, 2, Context());
+  ASSERT_TRUE(sampler);
+  constexpr std::size_t kPart = 70;
+  std::atomic<std::uint64_t> beyond{0};
+  for_each_range(vertices.size(), kPart, [&](std::size_t begin, std::size_t end) {
+    const auto part = sampler->sample(std::span(vertices).subspan(begin, end - begin), Context());
+    ASSERT_TRUE(part);
+    beyond += part->vertices_beyond_kernels;
+    for (std::size_t a = 0; a < which.size(); ++a) {
+      const std::size_t width = whole.attributes[a].components;
+      const float* const wanted = whole.attributes[a].values.data() + begin * width;
+      EXPECT_TRUE(std::equal(part->attributes[a].values.begin(), part->attributes[a].values.end(), wanted));
+    }
+  });
+  EXPECT_EQ(beyond, whole.vertices_beyond_kernels);
 }
 
 TEST(AttributeSampling, IsTheSameForAnyNumberOfThreads) {
