@@ -63,7 +63,7 @@ struct AttributeResult {
   // For particles: vertices out of every particle's reach, which have the values of the nearest particle.
   std::uint64_t vertices_beyond_kernels = 0;
 
-  // For volumes: returns how many vertices lie outside dense samples and have the value at the data boundary; of
+  // Returns how many vertices lie outside the dense samples of a volume and have the value at the data boundary; of
   // several components the largest count.
   [[nodiscard]] std::uint64_t outside() const;
   // Returns how many vertices have a value that is not a finite number; of several components the largest count.

@@ -12,7 +12,7 @@ namespace isoextract::convert {
 namespace {
 
 // A thread that makes a part samples so many vertices at a time.
-constexpr std::size_t kPieceVertices = 8192;
+constexpr std::size_t kChunkVertices = 8192;
 
 std::size_t components_in(const AttributeSource& source) {
   std::size_t components = 0;
@@ -42,13 +42,13 @@ edit::ValueRange range_of_both(const edit::ValueRange& a, const edit::ValueRange
 }
 
 // Returns some vertices of a part, with the arrays that the pass asks for, and without triangles.
-mesh::MeshPart piece_of(const mesh::MeshPart& part, std::size_t first, std::size_t count, const mesh::PartPass& pass) {
-  mesh::MeshPart piece;
-  piece.first_vertex = part.first_vertex + first;
-  piece.first_triangle = part.first_triangle;
-  if (pass.positions) piece.positions = part.positions.subspan(first, count);
-  if (!part.normals.empty()) piece.normals = part.normals.subspan(first, count);
-  return piece;
+mesh::MeshPart chunk_of(const mesh::MeshPart& part, std::size_t first, std::size_t count, const mesh::PartPass& pass) {
+  mesh::MeshPart chunk;
+  chunk.first_vertex = part.first_vertex + first;
+  chunk.first_triangle = part.first_triangle;
+  if (pass.positions) chunk.positions = part.positions.subspan(first, count);
+  if (!part.normals.empty()) chunk.normals = part.normals.subspan(first, count);
+  return chunk;
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ std::uint64_t sampling_bytes(const AttributeSource& source) {
 }
 
 std::uint64_t vertices_sampled_at_once(std::uint64_t vertices) {
-  return std::min(vertices, static_cast<std::uint64_t>(usable_threads()) * kPieceVertices);
+  return std::min(vertices, static_cast<std::uint64_t>(usable_threads()) * kChunkVertices);
 }
 
 bool attributes_need_whole_mesh(const ConversionJob& job, const Source& source) {
@@ -78,8 +78,7 @@ PartwiseAttributes::PartwiseAttributes(const StageContext& stage)
       color_(color_attribute_of(stage.job, stage.source)),
       omits_not_finite_(mesh_io::is_gltf(stage.job.meshes().format)),
       selects_bodies_(stage.job.edits.pieces.drops()),
-      measures_first_(components_in(source_) > 0 &&
-                      (omits_not_finite_ || selects_bodies_ || (color_ != nullptr && !job_.color->range))) {
+      measures_first_(components_in(source_) > 0 && (omits_not_finite_ || selects_bodies_ || finds_range())) {
   if (color_ != nullptr) colors_.range = job_.color->range.value_or(edit::ValueRange{});
 }
 
@@ -97,11 +96,11 @@ Result<bool> PartwiseAttributes::begin(const mesh::MeshShape& shape) {
 
 Result<void> PartwiseAttributes::measure(const mesh::MeshPart& part) {
   std::optional<edit::ValueRange> range;
-  TRY(for_each_piece(
-      part, kPieceVertices,
-      [&](std::size_t /*first*/, mesh::Mesh& piece, const std::vector<AttributeResult>& results) -> Result<void> {
+  TRY(for_each_chunk(
+      part, kChunkVertices,
+      [&](std::size_t /*first*/, mesh::Mesh& chunk, const std::vector<AttributeResult>& results) -> Result<void> {
         count(results);
-        if (!selects_bodies_) look_at(piece, range);
+        if (!selects_bodies_) look_at(chunk, range);
         return {};
       }));
   keep_range(part.first_vertex, range);
@@ -109,11 +108,12 @@ Result<void> PartwiseAttributes::measure(const mesh::MeshPart& part) {
 }
 
 Result<void> PartwiseAttributes::measure_written(const mesh::MeshPart& part) {
+  if (!finds_range() && !omits_not_finite_) return {};
   std::optional<edit::ValueRange> range;
-  TRY(for_each_piece(
-      part, kPieceVertices,
-      [&](std::size_t /*first*/, mesh::Mesh& piece, const std::vector<AttributeResult>& /*results*/) -> Result<void> {
-        look_at(piece, range);
+  TRY(for_each_chunk(
+      part, kChunkVertices,
+      [&](std::size_t /*first*/, mesh::Mesh& chunk, const std::vector<AttributeResult>& /*results*/) -> Result<void> {
+        look_at(chunk, range);
         return {};
       }));
   keep_range(part.first_vertex, range);
@@ -122,14 +122,14 @@ Result<void> PartwiseAttributes::measure_written(const mesh::MeshPart& part) {
 
 void PartwiseAttributes::finish_measuring() {
   has_counted_ = true;
-  if (color_ == nullptr || job_.color->range || ranges_.empty()) return;
+  if (!finds_range() || ranges_.empty()) return;
   colors_.range = ranges_.begin()->second;
   for (const auto& [vertex, range] : ranges_) colors_.range = range_of_both(colors_.range, range);
 }
 
 Result<std::vector<mesh::Attribute>> PartwiseAttributes::attributes() const {
   mesh::Mesh none;
-  TRY(add_attributes(source_, none, piece_context_));
+  TRY(add_attributes(source_, none, chunk_context_));
   TRY(complete(none));
   return std::move(none.attributes);
 }
@@ -150,41 +150,41 @@ void PartwiseAttributes::begin_pass(const mesh::PartPass& pass) {
 
 Result<void> PartwiseAttributes::add(const mesh::MeshPart& part, const TakePart& take) {
   if (part.positions.empty()) return take(part);
-  // Parts in order come one by one, so all threads work on the same piece.
+  // Parts in order come one by one, so all threads work on the same chunk.
   const std::size_t vertices =
-      pass_.in_order ? static_cast<std::size_t>(vertices_sampled_at_once(vertices_)) : kPieceVertices;
-  return for_each_piece(
+      pass_.in_order ? static_cast<std::size_t>(vertices_sampled_at_once(vertices_)) : kChunkVertices;
+  return for_each_chunk(
       part, vertices,
-      [&](std::size_t first, mesh::Mesh& piece, const std::vector<AttributeResult>& results) -> Result<void> {
-        const std::size_t count = piece.positions.size();
+      [&](std::size_t first, mesh::Mesh& chunk, const std::vector<AttributeResult>& results) -> Result<void> {
+        const std::size_t count = chunk.positions.size();
         {
           const ActiveTime::Task task(&time_);
-          const edit::ValueColors colors = TRY(complete(piece));
+          const edit::ValueColors colors = TRY(complete(chunk));
           if (counts_) this->count(results);
           const std::lock_guard lock(mutex_);
           if (counts_gray_) colors_.not_numbers += colors.not_numbers;
         }
-        mesh::MeshPart with_attributes = piece_of(part, first, count, pass_);
+        mesh::MeshPart with_attributes = chunk_of(part, first, count, pass_);
         if (first == 0) with_attributes.triangles = part.triangles;
-        with_attributes.attributes = piece.attributes;
+        with_attributes.attributes = chunk.attributes;
         return take(with_attributes);
       });
 }
 
 AttributesOfParts PartwiseAttributes::take_figures() { return {std::move(results_), vertices_, colors_, time_.take()}; }
 
-Result<void> PartwiseAttributes::for_each_piece(const mesh::MeshPart& part, std::size_t vertices, const UsePiece& use) {
+Result<void> PartwiseAttributes::for_each_chunk(const mesh::MeshPart& part, std::size_t vertices, const UseChunk& use) {
   for (std::size_t first = 0; first < part.positions.size(); first += vertices) {
     const auto positions = part.positions.subspan(first, std::min(vertices, part.positions.size() - first));
-    mesh::Mesh piece;
+    mesh::Mesh chunk;
     std::vector<AttributeResult> results;
     {
       const ActiveTime::Task task(&time_);
-      piece.positions = Buffer<glm::vec3>(positions.size());
-      std::ranges::copy(positions, piece.positions.begin());
-      results = TRY(add_attributes(source_, *samplers_, piece, piece_context_));
+      chunk.positions = Buffer<glm::vec3>(positions.size());
+      std::ranges::copy(positions, chunk.positions.begin());
+      results = TRY(add_attributes(source_, *samplers_, chunk, chunk_context_));
     }
-    TRY(use(first, piece, results));
+    TRY(use(first, chunk, results));
   }
   return {};
 }
@@ -198,17 +198,17 @@ void PartwiseAttributes::count(const std::vector<AttributeResult>& results) {
   for (std::size_t a = 0; a < results.size(); ++a) results_[a].add(results[a]);
 }
 
-void PartwiseAttributes::look_at(mesh::Mesh& piece, std::optional<edit::ValueRange>& range) {
+void PartwiseAttributes::look_at(mesh::Mesh& chunk, std::optional<edit::ValueRange>& range) {
   const ActiveTime::Task task(&time_);
-  if (color_ != nullptr && !job_.color->range) {
-    const auto found = edit::range_of_attribute(piece, *color_);
+  if (finds_range()) {
+    const auto found = edit::range_of_attribute(chunk, *color_);
     if (found) range = range ? range_of_both(*range, *found) : *found;
   }
   if (!omits_not_finite_) return;
-  if (color_ != nullptr) drop_unwritten(job_, piece);  // the colors, which come last, are always finite
-  transform_attributes(piece, source_.kinds, source_.output_from_world);
-  for (std::size_t a = 0; a < piece.attributes.size(); ++a) {
-    if (has_finite_values(piece.attributes[a])) continue;
+  if (color_ != nullptr) drop_unwritten(job_, chunk);  // the colors, which come last, are always finite
+  transform_attributes(chunk, source_.kinds, source_.output_from_world);
+  for (std::size_t a = 0; a < chunk.attributes.size(); ++a) {
+    if (has_finite_values(chunk.attributes[a])) continue;
     const std::lock_guard lock(mutex_);
     not_finite_.resize(std::max(not_finite_.size(), a + 1));
     not_finite_[a] = true;
@@ -221,13 +221,13 @@ void PartwiseAttributes::keep_range(std::uint64_t first_vertex, const std::optio
   ranges_.emplace(first_vertex, *range);
 }
 
-Result<edit::ValueColors> PartwiseAttributes::complete(mesh::Mesh& piece) const {
+Result<edit::ValueColors> PartwiseAttributes::complete(mesh::Mesh& chunk) const {
   edit::ValueColors colors;
   if (color_ != nullptr) {
-    colors = TRY(color_vertices(piece, job_, colors_.range, piece_context_));
-    drop_unwritten(job_, piece);
+    colors = TRY(color_vertices(chunk, job_, colors_.range, chunk_context_));
+    drop_unwritten(job_, chunk);
   }
-  transform_attributes(piece, source_.kinds, source_.output_from_world);
+  transform_attributes(chunk, source_.kinds, source_.output_from_world);
   return colors;
 }
 

@@ -27,8 +27,8 @@ namespace isoextract::convert {
 // Returns how many of the vertices all threads together sample at a time.
 [[nodiscard]] std::uint64_t vertices_sampled_at_once(std::uint64_t vertices);
 
-// Returns whether the attributes of the job need the whole mesh: those of mesh files, those that the format cannot
-// store, and those that the input must have but lacks, because whether this is an error depends on the mesh.
+// Returns whether the attributes of the job need the whole mesh. Those of mesh files do, and those that the format
+// cannot store. Those that the input must have but lacks do, too: an empty mesh makes them no error.
 [[nodiscard]] bool attributes_need_whole_mesh(const ConversionJob& job, const Source& source);
 
 // Several threads may call measure(), measure_written() and add() at once. The functions fail as add_attributes() and
@@ -53,11 +53,12 @@ class PartwiseAttributes {
   [[nodiscard]] Result<void> measure_written(const mesh::MeshPart& part);
   void finish_measuring();
 
-  // Return the attributes of the mesh without values, and MeshShape::not_finite_attributes. Call after the measuring.
+  // Returns the attributes of the mesh without values. Call it and not_finite() after the measuring.
   [[nodiscard]] Result<std::vector<mesh::Attribute>> attributes() const;
+  // Returns MeshShape::not_finite_attributes.
   [[nodiscard]] std::vector<std::size_t> not_finite() const;
 
-  // Begins a pass of the writer. add() calls take() with the part in pieces that have attributes. The pieces have the
+  // Begins a pass of the writer. add() calls take() with the part in chunks that have attributes. The chunks have the
   // arrays that the pass asks for; the part must have positions, too.
   void begin_pass(const mesh::PartPass& pass);
   [[nodiscard]] Result<void> add(const mesh::MeshPart& part, const TakePart& take);
@@ -66,22 +67,24 @@ class PartwiseAttributes {
   [[nodiscard]] AttributesOfParts take_figures();
 
  private:
-  using UsePiece =
-      std::function<Result<void>(std::size_t first, mesh::Mesh& piece, const std::vector<AttributeResult>& results)>;
+  using UseChunk =
+      std::function<Result<void>(std::size_t first, mesh::Mesh& chunk, const std::vector<AttributeResult>& results)>;
 
+  // Returns whether the range of the colors is that of the values.
+  [[nodiscard]] bool finds_range() const { return color_ != nullptr && !job_.color->range; }
   // Calls use() with consecutive vertices of the part, from number `first` of the part on, and their attributes.
-  [[nodiscard]] Result<void> for_each_piece(const mesh::MeshPart& part, std::size_t vertices, const UsePiece& use);
+  [[nodiscard]] Result<void> for_each_chunk(const mesh::MeshPart& part, std::size_t vertices, const UseChunk& use);
   void count(const std::vector<AttributeResult>& results);
-  // Widens `range` by the values of a piece that give colors, and records which attributes are not finite.
-  void look_at(mesh::Mesh& piece, std::optional<edit::ValueRange>& range);
+  // Widens `range` by the values of a chunk that give colors, and records which attributes are not finite.
+  void look_at(mesh::Mesh& chunk, std::optional<edit::ValueRange>& range);
   void keep_range(std::uint64_t first_vertex, const std::optional<edit::ValueRange>& range);
-  // Colors the vertices of a piece, and maps its attributes to output coordinates.
-  [[nodiscard]] Result<edit::ValueColors> complete(mesh::Mesh& piece) const;
+  // Colors the vertices of a chunk, and maps its attributes to output coordinates.
+  [[nodiscard]] Result<edit::ValueColors> complete(mesh::Mesh& chunk) const;
 
   const ConversionJob& job_;
   const AttributeSource& source_;
   Context context_;
-  Context piece_context_;     // its reservations are part of `memory_`
+  Context chunk_context_;     // its reservations are part of `memory_`
   const std::string* color_;  // the attribute that gives colors; null: none
   bool omits_not_finite_;     // the format has no NaN and no infinite values
   bool selects_bodies_;
@@ -90,9 +93,10 @@ class PartwiseAttributes {
   Reservation memory_;
   std::optional<AttributeSamplers> samplers_;
   mesh::PartPass pass_;
-  bool has_counted_ = false;       // an earlier pass counted the values
-  bool counts_ = false;            // this pass counts them
-  bool has_counted_gray_ = false;  // the same for vertices without a color
+  // Whether an earlier pass has counted the values and the gray vertices, and whether this pass counts them.
+  bool has_counted_ = false;
+  bool counts_ = false;
+  bool has_counted_gray_ = false;
   bool counts_gray_ = false;
 
   std::mutex mutex_;  // guards the rest

@@ -149,7 +149,7 @@ Result<void> PartwiseOutput::take_rest(const mesh::MeshPart& part) {
   if (pass_ < looking_end_) return bodies_ != nullptr ? attributes_->measure_written(part) : Result<void>();
   if (measuring_ != nullptr) return measuring_->take(part);
   if (!passes_[pass_].attributes) return writer_.take_part(part);
-  return attributes_->add(part, [this](const mesh::MeshPart& piece) { return writer_.take_part(piece); });
+  return attributes_->add(part, [this](const mesh::MeshPart& chunk) { return writer_.take_part(chunk); });
 }
 
 Result<void> PartwiseOutput::end_pass() {
