@@ -160,13 +160,14 @@ class PartwiseAttributesTest(ProgramTest):
         layers = ("layers.raw", "--dims", f"{size},{size},{size}", "--iso", 100, "--normals", "none", "--spacing", .01)
         for name in ("a.ply", "a.glb"):
             for choice in ((*HOLES, *COLORS), VECTORS):
-                limit = ("--memory-limit", "28M", "--threads", 2)
-                whole = self.run_program(*layers, *choice, "-o", name, *limit, *WHOLE_BODIES)
-                self.assert_fails(2, whole, "triangles", "--memory-limit")
-                self.convert(*layers, *choice, "-o", name, *limit)
-                limited = (self.folder / name).read_bytes()
-                self.convert(*layers, *choice, "-o", name)
-                self.assertTrue((self.folder / name).read_bytes() == limited)
+                output = (*layers, *choice, "-o", name)
+                limit = ("--memory-limit", "28M")
+                self.assert_fails(2, self.run_program(*output, *limit, *WHOLE_BODIES), "triangles", "--memory-limit")
+                self.convert(*output)
+                content = (self.folder / name).read_bytes()
+                for threads in (1, 40):
+                    self.convert(*output, *limit, "--threads", threads)
+                    self.assertTrue((self.folder / name).read_bytes() == content)
 
     def test_dry_runs_expect_no_whole_mesh(self):
         def expected(*more):

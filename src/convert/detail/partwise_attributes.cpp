@@ -11,8 +11,9 @@
 namespace isoextract::convert {
 namespace {
 
-// A thread that makes a part samples so many vertices at a time.
-constexpr std::size_t kChunkVertices = 8192;
+// A thread that makes a part samples so many vertices at a time, and fewer if memory is short.
+constexpr std::uint64_t kMostChunkVertices = 8192;
+constexpr std::uint64_t kLeastChunkVertices = 256;
 
 std::size_t components_in(const AttributeSource& source) {
   std::size_t components = 0;
@@ -60,7 +61,7 @@ std::uint64_t sampling_bytes(const AttributeSource& source) {
 }
 
 std::uint64_t vertices_sampled_at_once(std::uint64_t vertices) {
-  return std::min(vertices, static_cast<std::uint64_t>(usable_threads()) * kChunkVertices);
+  return std::min(vertices, static_cast<std::uint64_t>(usable_threads()) * kMostChunkVertices);
 }
 
 bool attributes_need_whole_mesh(const ConversionJob& job, const Source& source) {
@@ -84,8 +85,14 @@ PartwiseAttributes::PartwiseAttributes(const StageContext& stage)
 
 Result<bool> PartwiseAttributes::begin(const mesh::MeshShape& shape) {
   vertices_ = shape.vertices;
-  auto memory =
-      context_.reserve(vertices_sampled_at_once(vertices_) * sampling_bytes(source_), "attributes of vertices");
+  const auto threads = static_cast<std::uint64_t>(usable_threads());
+  const std::uint64_t bytes = sampling_bytes(source_);
+  // The parts need the rest of the memory.
+  const std::uint64_t share = context_.memory().left() / 8 / (threads * bytes);
+  const std::uint64_t chunk = std::clamp(share, kLeastChunkVertices, kMostChunkVertices);
+  chunk_vertices_ = static_cast<std::size_t>(chunk);
+  vertices_at_once_ = static_cast<std::size_t>(std::min(vertices_, threads * chunk));
+  auto memory = context_.reserve(vertices_at_once_ * bytes, "attributes of vertices");
   if (!memory) return false;
   auto samplers = AttributeSamplers::make(source_, context_);
   if (!samplers && samplers.error().code == ErrorCode::out_of_memory) return false;
@@ -97,7 +104,7 @@ Result<bool> PartwiseAttributes::begin(const mesh::MeshShape& shape) {
 Result<void> PartwiseAttributes::measure(const mesh::MeshPart& part) {
   std::optional<edit::ValueRange> range;
   TRY(for_each_chunk(
-      part, kChunkVertices,
+      part, chunk_vertices_,
       [&](std::size_t /*first*/, mesh::Mesh& chunk, const std::vector<AttributeResult>& results) -> Result<void> {
         count(results);
         if (!selects_bodies_) look_at(chunk, range);
@@ -111,7 +118,7 @@ Result<void> PartwiseAttributes::measure_written(const mesh::MeshPart& part) {
   if (!finds_range() && !omits_not_finite_) return {};
   std::optional<edit::ValueRange> range;
   TRY(for_each_chunk(
-      part, kChunkVertices,
+      part, chunk_vertices_,
       [&](std::size_t /*first*/, mesh::Mesh& chunk, const std::vector<AttributeResult>& /*results*/) -> Result<void> {
         look_at(chunk, range);
         return {};
@@ -151,8 +158,7 @@ void PartwiseAttributes::begin_pass(const mesh::PartPass& pass) {
 Result<void> PartwiseAttributes::add(const mesh::MeshPart& part, const TakePart& take) {
   if (part.positions.empty()) return take(part);
   // Parts in order come one by one, so all threads work on the same chunk.
-  const std::size_t vertices =
-      pass_.in_order ? static_cast<std::size_t>(vertices_sampled_at_once(vertices_)) : kChunkVertices;
+  const std::size_t vertices = pass_.in_order ? vertices_at_once_ : chunk_vertices_;
   return for_each_chunk(
       part, vertices,
       [&](std::size_t first, mesh::Mesh& chunk, const std::vector<AttributeResult>& results) -> Result<void> {

@@ -24,7 +24,7 @@ namespace isoextract::convert {
 
 // Returns the memory that one vertex takes while its attributes are sampled.
 [[nodiscard]] std::uint64_t sampling_bytes(const AttributeSource& source);
-// Returns how many of the vertices all threads together sample at a time.
+// Returns how many of the vertices all threads together sample at a time if memory is not short.
 [[nodiscard]] std::uint64_t vertices_sampled_at_once(std::uint64_t vertices);
 
 // Returns whether the attributes of the job need the whole mesh. Those of mesh files do, and those that the format
@@ -90,6 +90,8 @@ class PartwiseAttributes {
   bool selects_bodies_;
   bool measures_first_;
   std::uint64_t vertices_ = 0;
+  std::size_t chunk_vertices_ = 0;    // sampled by one thread at a time
+  std::size_t vertices_at_once_ = 0;  // by all threads
   Reservation memory_;
   std::optional<AttributeSamplers> samplers_;
   mesh::PartPass pass_;
