@@ -18,16 +18,23 @@ WAVE = ("--attribute", "wave=demo:metaballs?size=20")
 VECTORS = ("--attribute", "v=v.nrrd")
 HOLES = ("--attribute", "holes=holes.npy:spacing=.1:origin=-.9,-.8,-1")
 COLORS = ("--color-by", "wave=demo:metaballs?size=20:turbo")
+COLORED_HOLES = ("--color-by", "holes=holes.npy:spacing=.1:origin=-.9,-.8,-1")
 # Every kind of work: values alone, several attributes, colors of a given and of a found range, values that only color.
 CHOICES = (WAVE, (*WAVE, *VECTORS), HOLES, (*HOLES, *WAVE), COLORS, (*WAVE, "--color-by", "wave"),
            ("--color-by", "wave=demo:metaballs?size=20:-.2,.1"), (*VECTORS, "--color-by", "v:gray"),
-           (*WAVE, "--color-by", "holes=holes.npy:spacing=.1:origin=-.9,-.8,-1"), (*VECTORS, *COLORS, "--up", "y", "--scale", 3))
+           (*WAVE, *COLORED_HOLES), (*VECTORS, *COLORS, "--up", "y", "--scale", 3))
 
 
 def npy(shape, values):
     head = f"{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}"
     head += " " * (-(len(head) + 11) % 64) + "\n"
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode() + struct.pack(f"<{len(values)}f", *values)
+
+
+def told(run):
+    """The printed lines about attributes, without times."""
+    return [re.sub(r"in [0-9.]+ s .*processor time\)", "in a time", line) for line in run.err.splitlines()
+            if re.search("attribute|colors|gray|wave|holes", line)]
 
 
 class PartwiseAttributesTest(ProgramTest):
@@ -50,9 +57,7 @@ class PartwiseAttributesTest(ProgramTest):
         files = {path.name: path.read_bytes() for path in (self.folder / "out").iterdir()}
         for path in (self.folder / "out").iterdir():
             path.unlink()
-        lines = [re.sub(r"in [0-9.]+ s .*processor time\)", "in a time", line) for line in run.err.splitlines()
-                 if re.search("attribute|colors|gray|wave|holes", line)]
-        found = {"files": files, "lines": lines}
+        found = {"files": files, "lines": told(run)}
         if "--report" in arguments:
             report = json.loads((self.folder / "r.json").read_text())
             found |= {key: report.get(key) for key in ("attributes", "colors", "notes", "meshes", "outputs")}
@@ -137,13 +142,14 @@ class PartwiseAttributesTest(ProgramTest):
 
     def test_streams(self):
         for name, *form in NAMES:
-            for choice in ((*HOLES, *VECTORS, *COLORS), (*WAVE, *VECTORS)):
+            for choice in ((*HOLES, *VECTORS, *COLORS), (*WAVE, *VECTORS), (*WAVE, *COLORED_HOLES)):
                 with self.subTest(name=name, form=form, choice=choice):
-                    self.convert(*GYROID, *choice, *form, *WHOLE, "-o", name)
+                    file = self.convert(*GYROID, *choice, *form, *WHOLE, "-o", name, "-v")
                     whole = (self.folder / name).read_bytes()
                     run = self.convert(*GYROID, *choice, *form, "-o", "-", "--format", name[2:], "-v")
                     self.assertIn("extracted and written", run.err)
                     self.assertTrue(run.out == whole)
+                    self.assertEqual(told(run), told(file))
 
     def test_missing_attributes(self):
         missing = ("--attribute", "gone?=gone.npy")
