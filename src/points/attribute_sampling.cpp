@@ -85,17 +85,20 @@ Result<SampledAttributes> make_room(const ParticleSet& particles, std::span<cons
 }  // namespace
 
 struct AttributeSampler::State {
+  State(const ParticleSet& from, std::span<const std::size_t> which, SourcePoints&& at, const Context& of)
+      : context(of), particles(from), attributes(which.begin(), which.end()), points(std::move(at)) {}
+
   Context context;  // of make()
   const ParticleSet& particles;
   std::vector<std::size_t> attributes;
   SourcePoints points;
   GridFrame frame;
-  glm::dvec3 half;  // half of the box around the points, in grid coordinates
-  CellGrid grid;
+  glm::dvec3 half{0.0};  // half of the box around the points, in grid coordinates
+  std::optional<CellGrid> grid;
   std::shared_ptr<ReservedBuffer<float>> densities;
-  std::vector<std::shared_ptr<ReservedBuffer<float>>> means = {};  // of each attribute, by spot
-  std::mutex mutex = {};                                           // guards `tree` while it is made
-  std::optional<NearestTree> tree = {};
+  std::vector<std::shared_ptr<ReservedBuffer<float>>> means;  // of each attribute, by spot
+  std::mutex mutex;                                           // guards `tree` while it is made
+  std::optional<NearestTree> tree;
 
   // Returns the tree of the particles; makes it on the first call.
   [[nodiscard]] Result<const NearestTree*> nearest() {
@@ -126,30 +129,23 @@ Result<AttributeSampler> AttributeSampler::make(const ParticleSet& particles, st
   TRY(check_lengths(radius, smoothing_length));
   const double support = 2 * smoothing_length * radius;
   auto points = TRY(SourcePoints::make(particles, support, context));
-  const std::span<const glm::dvec3> positions = points.positions();
+  auto state = std::make_unique<State>(particles, attributes, std::move(points), context);
+  const std::span<const glm::dvec3> positions = state->points.positions();
   const ParticleBounds bounds = measure_bounds(positions);
   if (bounds.finite == 0) {
     return fail(ErrorCode::input, particles.label + ": expected particles with attributes, found none");
   }
-  const GridFrame frame{bounds.box.min / 2.0 + bounds.box.max / 2.0, points.support()};
-  const glm::dvec3 half = frame(bounds.box.max);
-  if (!(std::max({half.x, half.y, half.z}) < field::kMaxSparseIndex)) {
+  state->frame = {bounds.box.min / 2.0 + bounds.box.max / 2.0, state->points.support()};
+  state->half = state->frame(bounds.box.max);
+  if (!(std::max({state->half.x, state->half.y, state->half.z}) < field::kMaxSparseIndex)) {
     return fail(ErrorCode::input, fmt::format("{}: the particles are too far apart for kernels with a reach of {}",
                                               particles.label, support));
   }
-  auto grid = TRY(CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label));
-  auto densities = TRY(compute_spot_densities(grid, 1, context, particles.label));
-  auto state = std::unique_ptr<State>(new State{context,
-                                                particles,
-                                                {attributes.begin(), attributes.end()},
-                                                std::move(points),
-                                                frame,
-                                                half,
-                                                std::move(grid),
-                                                std::move(densities)});
+  state->grid = TRY(CellGrid::make(positions, state->frame, 1, CellGrid::Coinciding::merged, context, particles.label));
+  state->densities = TRY(compute_spot_densities(*state->grid, 1, context, particles.label));
   const std::string what = fmt::format("{}: {} attributes", particles.label, attributes.size());
   for (const std::size_t a : attributes) {
-    state->means.push_back(TRY(average_by_spot(state->grid, state->points, particles.attributes[a], context, what)));
+    state->means.push_back(TRY(average_by_spot(*state->grid, state->points, particles.attributes[a], context, what)));
   }
   return AttributeSampler(std::move(state));
 }
@@ -174,7 +170,7 @@ Result<SampledAttributes> AttributeSampler::sample(std::span<const glm::dvec3> v
       double total = 0;
       std::ranges::fill(sums, 0.0);
       if (near) {
-        for_each_kernel_at(state.grid, state.densities->values.data(), p, [&](std::size_t spot, double share) {
+        for_each_kernel_at(*state.grid, state.densities->values.data(), p, [&](std::size_t spot, double share) {
           total += share;
           double* sum = sums.data();
           for (std::size_t a = 0; a < state.means.size(); ++a) {
