@@ -7,14 +7,23 @@
 #include "convert/stages/vertex_colors.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/mesh_assembly.hpp"
+#include "field/analytic_field.hpp"
 
 namespace isoextract::convert {
 namespace {
 
+// Returns whether the error of the surface can be measured without the whole mesh (measure_extraction_error()).
+bool measures_error_by_parts(const ConversionJob& job, const Source& source) {
+  // Formulas of demo fields are compared with the whole mesh.
+  return !source.data && !job.surface.cap && !job.edits.pieces.drops() &&
+         field::find_analytic_field(source.field.name) == nullptr;
+}
+
 bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
   const SurfaceEdits& edits = job.edits;
   const bool edits_mesh = edits.pieces.split || edits.smooth || edits.hollow || edits.simplify;
-  const bool examines_mesh = job.verify || job.error || !tests_by_parts(edits.require);
+  const bool examines_mesh =
+      job.verify || (job.error && !measures_error_by_parts(job, source)) || !tests_by_parts(edits.require);
   const bool has_attributes = !job.source.attributes.empty() || (job.color && job.color->attribute);
   const auto* file = job.writes<MeshFileOptions>();
   // The normals of caps are known only when the mesh is whole. glTF with flat normals has three vertices per triangle.
@@ -60,6 +69,9 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
   const auto region = extract::clip_region(source.field, stored, options);
   if (!region) return false;
   const extract::OutputPlacement placement = extract::output_placement(source.field, options, stored, *region);
+  if (job.error && placement.margin() != extract::output_placement(source.field, options, stored, stored).margin()) {
+    return false;  // the surface of the region differs from that of all samples, which the measurement extracts
+  }
   return placement.origin() == glm::dvec3(0) && (!needs_distinct_positions(job) || placement.keeps_vertices_apart());
 }
 
@@ -149,6 +161,7 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
     measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context);
     ranks = nullptr;
   }
+  if (job.error) ranks = nullptr;
   std::unique_ptr<edit::PartwiseBodies> bodies;
   if (job.edits.pieces.drops()) {
     bodies = std::make_unique<edit::PartwiseBodies>(stage.source.field.name,
