@@ -26,8 +26,11 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     if (source.data) surface = source.region ? 0 : field::min_vertex_count(data, iso.id.iso(), std::nullopt);
     std::uint64_t bytes =
         accuracy::field_error_memory(data, as_extracted ? triangles_of(vertices) : 0, triangles_of(surface)).least;
-    if (as_extracted && !goes_by_parts(job, source, iso.id.iso())) {
-      bytes += vertices * sizeof(glm::vec3) + triangles_of(vertices) * sizeof(glm::uvec3);
+    if (as_extracted) {
+      // Of a mesh that goes to its file by parts, the measurement extracts a window again.
+      const bool is_whole = !goes_by_parts(job, source, iso.id.iso());
+      const std::uint64_t held = is_whole ? vertices : std::min(vertices, accuracy::kWindowTriangles / 3);
+      bytes += held * sizeof(glm::vec3) + triangles_of(held) * sizeof(glm::uvec3);
     }
     // Not MemoryBudget::left(): other conversions of a batch may give their memory back before this one needs it.
     const std::uint64_t limit = context.memory().limit();
