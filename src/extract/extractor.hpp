@@ -118,7 +118,7 @@ struct ExtractStats {
 };
 
 struct Extraction {
-  mesh::Mesh mesh;  // without vertices and triangles if a sink took them
+  mesh::Mesh mesh;  // if a sink took the mesh: MeshSink::take_collected(), else without vertices and triangles
   ExtractStats stats;
   std::optional<mesh::MeshShape> taken = {};  // shape of the mesh that ExtractOptions::sink took
 };

@@ -90,7 +90,8 @@ template <SurfacePasses Surface>
       }
       TRY(options.sink->end_pass());
     }
-    if (!options.sink->has_declined()) result.taken = shape;
+    result.taken = shape;
+    if (auto collected = options.sink->take_collected()) result.mesh = std::move(*collected);
   }
   return {};
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -80,9 +81,9 @@ class MeshSink {
   [[nodiscard]] virtual Result<void> take(const MeshPart& part) = 0;
   // Called after the parts of each pass.
   [[nodiscard]] virtual Result<void> end_pass() { return {}; }
-  // Returns whether the sink declined the mesh only after a pass; then there are no more passes, and the caller makes
-  // the whole mesh in memory. Never with ranks.
-  [[nodiscard]] virtual bool has_declined() const { return false; }
+  // Returns the mesh that the sink collected from the parts, which the caller then uses in place of the whole mesh;
+  // nothing if the sink passed the parts on. Call it once, after the last pass. Never with ranks.
+  [[nodiscard]] virtual std::optional<Mesh> take_collected() { return std::nullopt; }
 };
 
 }  // namespace isoextract::mesh

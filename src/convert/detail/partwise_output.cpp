@@ -1,5 +1,6 @@
 #include "convert/detail/partwise_output.hpp"
 
+#include <algorithm>
 #include <variant>
 
 #include "convert/mesh_pieces.hpp"
@@ -75,6 +76,12 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
   return placement.origin() == glm::dvec3(0) && (!needs_distinct_positions(job) || placement.keeps_vertices_apart());
 }
 
+bool holds_whole_selection(const mesh::MeshShape& shape, bool measures, std::uint64_t left) {
+  // Many components take as much again as the mesh and its selection, and the figures more.
+  const std::uint64_t factor = measures ? 4 : 2;
+  return edit::whole_selection_bytes(shape.vertices, shape.triangles, shape.has_normals) <= left / factor;
+}
+
 void add_partwise_hint(Error& error) {
   if (error.code != ErrorCode::out_of_memory) return;
   error.hint.steps.emplace_back(
@@ -85,7 +92,7 @@ Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {
   if (needs_.distinct_positions && !shape.distinct_positions) return false;
   if (needs_.near_vertices && !shape.uses_near_vertices) return false;
   if (bodies_ == nullptr) return begin_rest(shape);
-  if (edit::whole_selection_bytes(shape.vertices, shape.triangles, shape.has_normals) <= memory_.left()) return false;
+  if (holds_whole_selection(shape, measuring_ != nullptr, context_.memory().left())) return false;
   TRY(bodies_->begin(shape));
   passes_ = bodies_->passes();
   selecting_end_ = passes_.size();
@@ -115,6 +122,7 @@ Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
     if (pass == selecting_end_) watch_.restart();
     return measuring_->begin_pass(pass - selecting_end_);
   }
+  if (is_collecting_) return {};
   if (measuring_ != nullptr) {
     measures_ = TRY(measuring_->finish());
     measuring_.reset();
@@ -138,8 +146,31 @@ Result<void> PartwiseOutput::end_pass() {
   selecting_end_ = passes_.size();
   if (goes_on || pass_ + 1 < selecting_end_) return {};
   const mesh::MeshShape& shape = bodies_->kept_shape();
-  has_declined_ = shape.triangles == 0 || !TRY(begin_rest(shape));
-  if (has_declined_) bodies_.reset();  // its memory is needed for the whole mesh
+  const bool takes = shape.triangles > 0 && TRY(begin_rest(shape));
+  return takes ? Result<void>() : begin_collecting(shape);
+}
+
+Result<void> PartwiseOutput::begin_collecting(const mesh::MeshShape& shape) {
+  is_collecting_ = true;
+  measuring_.reset();  // later stages measure the mesh
+  mesh::Mesh& mesh = collected_.emplace();
+  mesh.name = hooks_.head(shape).name;
+  mesh.origin = shape.origin;
+  if (shape.triangles == 0) return {};
+  const std::uint64_t vectors = shape.vertices * (shape.has_normals ? 2 : 1);
+  mesh.memory = TRY(context_.reserve(vectors * sizeof(glm::vec3) + shape.triangles * sizeof(glm::uvec3),
+                                     mesh.name + ": the selected components"));
+  mesh.positions = Buffer<glm::vec3>(shape.vertices);
+  mesh.normals = Buffer<glm::vec3>(shape.has_normals ? shape.vertices : 0);
+  mesh.triangles = Buffer<glm::uvec3>(shape.triangles);
+  passes_.push_back({.normals = shape.has_normals});
+  return {};
+}
+
+Result<void> PartwiseOutput::collect(const mesh::MeshPart& part) {
+  std::ranges::copy(part.positions, collected_->positions.begin() + part.first_vertex);
+  std::ranges::copy(part.normals, collected_->normals.begin() + part.first_vertex);
+  std::ranges::copy(part.triangles, collected_->triangles.begin() + part.first_triangle);
   return {};
 }
 
@@ -171,7 +202,7 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
   const PartwiseOutput::Needs needs{needs_distinct_positions(job),
                                     measures != nullptr || bodies != nullptr || needs_triangle_corners(job)};
   return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks, needs,
-                                          std::move(bodies), std::move(measures), stage.context.memory());
+                                          std::move(bodies), std::move(measures), stage.context);
 }
 
 std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,

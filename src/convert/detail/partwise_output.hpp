@@ -37,17 +37,18 @@ class PartwiseOutput final : public mesh::MeshSink {
   };
   // The writer must outlive this object. `bodies` selects those that are written, and `measures` measures the mesh, in
   // passes of their own; null: all bodies, no measuring. If one of them is set, `ranks` must be null. With `bodies`,
-  // the output declines meshes that `memory` holds as a whole: select_bodies() is faster.
+  // the output declines meshes that the memory holds as a whole (holds_whole_selection()), and collects a remaining
+  // mesh that the writer does not take in parts.
   PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs,
                  std::unique_ptr<edit::PartwiseBodies> bodies, std::unique_ptr<mesh::PartwiseMeasures> measures,
-                 const MemoryBudget& memory)
+                 const Context& context)
       : writer_(writer),
         hooks_(std::move(hooks)),
         ranks_(ranks),
         needs_(needs),
         bodies_(std::move(bodies)),
         measuring_(std::move(measures)),
-        memory_(memory) {}
+        context_(context) {}
 
   [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
   Result<bool> begin(const mesh::MeshShape& shape) override;
@@ -55,14 +56,16 @@ class PartwiseOutput final : public mesh::MeshSink {
   Result<void> begin_pass(std::size_t pass) override;
   Result<void> take(const mesh::MeshPart& part) override;
   Result<void> end_pass() override;
-  [[nodiscard]] bool has_declined() const override { return has_declined_; }
+  [[nodiscard]] std::optional<mesh::Mesh> take_collected() override { return std::exchange(collected_, std::nullopt); }
 
-  // Returns the figures of the selected bodies; zeros without `bodies`.
-  [[nodiscard]] edit::BodyFigures bodies() const {
-    return bodies_ != nullptr ? bodies_->figures() : edit::BodyFigures();
+  // Returns the figures of the selected bodies; nothing without `bodies`.
+  [[nodiscard]] std::optional<edit::BodyFigures> bodies() const {
+    return bodies_ != nullptr ? std::optional(bodies_->figures()) : std::nullopt;
   }
-  // Returns the shape of the mesh that was written. Call only with `bodies`.
-  [[nodiscard]] const mesh::MeshShape& kept_shape() const { return bodies_->kept_shape(); }
+  // Returns the shape of the mesh that was written; nothing if it was collected. Call only with `bodies`.
+  [[nodiscard]] std::optional<mesh::MeshShape> written_shape() const {
+    return is_collecting_ ? std::nullopt : std::optional(bodies_->kept_shape());
+  }
 
   // Returns the measures of the mesh; nothing without `measures`, or if no mesh was taken.
   [[nodiscard]] std::optional<mesh::MeshMeasures> take_measures() { return std::exchange(measures_, std::nullopt); }
@@ -73,8 +76,12 @@ class PartwiseOutput final : public mesh::MeshSink {
   // Begins the passes after the selection of bodies. Returns false if the output declines the mesh.
   Result<bool> begin_rest(const mesh::MeshShape& shape);
   Result<void> take_rest(const mesh::MeshPart& part) {
+    if (is_collecting_) return collect(part);
     return measuring_ != nullptr ? measuring_->take(part) : writer_.take_part(part);
   }
+  // Prepares for collecting the remaining mesh, in one more pass if it has triangles.
+  Result<void> begin_collecting(const mesh::MeshShape& shape);
+  Result<void> collect(const mesh::MeshPart& part);
 
   mesh_io::MeshWriter& writer_;
   Hooks hooks_;
@@ -82,13 +89,14 @@ class PartwiseOutput final : public mesh::MeshSink {
   Needs needs_;
   std::unique_ptr<edit::PartwiseBodies> bodies_;
   std::unique_ptr<mesh::PartwiseMeasures> measuring_;  // until it has seen all parts
-  MemoryBudget memory_;
+  Context context_;
   std::vector<mesh::PartPass> passes_;
   // The ends of the passes that select bodies, once they are known, and of those that measure.
   std::size_t selecting_end_ = 0;
   std::size_t measuring_end_ = 0;
   std::size_t pass_ = 0;
-  bool has_declined_ = false;
+  bool is_collecting_ = false;
+  std::optional<mesh::Mesh> collected_;
   std::optional<mesh::MeshMeasures> measures_;
   Stopwatch watch_;
   StageTime measuring_time_;
@@ -101,8 +109,12 @@ class PartwiseOutput final : public mesh::MeshSink {
 // Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
 // May wrongly return true in three cases known only later: a GLB with few vertices, and smooth normals with NaN
 // samples. The third is a sparse field whose surface leaves the stored blocks, if the output needs near vertices. If
-// the job selects bodies, the surface goes by parts only if memory does not hold edit::whole_selection_bytes().
+// the job selects bodies, the surface goes by parts only if memory is short (holds_whole_selection()).
 [[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
+
+// Returns whether `left` bytes of memory surely hold a mesh while bodies of it are selected and, with `measures`, its
+// figures are measured. Selecting bodies of a mesh in memory is faster than part by part.
+[[nodiscard]] bool holds_whole_selection(const mesh::MeshShape& shape, bool measures, std::uint64_t left);
 
 // Adds to the hint of an ErrorCode::out_of_memory which formats take a mesh in parts. Leaves other errors unchanged.
 void add_partwise_hint(Error& error);
