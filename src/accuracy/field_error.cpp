@@ -1,32 +1,21 @@
 #include "accuracy/field_error.hpp"
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cmath>
-#include <limits>
-#include <mutex>
 #include <utility>
 #include <vector>
 
-#include <tbb/task_arena.h>
-
-#include "accuracy/detail/brick_members.hpp"
-#include "accuracy/detail/gradient_search.hpp"
-#include "accuracy/detail/quadrature.hpp"
-#include "accuracy/detail/subdivided_surface.hpp"
-#include "accuracy/detail/surface_foot.hpp"
-#include "accuracy/detail/surface_to_mesh.hpp"
+#include "accuracy/detail/brick_counter.hpp"
+#include "accuracy/detail/mesh_parts.hpp"
+#include "accuracy/detail/search_window.hpp"
+#include "accuracy/detail/surface_components.hpp"
+#include "accuracy/detail/window_error.hpp"
 #include "accuracy/index_mesh.hpp"
-#include "base/reduction.hpp"
-#include "mesh/triangle_tree.hpp"
 
 namespace isoextract::accuracy {
 namespace {
 
-constexpr int kBrick = 16;            // cells along an axis
-constexpr int kMargin = 2;            // cells around a brick that are searched, too
-constexpr double kNearEnough = 1e-5;  // voxels; a point this near ends the search
+constexpr int kFirstMargin = 4;  // cells
 
 // Maps the region of `grid` to samples of `field`: whole cells within it, or all cells that it touches.
 field::IndexBox region_in_field(const field::IndexBox& region, const field::ScalarField& field,
@@ -38,374 +27,164 @@ field::IndexBox region_in_field(const field::IndexBox& region, const field::Scal
   return {glm::ivec3(glm::ceil(box.min - kRounding)), glm::ivec3(glm::floor(box.max + kRounding))};
 }
 
-// Returns the least length of a one-voxel step in the mesh's coordinates.
-double shortest_step(const glm::dmat3& linear) {
-  // Power iteration finds the largest length that the inverse gives a unit vector.
-  const glm::dmat3 inverse = glm::inverse(linear);
-  const glm::dmat3 squared = glm::transpose(inverse) * inverse;
-  glm::dvec3 v(0.6, 0.64, 0.48);
-  for (int round = 0; round < 200; ++round) v = glm::normalize(squared * v);
-  return 1 / glm::length(inverse * v);
-}
-
 // Small surfaces get finer parts: little cost, much accuracy.
-int parts_for(std::size_t triangles) {
+int parts_for(std::uint64_t triangles) {
   if (triangles <= 10'000) return 4;
   return triangles <= 100'000 ? 3 : 2;
 }
 
-struct FieldSums {
-  ErrorAccumulator interior;
-  ErrorAccumulator vertices;
-  ErrorAccumulator storage;
-  SurfaceToMeshSums back;
-  std::uint64_t cap_triangles = 0;
-
-  void merge(const FieldSums& other) {
-    interior.merge(other.interior);
-    vertices.merge(other.vertices);
-    storage.merge(other.storage);
-    back.merge(other.back);
-    cap_triangles += other.cap_triangles;
-  }
-};
-
-// Returns the memory in use at a time, without both meshes and the bricks.
-std::uint64_t working_bytes(std::uint64_t mesh_triangles, std::uint64_t mesh_vertices, std::uint64_t surface_triangles,
-                            std::uint64_t surface_vertices) {
-  return (mesh_triangles + mesh_vertices) * sizeof(BrickMember) + mesh_vertices +
-         mesh::TriangleTree::bytes(mesh_triangles) + mesh::TriangleTree::bytes(surface_triangles) +
-         coverage_bytes(surface_vertices, surface_triangles);
+field::IndexBox joined(const field::IndexBox& a, const field::IndexBox& b) {
+  if (a.empty()) return b;
+  return b.empty() ? a : field::IndexBox{glm::min(a.min, b.min), glm::max(a.max, b.max)};
 }
 
 class FieldMeasurement {
  public:
-  FieldMeasurement(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
-                   const FieldErrorOptions& options, const Context& context)
+  FieldMeasurement(MeshParts& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
+                   const FieldErrorOptions& options, const field::Affine& output_from_index, const Context& context)
       : mesh_(mesh),
-        field_(field),
-        extracted_(extracted),
-        options_(options),
         context_(context),
-        chosen_(field, options.interpolation, extracted.iso),
-        trilinear_(field, field::Interpolation::trilinear, extracted.iso),
-        placed_(mesh, field, extracted, options.grid),
-        linear_(placed_.output_from_index().linear),
-        index_from_step_(glm::inverse(linear_)) {
-    placed_.add_caps(options.caps);
-    if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) last_cell_ = dense->dims - 2;
-    shortest_ = shortest_step(linear_);
-    const glm::dmat3 rows = glm::transpose(index_from_step_);
-    for (int axis = 0; axis < 3; ++axis) width_[axis] = 1 / glm::length(rows[axis]);
-    for (int axis = 0; axis < 3; ++axis) diagonal_ += glm::length(linear_[axis]);
+        reference_(field, extracted, options, output_from_index),
+        surface_options_(extracted),
+        components_(options.clipped) {
+    reference_.has_mesh = mesh.has_triangles();
+    surface_options_.method = extract::Method::mc;
+    surface_options_.cap = false;
+    surface_options_.smooth_normals = false;
+    surface_options_.edge_keys = false;
+    surface_options_.output_from_index = output_from_index;
+    if (options.grid != nullptr && extracted.region) {
+      auto& region = surface_options_.region;
+      region = region_in_field(*extracted.region, field, *options.grid, true);
+      reference_.counted = glm::all(glm::lessThan(region->min, region->max));
+      if (!reference_.counted) region = region_in_field(*extracted.region, field, *options.grid, false);
+    }
+    reference_.region = surface_options_.region;
+    all_ = joined(surface_box(field), mesh.samples());
   }
 
   Result<FieldError> run() {
-    TRY(extract_surface());
-    parts_ = parts_for(surface_.triangles.size());
-    const auto memory = TRY(context_.reserve(working_bytes(mesh_.triangles.size(), mesh_.positions.size(),
-                                                           surface_.triangles.size(), surface_.positions.size()),
-                                             "the error of the mesh"));
-    if (!surface_.triangles.empty()) surface_tree_.emplace(surface_.positions.span(), surface_.triangles.span());
-    if (!mesh_.triangles.empty()) mesh_tree_.emplace(mesh_.positions.span(), mesh_.triangles.span());
-    list_bricks();
-    const auto for_bricks = TRY(context_.reserve(bricks_bytes(), "the error of the mesh"));
-
-    const ErrorAccumulator none(placed_.voxel());
-    context_.progress().begin("measuring the error", bricks_.size());
-    const FieldSums sums = reduce_in_order(
-        bricks_.size(), FieldSums{none, none, none, {none, 0}, 0}, &context_.progress(),
-        [&](const PointRange& range, FieldSums& into) {
-          for (std::size_t b = range.begin(); b != range.end(); ++b) measure_brick(bricks_[b].brick, into);
-        },
-        1);
-    if (error_) return tl::unexpected(std::move(*error_));
-    TRY(context_.check());
-    FieldError result = result_of(sums);
-    if (result.coverage) {
-      count_components(mesh_, surface_, surface_tree_ ? &*surface_tree_ : nullptr, options_.clipped, context_,
-                       *result.coverage);
+    const std::vector<WindowBricks> windows = TRY(divide());
+    if (windows.size() > 1) begin_windows(windows);
+    FieldSums sums = no_sums(reference_);
+    for (const WindowBricks& bricks : windows) {
+      int margin = kFirstMargin;
+      for (double needed = 1; needed > 0; margin = wider(margin, needed)) {
+        needed = TRY(measure({bricks.box, margin, all_, reference_.width}, windows.size() == 1, sums));
+      }
+      if (windows.size() > 1) context_.progress().advance(bricks.count);
     }
-    return result;
+    while (const SearchWindow* window = components_.unfinished()) {
+      const mesh::Mesh surface = TRY(extract_surface(*window));
+      const IndexMesh placed(surface, reference_.field, reference_.extracted, reference_.options.grid);
+      components_.mark_found({*window, reference_.cells, surface, placed, nullptr});
+    }
+    return result_of(sums);
   }
 
  private:
-  // One brick, its surface, and the searches in it.
-  struct Brick {
-    SubdividedSurface surface;
-    field::IndexBox box;  // the samples of the surface's cells
-    FieldFootFinder foot;
-    GradientSearch search;
-    std::uint32_t near = 0;        // slot of the last nearest triangle
-    std::uint32_t near_whole = 0;  // the same for the surface in whole cells
-  };
-
-  // Returns the memory of all bricks measured at a time.
-  [[nodiscard]] std::uint64_t bricks_bytes() const {
-    std::uint64_t most = 0;
-    for (const BrickCount& brick : bricks_) most = std::max(most, brick.triangles);
-    int cells = kBrick + 2 * kMargin;
-    if (last_cell_) cells = std::min(cells, std::max({last_cell_->x, last_cell_->y, last_cell_->z}) + 1);
-    // With its margins a brick has at most twice its cells, and about twice its triangles.
-    return bricks_.size() * sizeof(BrickCount) + static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) *
-                                                     SubdividedSurface::bytes(cells, parts_, 2 * most);
-  }
-
-  // Extracts the isosurface of all samples, or of the region, in whole cells.
-  Result<void> extract_surface() {
-    extract::ExtractOptions options = extracted_;
-    options.method = extract::Method::mc;
-    options.cap = false;
-    options.smooth_normals = false;
-    options.edge_keys = false;
-    options.output_from_index = placed_.output_from_index();
-    counted_ = true;
-    if (options_.grid != nullptr && extracted_.region) {
-      options.region = region_in_field(*extracted_.region, field_, *options_.grid, true);
-      counted_ = glm::all(glm::lessThan(options.region->min, options.region->max));
-      if (!counted_) options.region = region_in_field(*extracted_.region, field_, *options_.grid, false);
+  // Extracts the isosurface of all samples, or of the region, in whole cells. If it is too large for that, only counts
+  // its triangles, and divides the field.
+  Result<std::vector<WindowBricks>> divide() {
+    BrickCounter counter(reference_.options.window_triangles, reference_.cells, reference_.output_from_index.inverse());
+    extract::ExtractOptions options = surface_options_;
+    options.sink = &counter;
+    auto extraction = TRY(extract::make_cpu_extractor()->extract(reference_.field, options, context_));
+    if (extraction.taken) {
+      reference_.parts = parts_for(counter.triangles());
+      surface_options_.edge_keys = true;
+      return divide_bricks(counter.bricks(), reference_.options.window_triangles);
     }
-    region_ = options.region;
-    auto extraction = TRY(extract::make_cpu_extractor()->extract(field_, options, context_));
-    surface_ = std::move(extraction.mesh);
-    return {};
+    whole_ = std::move(extraction.mesh);
+    reference_.parts = parts_for(whole_.triangles.size());
+    return std::vector<WindowBricks>{{}};
   }
 
-  [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const {
-    constexpr double kFarthest = field::kMaxSparseIndex;
-    const glm::ivec3 cell(glm::floor(glm::clamp(index, glm::dvec3(-kFarthest), glm::dvec3(kFarthest))));
-    return last_cell_ ? glm::clamp(cell, glm::ivec3(0), *last_cell_) : cell;
+  void begin_windows(const std::vector<WindowBricks>& windows) const {
+    std::size_t bricks = 0;
+    for (const WindowBricks& window : windows) bricks += window.count;
+    context_.progress().begin("measuring the error", bricks);
   }
 
-  [[nodiscard]] static glm::ivec3 brick_of(const glm::ivec3& cell) {
-    return glm::ivec3(glm::floor(glm::dvec3(cell) / static_cast<double>(kBrick)));
+  // Returns a margin in which points at most `needed` from a brick lie.
+  [[nodiscard]] int wider(int margin, double needed) const {
+    constexpr double kWidest = BrickBox::kUnbounded;
+    const double width = std::min({reference_.width.x, reference_.width.y, reference_.width.z});
+    const double cells = std::isfinite(needed) ? std::ceil(needed / width) + 1 : 4.0 * margin;
+    return static_cast<int>(std::min(kWidest, std::max(2.0 * margin, cells)));
   }
 
-  void list_bricks() {
-    triangles_ = members_by_brick(mesh_.triangles.size(), [&](std::size_t t) {
-      const auto corners = placed_.corners(t);
-      return brick_of(cell_of((corners[0] + corners[1] + corners[2]) / 3.0));
-    });
-    surface_vertices_ = placed_.surface_vertices();
-    vertices_ =
-        members_by_brick(mesh_.positions.size(), [&](std::size_t v) { return brick_of(cell_of(placed_.vertex(v))); });
-    std::size_t most = std::size_t{1} << 16;
-    const auto add = [&](const glm::ivec3& brick, std::uint64_t triangles) {
-      if (!bricks_.empty() && bricks_.back().brick == brick) {
-        bricks_.back().triangles += triangles;
-        return;
-      }
-      bricks_.push_back({brick, triangles});
-      if (bricks_.size() < most) return;
-      merge_bricks(bricks_);
-      most = std::max(most, 2 * bricks_.size());
-    };
-    for (const auto* members : {&triangles_, &vertices_}) {
-      for (const BrickMember& member : *members) add(member.brick, 0);
+  Result<mesh::Mesh> extract_surface(const SearchWindow& window) const {
+    return extract_within(window, reference_.field, surface_options_, context_);
+  }
+
+  // Adds the distances in a window to `sums`. Returns 0; or, if the window is too small, a distance that its margin
+  // needs, and adds nothing.
+  Result<double> measure(const SearchWindow& window, bool is_only_one, FieldSums& sums) {
+    const mesh::Mesh* mesh = TRY(mesh_.part(window));
+    mesh::Mesh own_surface;
+    if (!is_only_one) own_surface = TRY(extract_surface(window));
+    const mesh::Mesh& surface = is_only_one ? whole_ : own_surface;
+    WindowError error(reference_, window, *mesh, surface, context_);
+    TRY(error.prepare());
+    Progress* progress = is_only_one ? &context_.progress() : nullptr;
+    if (is_only_one) progress->begin("measuring the error", error.brick_count());
+    FieldSums here = TRY(error.measure(progress));
+    if (here.needed > 0) return here.needed;
+    if (reference_.counted) {
+      if (is_only_one) progress->begin("counting lost components", mesh->positions.size());
+      const IndexMesh placed(surface, reference_.field, reference_.extracted, reference_.options.grid);
+      const double needed = components_.add({window, reference_.cells, surface, placed, error.surface_tree()}, *mesh,
+                                            error.placed(), progress, context_);
+      TRY(context_.check());
+      if (needed > 0) return needed;
     }
-    // A tricubic interpolant may cross iso also next to cells with samples on both sides.
-    const int around = options_.interpolation == field::Interpolation::tricubic ? 1 : 0;
-    const IndexMesh surface(surface_, field_, extracted_, options_.grid);
-    for (std::size_t t = 0; counted_ && t < surface_.triangles.size(); ++t) {
-      const auto corners = surface.corners(t);
-      const glm::ivec3 cell = cell_of((corners[0] + corners[1] + corners[2]) / 3.0);
-      const glm::ivec3 low = brick_of(cell - around);
-      const glm::ivec3 high = brick_of(cell + around);
-      for (int z = low.z; z <= high.z; ++z) {
-        for (int y = low.y; y <= high.y; ++y) {
-          for (int x = low.x; x <= high.x; ++x) add({x, y, z}, 1);
-        }
-      }
+    sums.merge(here);
+    if (const auto* dense = std::get_if<field::DenseSamples>(&reference_.field.samples); dense && !is_only_one) {
+      const auto layer = static_cast<std::size_t>(dense->dims.x) * static_cast<std::size_t>(dense->dims.y);
+      const auto clamped = [&](int k) { return layer * static_cast<std::size_t>(std::clamp(k, 0, dense->dims.z)); };
+      dense->leave(clamped(window.samples().min.z), clamped(window.samples().max.z + 1));
     }
-    merge_bricks(bricks_);
+    return 0.0;
   }
 
-  void measure_brick(const glm::ivec3& at, FieldSums& sums) {
-    if (context_.cancelled() || failed_) return;
-    field::IndexBox cells{at * kBrick - kMargin, at * kBrick + (kBrick + kMargin - 1)};
-    if (last_cell_) {
-      cells = {glm::max(cells.min, glm::ivec3(0)), glm::min(cells.max, *last_cell_)};
-      if (cells.empty()) return;
-    }
-    glm::dvec3 low(-std::numeric_limits<double>::infinity());
-    glm::dvec3 high(std::numeric_limits<double>::infinity());
-    if (last_cell_) {
-      low = glm::dvec3(0);
-      high = glm::dvec3(*last_cell_ + 1);
-    }
-    FieldFootFinder foot(field::Interpolant::Cursor(chosen_), 0, linear_, low, high);
-    const Subdivision how{field_.kind, linear_, parts_};
-    // Keeps this thread from starting another brick while it waits for its own loops: each brick holds memory.
-    auto made = tbb::this_task_arena::isolate([&] { return SubdividedSurface::make(foot.function(), cells, how); });
-    if (!made) {
-      const std::scoped_lock lock(error_mutex_);
-      if (!failed_.exchange(true)) error_ = std::move(made.error());
-      return;
-    }
-    Brick brick{std::move(*made), {cells.min, cells.max + 1}, foot, search_in(chosen_)};
-    tbb::this_task_arena::isolate([&] {
-      for (const BrickMember& member : members_of(triangles_, at)) measure_triangle(member.id, brick, sums);
-      measure_vertices(at, brick, sums);
-      if (counted_ && mesh_tree_) measure_from_surface(at, brick, sums);
-    });
-  }
-
-  [[nodiscard]] GradientSearch search_in(const field::Interpolant& interpolant) const {
-    return {interpolant, field_, linear_, shortest_};
-  }
-
-  // Measures from `index` to the nearest isosurface point in the brick, and in all data if that may be nearer.
-  void measure_point(const glm::dvec3& index, double weight, Brick& brick, ErrorAccumulator& into) const {
-    if (placed_.is_outside(index)) {
-      ++into.counts.outside;
-      return;
-    }
-    const auto first = brick.search(index);
-    if (!first) {
-      ++into.counts.not_finite;
-      return;
-    }
-    std::optional<glm::dvec3> step = first->step;
-    const bool done = step && (first->is_nearest || glm::length(*step) <= kNearEnough);
-    if (!done) search_in_brick(index, brick, step);
-    if (!step || brick.foot.length(*step) > distance_inside(index, brick.box)) search_all_data(index, brick, step);
-    if (!step) {
-      ++into.counts.unreached;
-      return;
-    }
-    const double voxels = glm::length(*step);
-    if (voxels < first->guess / 2 || voxels > 1.5 * first->guess) ++into.counts.corrected;
-    into.add({voxels, brick.foot.length(*step)}, weight, placed_.output_from_index()(index));
-  }
-
-  // Returns the distance of a point from the nearest face of `box`, leaving out faces on the data boundary.
-  [[nodiscard]] double distance_inside(const glm::dvec3& index, const field::IndexBox& box) const {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!last_cell_ || box.min[axis] > 0) nearest = std::min(nearest, (index[axis] - box.min[axis]) * width_[axis]);
-      if (!last_cell_ || box.max[axis] <= (*last_cell_)[axis]) {
-        nearest = std::min(nearest, (box.max[axis] - index[axis]) * width_[axis]);
-      }
-    }
-    return nearest;
-  }
-
-  void search_in_brick(const glm::dvec3& index, Brick& brick, std::optional<glm::dvec3>& step) const {
-    if (brick.surface.mesh().triangles.empty()) return;
-    const auto found = brick.surface.tree().nearest(brick.surface.local(index), brick.near);
-    brick.near = found.slot;
-    keep_nearer_foot(index, brick.surface.index(found.point), diagonal_ / parts_, brick.foot, step);
-  }
-
-  void search_all_data(const glm::dvec3& index, Brick& brick, std::optional<glm::dvec3>& step) const {
-    if (!surface_tree_) return;
-    const field::Affine& output = placed_.output_from_index();
-    const glm::dvec3 p = linear_ * index + (output.offset - surface_.origin);
-    const auto found = surface_tree_->nearest(p, brick.near_whole);
-    brick.near_whole = found.slot;
-    keep_nearer_foot(index, index_from_step_ * (found.point - p) + index, diagonal_, brick.foot, step);
-  }
-
-  // Replaces `step` by the way to the foot of `index` found from `near`, if that is shorter.
-  static void keep_nearer_foot(const glm::dvec3& index, const glm::dvec3& near, double reach, FieldFootFinder& foot,
-                               std::optional<glm::dvec3>& step) {
-    glm::dvec3 point = near;
-    if (const auto landed = foot.land(near, reach)) point = foot.approach(index, *landed, reach);
-    if (!step || foot.length(point - index) < foot.length(*step)) step = point - index;
-  }
-
-  void measure_triangle(std::size_t triangle, Brick& brick, FieldSums& sums) const {
-    const auto corners = placed_.corners(triangle);
-    if (placed_.is_cap(corners)) {
-      ++sums.cap_triangles;
-      return;
-    }
-    const double area = glm::length(placed_.area_vector(corners)) / 2;
-    for_each_point(corners, kLongestSide, [&](const TrianglePoint& point) {
-      measure_point(point.in(corners), point.share * area, brick, sums.interior);
-    });
-  }
-
-  void measure_vertices(const glm::ivec3& at, Brick& brick, FieldSums& sums) const {
-    const bool edges = options_.vertices_on_edges && options_.grid == nullptr;
-    GradientSearch trilinear = search_in(trilinear_);
-    for (const BrickMember& member : members_of(vertices_, at)) {
-      if (surface_vertices_[member.id] == 0) continue;
-      const glm::dvec3 index = placed_.vertex(member.id);
-      measure_point(index, 1, brick, sums.vertices);
-      if (!edges || !placed_.on_axis_edge(index)) continue;
-      const auto stored = trilinear(index);
-      if (!stored) {
-        ++sums.storage.counts.not_finite;
-      } else if (!stored->step) {
-        ++sums.storage.counts.unreached;
-      } else {
-        sums.storage.add({glm::length(*stored->step), glm::length(linear_ * *stored->step)}, 1,
-                         placed_.output_from_index()(index));
-      }
-    }
-  }
-
-  void measure_from_surface(const glm::ivec3& at, Brick& brick, FieldSums& sums) const {
-    const SurfaceToMesh back(mesh_, *mesh_tree_, placed_, options_.clipped);
-    const auto counts = [&](const glm::dvec3& center) {
-      const glm::ivec3 cell = cell_of(center);
-      return brick_of(cell) == at && (!region_ || (glm::all(glm::greaterThanEqual(cell, region_->min)) &&
-                                                   glm::all(glm::lessThan(cell, region_->max))));
-    };
-    back.measure(brick.surface, brick.foot, diagonal_ / parts_, counts, sums.back);
-  }
-
-  [[nodiscard]] FieldError result_of(const FieldSums& sums) const {
+  [[nodiscard]] FieldError result_of(const FieldSums& sums) {
     FieldError result;
-    result.interpolation = options_.interpolation;
-    result.parts = parts_;
+    result.interpolation = reference_.options.interpolation;
+    result.parts = reference_.parts;
     result.interior = sums.interior.result();
     result.vertices = sums.vertices.result();
     result.interior.include_max(result.vertices);
     result.storage = sums.storage.result();
     result.cap_triangles = sums.cap_triangles;
-    if (!counted_) return result;
+    if (!reference_.counted) return result;
     SurfaceCoverage& coverage = result.coverage.emplace();
     coverage.distances = sums.back.distances.result();
     const double world = std::max(sums.back.at_most, coverage.distances.max.world);
-    coverage.max_at_most = {std::max(world / shortest_, coverage.distances.max.voxels), world};
+    coverage.max_at_most = {std::max(world / reference_.shortest, coverage.distances.max.voxels), world};
+    const SurfaceComponents::Counts counts = components_.counts();
+    coverage.components = counts.components;
+    coverage.lost = counts.lost;
     return result;
   }
 
-  const mesh::Mesh& mesh_;
-  const field::ScalarField& field_;
-  const extract::ExtractOptions& extracted_;
-  const FieldErrorOptions& options_;
+  MeshParts& mesh_;
   const Context& context_;
-  field::Interpolant chosen_;
-  field::Interpolant trilinear_;
-  IndexMesh placed_;
-  glm::dmat3 linear_;
-  glm::dmat3 index_from_step_;
-  std::optional<glm::ivec3> last_cell_;  // dense data only
-  glm::dvec3 width_{0.0};                // cell width between opposite faces, in the mesh's units
-  double shortest_ = 0;                  // least length of a one-voxel step, in the mesh's units
-  double diagonal_ = 0;                  // upper bound of the distance of two points of a cell
-  int parts_ = 0;
-
-  mesh::Mesh surface_;                     // the isosurface in whole cells
-  std::optional<field::IndexBox> region_;  // the region it was extracted from
-  bool counted_ = true;                    // whether coverage is measured in that region
-  std::optional<mesh::TriangleTree> surface_tree_;
-  std::optional<mesh::TriangleTree> mesh_tree_;
-  std::vector<BrickMember> triangles_;
-  std::vector<BrickMember> vertices_;
-  std::vector<std::uint8_t> surface_vertices_;
-  std::vector<BrickCount> bricks_;
-
-  std::atomic<bool> failed_{false};
-  std::mutex error_mutex_;
-  std::optional<Error> error_;
+  ErrorReference reference_;
+  extract::ExtractOptions surface_options_;  // of the isosurface in whole cells
+  SurfaceComponents components_;
+  field::IndexBox all_;  // samples outside which neither the surface nor the mesh has triangles
+  mesh::Mesh whole_;     // the isosurface; empty if there are several windows
 };
 
 // Returns the memory of the two interpolants.
 std::uint64_t interpolants_bytes(const field::ScalarField& field) { return 2 * field::Interpolant::bytes(field); }
+
+std::uint64_t window_bytes(std::uint64_t mesh_triangles, std::uint64_t surface_triangles) {
+  const std::uint64_t surface_vertices = surface_triangles / 2;
+  return surface_triangles * sizeof(glm::uvec3) + surface_vertices * sizeof(glm::vec3) +
+         WindowError::bytes(mesh_triangles, mesh_triangles / 2, surface_triangles, surface_vertices);
+}
 
 }  // namespace
 
@@ -413,14 +192,30 @@ Result<FieldError> measure_field_error(const mesh::Mesh& mesh, const field::Scal
                                        const extract::ExtractOptions& extracted, const FieldErrorOptions& options,
                                        const Context& context) {
   const auto memory = TRY(context.reserve(interpolants_bytes(field), "the error of the mesh"));
-  return FieldMeasurement(mesh, field, extracted, options, context).run();
+  const IndexMesh placed(mesh, field, extracted, options.grid);
+  MeshInMemory parts(mesh, placed, context);
+  return FieldMeasurement(parts, field, extracted, options, placed.output_from_index(), context).run();
 }
 
-std::uint64_t field_error_bytes(const field::ScalarField& field, std::uint64_t mesh_triangles,
-                                std::uint64_t surface_triangles) {
-  const std::uint64_t surface_vertices = surface_triangles / 2;
-  return interpolants_bytes(field) + surface_triangles * sizeof(glm::uvec3) + surface_vertices * sizeof(glm::vec3) +
-         working_bytes(mesh_triangles, mesh_triangles / 2, surface_triangles, surface_vertices);
+Result<FieldError> measure_extraction_error(const field::ScalarField& field, const extract::ExtractOptions& extracted,
+                                            const FieldErrorOptions& options, const Context& context) {
+  const auto memory = TRY(context.reserve(interpolants_bytes(field), "the error of the mesh"));
+  ExtractedMesh parts(field, extracted, context);
+  return FieldMeasurement(parts, field, extracted, options, extracted.output_from_index, context).run();
+}
+
+ErrorMemory field_error_memory(const field::ScalarField& field, std::uint64_t mesh_triangles,
+                               std::uint64_t surface_triangles) {
+  const std::uint64_t interpolants = interpolants_bytes(field);
+  if (surface_triangles <= kWindowTriangles) {
+    const std::uint64_t bytes = interpolants + window_bytes(mesh_triangles, surface_triangles);
+    return {bytes, bytes};
+  }
+  // Of two neighboring windows, one has at least half the triangles. Margins add about a half.
+  constexpr std::uint64_t kLeast = kWindowTriangles / 2;
+  constexpr std::uint64_t kUsual = kWindowTriangles * 3 / 2;
+  return {interpolants + window_bytes(std::min(mesh_triangles, kLeast), kLeast),
+          interpolants + window_bytes(std::min(mesh_triangles, kUsual), kUsual)};
 }
 
 }  // namespace isoextract::accuracy

@@ -5,6 +5,10 @@
 // isosurface, then the nearest point of the isosurface itself. For this, it extracts the isosurface again: brick by
 // brick on cells divided into subcells (detail/subdivided_surface.hpp), and of all data on undivided cells. In the
 // other direction, several isosurface points in each cell are measured to the nearest triangle of the mesh.
+//
+// Large surfaces are measured in windows, one after the other, so that the memory does not grow with the surface. The
+// windows depend on the surface only. A window that is too small to find the nearest triangles is measured again, with
+// a larger margin.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +26,9 @@
 
 namespace isoextract::accuracy {
 
+// Surfaces with more triangles are measured in windows of about this size.
+inline constexpr std::uint64_t kWindowTriangles = 1 << 19;
+
 struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // its isosurface is the reference
   // The grid that the mesh was extracted from, if it was made from the field by resampling or blurring; else null.
@@ -30,6 +37,7 @@ struct FieldErrorOptions {
   CapPlanes caps = {};
   // Half-spaces that the mesh was clipped to; isosurface outside them does not count.
   std::span<const mesh::HalfSpace> clipped = {};
+  std::uint64_t window_triangles = kWindowTriangles;
 };
 
 struct FieldError {
@@ -64,9 +72,22 @@ struct FieldError {
                                                      const extract::ExtractOptions& extracted,
                                                      const FieldErrorOptions& options, const Context& context);
 
-// Returns the least memory that measure_field_error() needs beside the mesh and the field. `surface_triangles` is the
-// size of the isosurface extracted on undivided cells.
-[[nodiscard]] std::uint64_t field_error_bytes(const field::ScalarField& field, std::uint64_t mesh_triangles,
-                                              std::uint64_t surface_triangles);
+// Measures the mesh that an extraction with options `extracted` makes, without holding it: extracts it again, window by
+// window. `extracted` must not ask for a cap, and with a region, output_placement() (extract/edge_geometry.hpp) must
+// be that of the whole field. The method must follow the interpolant (MethodTraits), and the mesh must have triangles.
+// `options` must have no grid, caps and half-spaces. The result is that of measure_field_error(), and so are failures.
+[[nodiscard]] Result<FieldError> measure_extraction_error(const field::ScalarField& field,
+                                                          const extract::ExtractOptions& extracted,
+                                                          const FieldErrorOptions& options, const Context& context);
+
+// Memory that a measurement needs beside the mesh and the field.
+struct ErrorMemory {
+  std::uint64_t least = 0;  // no measurement needs less
+  std::uint64_t usual = 0;  // an estimate
+};
+
+// Returns the memory of a measurement. `surface_triangles` is the size of the isosurface extracted on undivided cells.
+[[nodiscard]] ErrorMemory field_error_memory(const field::ScalarField& field, std::uint64_t mesh_triangles,
+                                             std::uint64_t surface_triangles);
 
 }  // namespace isoextract::accuracy

@@ -8,11 +8,10 @@
 #include <cstdint>
 #include <span>
 
+#include <glm/glm.hpp>
+
 #include "accuracy/error_statistics.hpp"
-#include "base/context.hpp"
 #include "mesh/half_space.hpp"
-#include "mesh/mesh.hpp"
-#include "mesh/triangle_tree.hpp"
 
 namespace isoextract::accuracy {
 
@@ -26,16 +25,6 @@ struct SurfaceCoverage {
   std::uint64_t components = 0;  // components of the isosurface
   std::uint64_t lost = 0;        // components that the mesh lacks
 };
-
-// Sets `components` and `lost` of `coverage`. `surface` is the isosurface extracted on the field's own cells, not on
-// subcells (field_error.hpp); `tree` contains the triangles of `surface`, or is null if there are none. Counts only
-// components with at least one vertex for which is_kept() is true. The caller reserves coverage_bytes(). If the context
-// is cancelled, `lost` is meaningless. Throws std::bad_alloc.
-void count_components(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::TriangleTree* tree,
-                      std::span<const mesh::HalfSpace> kept, const Context& context, SurfaceCoverage& coverage);
-
-// Returns the memory that count_components() uses for an isosurface of this size.
-[[nodiscard]] std::uint64_t coverage_bytes(std::uint64_t vertices, std::uint64_t triangles);
 
 // Returns whether a point in the mesh's coordinates is inside or on the boundary of all half-spaces in which a clipped
 // mesh lies.

@@ -63,7 +63,7 @@ enum class NoteId {
   particles_left_out,
   periodic_box,
   region_at_samples,  // the surface ends at samples near the faces of the region
-  samples_in_file,    // a temporary file holds the samples, as the memory limit does not
+  samples_in_file,    // a temporary file holds the samples, as memory is short
   sparse_made_dense,
   voxel_size,
   // Surfaces

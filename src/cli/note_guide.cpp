@@ -162,10 +162,11 @@ constexpr std::array kGuide{
               "samples that cover it, and clips the surface at its faces.",
               "To end the surface exactly at the faces, leave --roi-snap out. Labels, voxels and surface nets need "
               "--clip for that."},
-    NoteGuide{samples_in_file,
-              "The memory limit does not hold the samples, and the program cannot map their file, so it put them into "
-              "a temporary file. This file has no name; the system frees it when the program ends.",
-              "Raise --memory-limit, or set the environment variable TMPDIR to a folder on a fast disk."},
+    NoteGuide{
+        samples_in_file,
+        "The samples take more than half of the memory limit, or memory is short, and the program cannot map their "
+        "file. So it put them into a temporary file, which has no name. The system frees it when the program ends.",
+        "Raise --memory-limit, or set the environment variable TMPDIR to a folder on a fast disk."},
     NoteGuide{sparse_made_dense, "Resampling turns sparse samples into dense ones, which take more memory.",
               "Give a smaller --resolution or a larger --voxel-size."},
     NoteGuide{voxel_size,

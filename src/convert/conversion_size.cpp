@@ -128,9 +128,13 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     const std::uint64_t sampling = source.attributes ? size.vertices * sampling_bytes(*source.attributes) : 0;
     const std::uint64_t selecting =
         edit::whole_selection_bytes(size.vertices, estimated_triangles(size), job.normals == Normals::smooth);
+    const bool measures = use == MeshUse::figures || !job.edits.require.empty();
+    const mesh::MeshShape shape{.vertices = size.vertices,
+                                .triangles = estimated_triangles(size),
+                                .has_normals = job.normals == Normals::smooth};
     const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso()) &&
-                          (!selects || selecting + sampling > context.memory().left());
-    const bool has_figures = use == MeshUse::figures || !job.edits.require.empty() || selects;
+                          (!selects || !holds_whole_selection(shape, sampling, measures, context.memory().left()));
+    const bool has_figures = measures || selects;
     std::uint64_t bytes =
         by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals, has_figures) : estimated_bytes(size);
     bytes += attribute_bytes(source, by_parts ? vertices_sampled_at_once(size.vertices) : size.vertices);

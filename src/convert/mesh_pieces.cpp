@@ -65,10 +65,9 @@ edit::BodySelection body_selection(const PieceChoice& choice, const Source& sour
 Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
   const PieceChoice& choice = stage.job.edits.pieces;
   if (!choice.drops()) return StageReport();
-  const bool was_empty = surface.triangles() == 0;
   edit::BodyFigures facts;
-  if (surface.taken) {
-    facts = surface.bodies;
+  if (surface.bodies) {
+    facts = *surface.bodies;
   } else {
     auto sites = TRY(voxel_sites(surface.mesh, stage.source, stage.job.surface, stage.context));
     stage.context.progress().begin("finding components", 0);
@@ -89,7 +88,7 @@ Result<StageReport> drop_pieces(Surface& surface, const StageContext& stage) {
         {NoteId::open_components_kept, fmt::format("{}: kept {}, because an open component has no volume to compare",
                                                    report.subject, counted(facts.without_volume, "open component"))});
   }
-  if (!was_empty && surface.triangles() == 0 && stage.job.empty == EmptyPolicy::error) {
+  if (facts.before.triangles > 0 && surface.triangles() == 0 && stage.job.empty == EmptyPolicy::error) {
     report.error = Error{ErrorCode::no_surface,
                          fmt::format("{}: none of the {}{} has the requested size", stage.source.label,
                                      counted(facts.before.components, "component"), surface.id.at_text()),

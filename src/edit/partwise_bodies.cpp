@@ -49,6 +49,7 @@ class PartwiseBodies::State {
   [[nodiscard]] const mesh::MeshShape& kept_shape() const { return kept_shape_; }
 
   Result<void> begin(const mesh::MeshShape& shape) {
+    watch_.restart();
     shape_ = shape;
     passes_ = measuring_.passes();
     TRY(measuring_.begin(shape));

@@ -62,12 +62,12 @@ struct ExtractOptions {
   // set or the method is always closed.
   bool shared_origin = false;
   field::Affine output_from_index;  // index_to_world, followed by the requested axis and unit changes
-  // Receives the mesh part by part, once for each of MeshSink::passes(); null: no sink. Works on the CPU for mc and mt
-  // with dense samples, without edge keys. With NaN samples, it works only without NanPolicy::hole and without smooth
-  // normals. In all other cases, and if the surface has no triangles or the sink declines (MeshSink::begin()), the mesh
-  // is Extraction::mesh. Where a sink works, several ranks can share the extraction (MeshSink::ranks()), without a cap
-  // or holes. Each rank then extracts from its part of the samples; statistics are those of the whole surface. If the
-  // mesh must be whole, rank 0 extracts it alone, and the other ranks fail with ErrorCode::cancelled.
+  // Receives the mesh part by part, once for each of MeshSink::passes(); null: no sink. Works on the CPU for mc and mt,
+  // without edge keys. With NaN samples, it works only without NanPolicy::hole and without smooth normals. In all other
+  // cases, and if the surface has no triangles or the sink declines (MeshSink::begin()), the mesh is Extraction::mesh.
+  // Where a sink works, several ranks can share the extraction of dense samples (MeshSink::ranks()), without a cap or
+  // holes. Each rank then extracts from its part of the samples; statistics are those of the whole surface. If the mesh
+  // must be whole, rank 0 extracts it alone, and the other ranks fail with ErrorCode::cancelled.
   mesh::MeshSink* sink = nullptr;
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
@@ -118,7 +118,7 @@ struct ExtractStats {
 };
 
 struct Extraction {
-  mesh::Mesh mesh;  // without vertices and triangles if a sink took them
+  mesh::Mesh mesh;  // if a sink took the mesh: MeshSink::take_collected(), else without vertices and triangles
   ExtractStats stats;
   std::optional<mesh::MeshShape> taken = {};  // shape of the mesh that ExtractOptions::sink took
 };

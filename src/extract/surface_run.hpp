@@ -90,7 +90,9 @@ template <SurfacePasses Surface>
       }
       TRY(options.sink->end_pass());
     }
-    if (!options.sink->has_declined()) result.taken = shape;
+    if (options.sink->has_declined()) return {};
+    result.taken = shape;
+    if (auto collected = options.sink->take_collected()) result.mesh = std::move(*collected);
   }
   return {};
 }

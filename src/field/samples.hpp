@@ -38,8 +38,14 @@ struct DenseSamples {
   // then 0. `owner` keeps the flag alive. Null without a mapping.
   const std::atomic<bool>* loss = nullptr;
 
+  // Set if `data` is in a temporary file: returns whether the disk lost samples; called with owner.get().
+  bool (*is_lost_on_disk)(const void* owner) = nullptr;
+
   // Returns whether samples were lost. Call it after work on the samples: if true, the result is invalid.
-  [[nodiscard]] bool lost() const { return loss != nullptr && loss->load(std::memory_order_acquire); }
+  [[nodiscard]] bool lost() const {
+    return (loss != nullptr && loss->load(std::memory_order_acquire)) ||
+           (is_lost_on_disk != nullptr && is_lost_on_disk(owner.get()));
+  }
 
   [[nodiscard]] std::size_t count() const {
     return static_cast<std::size_t>(dims.x) * static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z);

@@ -32,7 +32,8 @@ std::string map_whole(int descriptor, std::uint64_t bytes, void*& pages) {
   if (is_in_memory(descriptor)) return "it is in memory (tmpfs)";
   if (bytes > static_cast<std::uint64_t>(std::numeric_limits<off_t>::max())) return "files cannot be that large";
   // A sparse file could end the process (SIGBUS) once the disk is full.
-  const int error = ::posix_fallocate(descriptor, 0, static_cast<off_t>(bytes));
+  int error = EINTR;
+  while (error == EINTR) error = ::posix_fallocate(descriptor, 0, static_cast<off_t>(bytes));
   if (error != 0) return std::generic_category().message(error);
   pages = ::mmap(nullptr, static_cast<std::size_t>(bytes), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
   return pages == MAP_FAILED ? std::generic_category().message(errno) : "";
@@ -45,36 +46,51 @@ tl::expected<ScratchFile, std::string> ScratchFile::make(std::uint64_t bytes) {
   const fs::path folder = fs::temp_directory_path(error);
   std::string failure = error ? error.message() : "";
   void* pages = nullptr;
+  int descriptor = -1;
   if (!error) {
     std::string name = folder / "isoextract-scratch-XXXXXX";
-    const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
+    descriptor = ::mkostemp(name.data(), O_CLOEXEC);
     if (descriptor < 0) {
       failure = std::generic_category().message(errno);
     } else {
       ::unlink(name.c_str());
       failure = map_whole(descriptor, bytes, pages);
-      ::close(descriptor);
     }
   }
-  if (failure.empty()) return ScratchFile({static_cast<std::byte*>(pages), static_cast<std::size_t>(bytes)});
+  if (failure.empty())
+    return ScratchFile({static_cast<std::byte*>(pages), static_cast<std::size_t>(bytes)}, descriptor);
+  if (descriptor >= 0) ::close(descriptor);
   return tl::unexpected(fmt::format("a temporary file of {} in {} failed: {}", format_byte_size(bytes),
                                     folder.empty() ? "the folder for temporary files" : folder.string(), failure));
 }
 
+ScratchFile::ScratchFile(std::span<std::byte> pages, int descriptor)
+    : pages_(pages.data()),
+      length_(pages.size()),
+      descriptor_(descriptor),
+      range_(detail::watch_range(pages.data(), pages.size())) {}
+
 ScratchFile::ScratchFile(ScratchFile&& other) noexcept
-    : pages_(other.pages_), length_(std::exchange(other.length_, 0)), range_(other.range_) {}
+    : pages_(other.pages_),
+      length_(std::exchange(other.length_, 0)),
+      descriptor_(other.descriptor_),
+      range_(other.range_) {}
 
 ScratchFile::~ScratchFile() {
   if (length_ == 0) return;
-  if (range_ != nullptr) detail::unwatch_range(range_);
+  detail::unwatch_range(range_);
   ::munmap(pages_, length_);
+  ::close(descriptor_);
 }
 
-void ScratchFile::protect() {
-  static_cast<void>(::mprotect(pages_, length_, PROT_READ));
-  range_ = detail::watch_range(pages_, length_);
-}
+void ScratchFile::protect() { static_cast<void>(::mprotect(pages_, length_, PROT_READ)); }
 
-const std::atomic<bool>& ScratchFile::lost() const { return range_->lost; }
+bool ScratchFile::lost() const {
+  // The kernel drops a page that it cannot write, and reads zeros from then on. It tells that error once.
+  if (::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WAIT_BEFORE) != 0 && errno != ENOSYS && errno != EINVAL) {
+    range_->lost.store(true, std::memory_order_release);
+  }
+  return range_->lost.load(std::memory_order_acquire);
+}
 
 }  // namespace isoextract::files

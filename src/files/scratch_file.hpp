@@ -2,7 +2,6 @@
 // and writes the others to the disk.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,9 +18,9 @@ struct MappedRange;
 // Has no name in any file system, so the system frees it when the process ends, however it ends. Owns its disk space.
 class ScratchFile {
  public:
-  // Makes a file of `bytes` bytes, filled with zeros, in the folder for temporary files (the environment variable
-  // TMPDIR, else /tmp), and takes its disk space. Returns the reason if the folder has too little space, cannot be
-  // written, or is in memory (tmpfs).
+  // Makes a file of `bytes` bytes, filled with zeros, in the folder for temporary files, and takes its disk space.
+  // std::filesystem::temp_directory_path() gives the folder: the environment variable TMPDIR, TMP, TEMP or TEMPDIR,
+  // else /tmp. Returns the reason if the folder has too little space, cannot be written, or is in memory (tmpfs).
   [[nodiscard]] static tl::expected<ScratchFile, std::string> make(std::uint64_t bytes);
 
   ScratchFile(ScratchFile&& other) noexcept;
@@ -30,17 +29,18 @@ class ScratchFile {
 
   // Returns all bytes, at the start of a page; writable until protect().
   [[nodiscard]] std::span<std::byte> bytes() const { return {pages_, length_}; }
-  // Makes the bytes read-only. From now on, bytes that the disk cannot give become 0, and lost() becomes true. May
-  // throw std::bad_alloc.
+  // Makes the bytes read-only.
   void protect();
-  // Returns the flag of lost bytes, which lives as long as the mapping. Call protect() first.
-  [[nodiscard]] const std::atomic<bool>& lost() const;
+  // Returns whether the disk could not give or take some bytes, which are then 0. Call it after the last use of the
+  // bytes. Waits for pages that the system is writing.
+  [[nodiscard]] bool lost() const;
 
  private:
-  explicit ScratchFile(std::span<std::byte> pages) : pages_(pages.data()), length_(pages.size()) {}
+  ScratchFile(std::span<std::byte> pages, int descriptor);
 
   std::byte* pages_ = nullptr;
   std::size_t length_ = 0;  // 0 after a move
+  int descriptor_ = -1;
   detail::MappedRange* range_ = nullptr;
 };
 

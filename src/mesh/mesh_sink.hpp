@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -88,6 +89,9 @@ class MeshSink {
   // Returns whether the sink declined the mesh only after a pass; then there are no more passes, and the caller makes
   // the whole mesh in memory. Never with ranks.
   [[nodiscard]] virtual bool has_declined() const { return false; }
+  // Returns the mesh that the sink collected from the parts, which the caller then uses in place of the whole mesh;
+  // nothing if the sink passed the parts on. Call it once, after the last pass. Never with ranks.
+  [[nodiscard]] virtual std::optional<Mesh> take_collected() { return std::nullopt; }
 };
 
 }  // namespace isoextract::mesh

@@ -269,6 +269,11 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
 Result<void> check_mapping_intact(const field::ScalarField& field) {
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr || !dense->lost()) return {};
+  if (dense->is_lost_on_disk != nullptr) {
+    return fail(ErrorCode::input,
+                field.source + ": the disk lost samples of the temporary file, which it could not write or read",
+                "set the environment variable TMPDIR to a folder on another disk");
+  }
   return fail(ErrorCode::input, field.source + ": the file became shorter, or reading it failed, during the run",
               "run again when no other program writes to the file, or on a copy of it");
 }

@@ -231,6 +231,26 @@ class PartwiseTest(ProgramTest):
                 self.assert_same_figures(*GYROID, *form, "-o", name)
         self.assert_same_figures("demo:sphere?size=20", "--iso", 0, "-o", "a.ply")
 
+    def test_the_error_is_that_of_the_whole_mesh(self):
+        noise = (*self.write_noise(24), "--normals", "none", "--error")
+        for options in ((), ("--method", "mt"), ("--roi", "3,4,5,20,21,22", "--roi-snap")):
+            figures = self.assert_same_figures(*noise, *options, "-o", "a.ply")
+            self.assertGreater(figures["error"]["coverage"]["components"], 100)
+        self.assert_by_parts(False, *noise, "--cap", "-o", "a.ply")
+        self.assert_by_parts(False, *noise, "--largest", "-o", "a.ply")
+        self.assert_by_parts(False, *noise, "--resolution", 12, "-o", "a.ply")
+        self.assert_by_parts(False, *GYROID, "--error", "-o", "a.ply")  # has a formula
+
+    def test_the_error_of_a_large_mesh_is_measured_in_windows(self):
+        layers = (*self.write_layers(80), "--normals", "none", "--error", "-o", "a.ply")
+        parts, _ = self.figures(*layers, "--memory-limit", "140M")
+        self.assertEqual(self.figures(*layers, *WHOLE), (parts, False))
+        (figures,) = parts
+        self.assertGreater(figures["triangles"], 900_000)
+        self.assertEqual(figures["error"]["coverage"]["components"], 79)
+        # A plane between samples of 0 and 255, at 100.
+        self.assertLess(figures["error"]["interior"]["max"]["voxels"], 1e-4)
+
     def test_threads_and_memory_change_no_figure(self):
         noise = (*self.write_noise(40), "-o", "a.ply", "--normals", "none", "--cap")
         figures = [self.figures(*noise, *how) for how in ((), ("--threads", 1), ("--memory-limit", "16M", "--threads", 2))]

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,16 +23,24 @@ struct BrickMember {
   [[nodiscard]] auto order() const { return std::tuple(brick.z, brick.y, brick.x, id); }
 };
 
-// Returns the members 0 to count - 1, sorted by brick; brick_of(i) gives the brick of member i.
-template <class BrickOf>
-[[nodiscard]] std::vector<BrickMember> members_by_brick(std::size_t count, const BrickOf& brick_of) {
-  std::vector<BrickMember> members(count);
-  for_each_index(
-      count,
-      [&](std::size_t i) {
-        members[i] = {brick_of(i), static_cast<std::uint32_t>(i)};
-      },
-      1 << 12);
+// Returns members with the numbers below `count`, sorted by brick. list_bricks(i, add) calls add(brick) once for each
+// brick of member i; it must add the same bricks when called again.
+template <class ListBricks>
+[[nodiscard]] std::vector<BrickMember> members_by_brick(std::size_t count, const ListBricks& list_bricks) {
+  constexpr std::size_t kGrain = 1 << 12;
+  std::atomic<std::size_t> listed{0};
+  for_each_range(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::size_t here = 0;
+    for (std::size_t i = begin; i != end; ++i) list_bricks(i, [&](const glm::ivec3& /*brick*/) { ++here; });
+    listed += here;
+  });
+  std::vector<BrickMember> members(listed.load());
+  std::atomic<std::size_t> next{0};
+  for_each_range(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i != end; ++i) {
+      list_bricks(i, [&](const glm::ivec3& brick) { members[next++] = {brick, static_cast<std::uint32_t>(i)}; });
+    }
+  });
   tbb::parallel_sort(members.begin(), members.end(),
                      [](const BrickMember& a, const BrickMember& b) { return a.order() < b.order(); });
   return members;

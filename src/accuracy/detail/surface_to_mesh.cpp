@@ -11,9 +11,10 @@
 namespace isoextract::accuracy {
 
 SurfaceToMesh::SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
-                             std::span<const mesh::HalfSpace> clipped)
+                             std::span<const mesh::HalfSpace> clipped, const SearchWindow& window)
     : tree_(tree),
       placed_(placed),
+      window_(window),
       clipped_(clipped),
       linear_(placed.output_from_index().linear),
       inverse_(glm::inverse(linear_)),
@@ -24,6 +25,7 @@ mesh::TriangleTree::Nearest SurfaceToMesh::add(const glm::dvec3& index, double w
                                                SurfaceToMeshSums& sums) const {
   const glm::dvec3 p = to_tree(index);
   const mesh::TriangleTree::Nearest nearest = tree_.nearest(p, hint);
+  sums.needed = std::max(sums.needed, window_.needed(index, std::sqrt(nearest.distance_squared)));
   const glm::dvec3 world = placed_.output_from_index()(index);
   if (weight > 0 && is_kept(world, clipped_)) {
     sums.distances.add({glm::length(inverse_ * (nearest.point - p)), std::sqrt(nearest.distance_squared)}, weight,

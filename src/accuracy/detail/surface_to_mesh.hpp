@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "accuracy/detail/search_window.hpp"
 #include "accuracy/detail/subdivided_surface.hpp"
 #include "accuracy/detail/surface_foot.hpp"
 #include "accuracy/error_statistics.hpp"
@@ -21,19 +22,21 @@ using FieldFootFinder = FootFinder<field::Interpolant::Cursor>;
 struct SurfaceToMeshSums {
   ErrorAccumulator distances;
   double at_most = 0;  // estimated upper bound for all points of the isosurface, in the mesh's units
+  double needed = 0;   // distance within which the nearest points are, if the window is too small to find all; else 0
 
   void merge(const SurfaceToMeshSums& other) {
     distances.merge(other.distances);
     at_most = std::max(at_most, other.at_most);
+    needed = std::max(needed, other.needed);
   }
 };
 
 class SurfaceToMesh {
  public:
-  // `tree` contains the triangles of `mesh`. `placed` is the mesh in index space. `clipped` are the half-spaces that
-  // the mesh was clipped to.
+  // `tree` contains the triangles of `mesh`, the part of the mesh in `window`. `placed` is `mesh` in index space.
+  // `clipped` are the half-spaces that the mesh was clipped to.
   SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
-                std::span<const mesh::HalfSpace> clipped);
+                std::span<const mesh::HalfSpace> clipped, const SearchWindow& window);
 
   // Adds the distances of the triangles of `surface` whose centers `counts` accepts, weighted by area. Measures at the
   // vertices, and at the centers after moving them onto the isosurface. Points outside `clipped` do not count. Between
@@ -60,6 +63,7 @@ class SurfaceToMesh {
 
   const mesh::TriangleTree& tree_;
   const IndexMesh& placed_;
+  const SearchWindow& window_;
   std::span<const mesh::HalfSpace> clipped_;
   glm::dmat3 linear_;
   glm::dmat3 inverse_;

@@ -7,6 +7,7 @@
 
 #include "accuracy/field_error.hpp"
 #include "base/byte_size.hpp"
+#include "convert/detail/partwise_output.hpp"
 #include "field/surface_estimate.hpp"
 
 namespace isoextract::convert {
@@ -24,8 +25,13 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     std::uint64_t surface = vertices;
     if (source.data) surface = source.region ? 0 : field::min_vertex_count(data, iso.id.iso(), std::nullopt);
     std::uint64_t bytes =
-        accuracy::field_error_bytes(data, as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
-    if (as_extracted) bytes += vertices * sizeof(glm::vec3) + triangles_of(vertices) * sizeof(glm::uvec3);
+        accuracy::field_error_memory(data, as_extracted ? triangles_of(vertices) : 0, triangles_of(surface)).least;
+    if (as_extracted) {
+      // Of a mesh that goes to its file by parts, the measurement extracts a window again.
+      const bool is_whole = !goes_by_parts(job, source, iso.id.iso());
+      const std::uint64_t held = is_whole ? vertices : std::min(vertices, accuracy::kWindowTriangles / 3);
+      bytes += held * sizeof(glm::vec3) + triangles_of(held) * sizeof(glm::uvec3);
+    }
     // Not MemoryBudget::left(): other conversions of a batch may give their memory back before this one needs it.
     const std::uint64_t limit = context.memory().limit();
     const std::uint64_t used = std::min(limit, context.memory().reserved());
@@ -43,8 +49,9 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
 
 std::uint64_t estimated_error_bytes(const Source& source, double iso) {
   const std::uint64_t triangles = 2 * field::estimate_surface(source.field, iso).vertices;
-  return accuracy::field_error_bytes(source.data ? *source.data : source.field, triangles,
-                                     source.data ? 2 * field::estimate_surface(*source.data, iso).vertices : triangles);
+  const field::ScalarField& data = source.data ? *source.data : source.field;
+  const std::uint64_t of_data = source.data ? 2 * field::estimate_surface(data, iso).vertices : triangles;
+  return accuracy::field_error_memory(data, triangles, of_data).usual;
 }
 
 }  // namespace isoextract::convert

@@ -9,14 +9,23 @@
 #include "convert/stages/vertex_colors.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/mesh_assembly.hpp"
+#include "field/analytic_field.hpp"
 
 namespace isoextract::convert {
 namespace {
 
+// Returns whether the error of the surface can be measured without the whole mesh (measure_extraction_error()).
+bool measures_error_by_parts(const ConversionJob& job, const Source& source) {
+  // Formulas of demo fields are compared with the whole mesh.
+  return !source.data && !job.surface.cap && !job.edits.pieces.drops() &&
+         field::find_analytic_field(source.field.name) == nullptr;
+}
+
 bool needs_whole_mesh(const ConversionJob& job, const Source& source) {
   const SurfaceEdits& edits = job.edits;
   const bool edits_mesh = edits.pieces.split || edits.smooth || edits.hollow || edits.simplify;
-  const bool examines_mesh = job.verify || job.error || !tests_by_parts(edits.require);
+  const bool examines_mesh =
+      job.verify || (job.error && !measures_error_by_parts(job, source)) || !tests_by_parts(edits.require);
   const auto* file = job.writes<MeshFileOptions>();
   // The normals of caps are known only when the mesh is whole. glTF with flat normals has three vertices per triangle.
   const bool normals_need_all = job.normals == Normals::area || (job.normals == Normals::smooth && job.surface.cap) ||
@@ -62,7 +71,18 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
   const auto region = extract::clip_region(source.field, stored, options);
   if (!region) return false;
   const extract::OutputPlacement placement = extract::output_placement(source.field, options, stored, *region);
+  if (job.error && placement.margin() != extract::output_placement(source.field, options, stored, stored).margin()) {
+    return false;  // the surface of the region differs from that of all samples, which the measurement extracts
+  }
   return placement.origin() == glm::dvec3(0) && (!needs_distinct_positions(job) || placement.keeps_vertices_apart());
+}
+
+bool holds_whole_selection(const mesh::MeshShape& shape, std::uint64_t sampling_bytes, bool measures,
+                           std::uint64_t left) {
+  // Many components take as much again as the mesh and its selection, and the figures more.
+  const std::uint64_t factor = measures ? 4 : 2;
+  const std::uint64_t selecting = edit::whole_selection_bytes(shape.vertices, shape.triangles, shape.has_normals);
+  return sampling_bytes <= left && selecting <= (left - sampling_bytes) / factor;
 }
 
 void add_partwise_hint(Error& error) {
@@ -75,9 +95,8 @@ Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {
   if (needs_.distinct_positions && !shape.distinct_positions) return false;
   if (needs_.near_vertices && !shape.uses_near_vertices) return false;
   if (bodies_ != nullptr) {
-    const std::uint64_t selecting = edit::whole_selection_bytes(shape.vertices, shape.triangles, shape.has_normals);
     const std::uint64_t sampling = attributes_ != nullptr ? attributes_->whole_bytes(shape.vertices) : 0;
-    if (selecting + sampling <= memory_.left()) return false;
+    if (holds_whole_selection(shape, sampling, measuring_ != nullptr, context_.memory().left())) return false;
   }
   if (attributes_ != nullptr) {
     const bool has_memory = TRY(attributes_->begin(shape));
@@ -128,6 +147,7 @@ Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
     if (pass == looking_end_) watch_.restart();
     return measuring_->begin_pass(pass - looking_end_);
   }
+  if (is_collecting_) return {};
   if (measuring_ != nullptr) {
     measures_ = TRY(measuring_->finish());
     measuring_.reset();
@@ -146,6 +166,7 @@ Result<void> PartwiseOutput::take(const mesh::MeshPart& part) {
 }
 
 Result<void> PartwiseOutput::take_rest(const mesh::MeshPart& part) {
+  if (is_collecting_) return collect(part);
   if (pass_ < looking_end_) return bodies_ != nullptr ? attributes_->measure_written(part) : Result<void>();
   if (measuring_ != nullptr) return measuring_->take(part);
   if (!passes_[pass_].attributes) return writer_.take_part(part);
@@ -168,9 +189,34 @@ Result<void> PartwiseOutput::end_pass() {
     takes = shape.triangles > 0 && TRY(begin_rest(shape));
   }
   if (takes) return {};
+  if (attributes_ == nullptr) return begin_collecting(bodies_->kept_shape());
   has_declined_ = true;  // the whole mesh needs their memory
   bodies_.reset();
   attributes_.reset();
+  return {};
+}
+
+Result<void> PartwiseOutput::begin_collecting(const mesh::MeshShape& shape) {
+  is_collecting_ = true;
+  measuring_.reset();  // later stages measure the mesh
+  mesh::Mesh& mesh = collected_.emplace();
+  mesh.name = hooks_.head(shape).name;
+  mesh.origin = shape.origin;
+  if (shape.triangles == 0) return {};
+  const std::uint64_t vectors = shape.vertices * (shape.has_normals ? 2 : 1);
+  mesh.memory = TRY(context_.reserve(vectors * sizeof(glm::vec3) + shape.triangles * sizeof(glm::uvec3),
+                                     mesh.name + ": the selected components"));
+  mesh.positions = Buffer<glm::vec3>(shape.vertices);
+  mesh.normals = Buffer<glm::vec3>(shape.has_normals ? shape.vertices : 0);
+  mesh.triangles = Buffer<glm::uvec3>(shape.triangles);
+  passes_.push_back({.normals = shape.has_normals});
+  return {};
+}
+
+Result<void> PartwiseOutput::collect(const mesh::MeshPart& part) {
+  std::ranges::copy(part.positions, collected_->positions.begin() + part.first_vertex);
+  std::ranges::copy(part.normals, collected_->normals.begin() + part.first_vertex);
+  std::ranges::copy(part.triangles, collected_->triangles.begin() + part.first_triangle);
   return {};
 }
 
@@ -196,11 +242,11 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
                                                          body_selection(job.edits.pieces, stage.source), stage.context);
   }
   if (stage.source.attributes) work.attributes = std::make_unique<PartwiseAttributes>(stage);
-  if (work.any()) ranks = nullptr;
+  if (work.any() || job.error) ranks = nullptr;
   const PartwiseOutput::Needs needs{needs_distinct_positions(job),
                                     work.measures != nullptr || work.bodies != nullptr || needs_triangle_corners(job)};
   return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks, needs,
-                                          std::move(work), stage.context.memory());
+                                          std::move(work), stage.context);
 }
 
 std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,

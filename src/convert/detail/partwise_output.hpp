@@ -46,9 +46,9 @@ class PartwiseOutput final : public mesh::MeshSink {
     [[nodiscard]] bool any() const { return bodies != nullptr || attributes != nullptr || measures != nullptr; }
   };
   // The writer must outlive this object. With any work, `ranks` must be null. With `work.bodies`, the output declines
-  // meshes that `memory` holds as a whole: select_bodies() is faster.
-  PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs, Work work,
-                 const MemoryBudget& memory)
+  // meshes that the memory holds as a whole (holds_whole_selection()). Without `work.attributes`, it collects a
+  // remaining mesh that the writer does not take in parts.
+  PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs, Work work, const Context& context)
       : writer_(writer),
         hooks_(std::move(hooks)),
         ranks_(ranks),
@@ -56,7 +56,7 @@ class PartwiseOutput final : public mesh::MeshSink {
         bodies_(std::move(work.bodies)),
         attributes_(std::move(work.attributes)),
         measuring_(std::move(work.measures)),
-        memory_(memory) {}
+        context_(context) {}
 
   [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
   Result<bool> begin(const mesh::MeshShape& shape) override;
@@ -65,13 +65,16 @@ class PartwiseOutput final : public mesh::MeshSink {
   Result<void> take(const mesh::MeshPart& part) override;
   Result<void> end_pass() override;
   [[nodiscard]] bool has_declined() const override { return has_declined_; }
+  [[nodiscard]] std::optional<mesh::Mesh> take_collected() override { return std::exchange(collected_, std::nullopt); }
 
-  // Returns the figures of the selected bodies; zeros without `bodies`.
-  [[nodiscard]] edit::BodyFigures bodies() const {
-    return bodies_ != nullptr ? bodies_->figures() : edit::BodyFigures();
+  // Returns the figures of the selected bodies; nothing without `bodies`.
+  [[nodiscard]] std::optional<edit::BodyFigures> bodies() const {
+    return bodies_ != nullptr ? std::optional(bodies_->figures()) : std::nullopt;
   }
-  // Returns the shape of the mesh that was written. Call only with `bodies`.
-  [[nodiscard]] const mesh::MeshShape& kept_shape() const { return bodies_->kept_shape(); }
+  // Returns the shape of the mesh that was written; nothing if it was collected. Call only with `bodies`.
+  [[nodiscard]] std::optional<mesh::MeshShape> written_shape() const {
+    return is_collecting_ ? std::nullopt : std::optional(bodies_->kept_shape());
+  }
 
   // Returns the figures of the attributes; nothing if the job has none. Call once, if the mesh was taken.
   [[nodiscard]] std::optional<AttributesOfParts> take_attributes() {
@@ -89,6 +92,9 @@ class PartwiseOutput final : public mesh::MeshSink {
   Result<bool> begin_rest(const mesh::MeshShape& shape);
   // Begins the passes after the one that looks at attributes. Returns false if the output declines the mesh.
   Result<bool> begin_writing();
+  // Prepares for collecting the remaining mesh, in one more pass if it has triangles.
+  Result<void> begin_collecting(const mesh::MeshShape& shape);
+  Result<void> collect(const mesh::MeshPart& part);
   Result<void> take_rest(const mesh::MeshPart& part);
 
   mesh_io::MeshWriter& writer_;
@@ -98,7 +104,7 @@ class PartwiseOutput final : public mesh::MeshSink {
   std::unique_ptr<edit::PartwiseBodies> bodies_;
   std::unique_ptr<PartwiseAttributes> attributes_;
   std::unique_ptr<mesh::PartwiseMeasures> measuring_;  // until it has seen all parts
-  MemoryBudget memory_;
+  Context context_;
   std::vector<mesh::PartPass> passes_;
   // The ends of the passes that select bodies, look at attributes, and measure, once they are known.
   std::size_t selecting_end_ = 0;
@@ -107,6 +113,8 @@ class PartwiseOutput final : public mesh::MeshSink {
   mesh::MeshShape shape_;  // of the written mesh
   std::size_t pass_ = 0;
   bool has_declined_ = false;
+  bool is_collecting_ = false;
+  std::optional<mesh::Mesh> collected_;
   std::optional<mesh::MeshMeasures> measures_;
   Stopwatch watch_;
   StageTime measuring_time_;
@@ -119,8 +127,14 @@ class PartwiseOutput final : public mesh::MeshSink {
 // Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
 // May wrongly return true in three cases known only later: a GLB with few vertices, and smooth normals with NaN
 // samples. The third is a sparse field whose surface leaves the stored blocks, if the output needs near vertices. If
-// the job selects bodies, the surface goes by parts only if memory does not hold edit::whole_selection_bytes().
+// the job selects bodies, the surface goes by parts only if memory is short (holds_whole_selection()).
 [[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
+
+// Returns whether `left` bytes of memory surely hold a mesh while bodies of it are selected and, with `measures`, its
+// figures are measured. `sampling_bytes` is the memory of its attributes. Selecting bodies of a mesh in memory is
+// faster than part by part.
+[[nodiscard]] bool holds_whole_selection(const mesh::MeshShape& shape, std::uint64_t sampling_bytes, bool measures,
+                                         std::uint64_t left);
 
 // Adds to the hint of an ErrorCode::out_of_memory which formats take a mesh in parts. Leaves other errors unchanged.
 void add_partwise_hint(Error& error);

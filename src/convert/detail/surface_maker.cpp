@@ -67,8 +67,9 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
     surface.measuring_time = maker.sink->measuring_time();
     surface.bodies = maker.sink->bodies();
     surface.attributes = maker.sink->take_attributes();
+    const StageTime selecting = surface.bodies ? surface.bodies->time : StageTime();
     const StageTime sampling = surface.attributes ? surface.attributes->time : StageTime();
-    for (const StageTime& other : {surface.measuring_time, surface.bodies.time, sampling}) {
+    for (const StageTime& other : {surface.measuring_time, selecting, sampling}) {
       stats.emit += {-other.wall_seconds, -other.cpu_seconds};
     }
   }
@@ -80,8 +81,12 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
   }
   const StageContext stage{maker.job, source, maker.facts(made.open), maker.context};
   if (stats.device) made.bytes_uploaded = stats.device->bytes_uploaded;
-  made.events.end(extraction_report(stats, options, surface, stage, watch.elapsed()));
-  if (surface.taken && maker.job.edits.pieces.drops()) surface.taken = maker.sink->kept_shape();
+  StageReport report = extraction_report(stats, options, surface, stage, watch.elapsed());
+  if (surface.bodies) {
+    surface.taken = maker.sink->written_shape();
+    if (!surface.taken) report.did = "extracted";
+  }
+  made.events.end(report);
   if (maker.other != nullptr) {
     const auto record = TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method),
                                              surface.mesh, *maker.extractor, *maker.other, maker.context));
@@ -117,7 +122,7 @@ Error error_of_none(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSur
 Result<std::optional<Surface>> make_surface(const SurfaceMaker& maker, const ResolvedIso& asked, MadeSurface& made) {
   const EmptyPolicy empty = maker.job.empty;
   Surface surface = TRY(open_surface(maker, asked, made));
-  if (surface.triangles() == 0 && empty != EmptyPolicy::write) {
+  if (surface.triangles() == 0 && !surface.bodies && empty != EmptyPolicy::write) {
     if (empty == EmptyPolicy::error) return tl::unexpected(error_of_none(maker, asked, made));
     if (made.cut_away) made.lost.push_back({asked.id, "clipping removed every triangle"});
     return std::optional<Surface>();

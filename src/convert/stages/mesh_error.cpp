@@ -210,6 +210,10 @@ Result<MeshError> measure_mesh_error(const Surface& surface, const StageContext&
   if (stage.job.edits.smooth) options.vertices_on_edges = false;
   options.caps.moved = surface.simplified_by;
   options.clipped = clipped;
+  if (surface.taken) {
+    error.field = TRY(accuracy::measure_extraction_error(field, extracted, options, context));
+    return error;
+  }
   error.field = TRY(accuracy::measure_field_error(mesh, field, extracted, options, context));
   error.analytic = TRY(accuracy::measure_analytic_error(mesh, field, extracted, grid, options.caps, context));
   if (error.analytic && field.kind == field::FieldKind::density) {

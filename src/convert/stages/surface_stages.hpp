@@ -50,7 +50,7 @@ struct Surface {
   std::uint64_t label_components = 0;            // components of the newly extracted mesh; 0 if unknown
   double simplified_by = 0;                      // upper bound of how far simplification moved the surface, in voxels
   double untangled_by = 0;                       // upper bound of the move by untangling and rounding, in voxels
-  edit::BodyFigures bodies = {};  // of a mesh that went part by part, if the job drops some (PieceChoice::drops())
+  std::optional<edit::BodyFigures> bodies = {};  // set if bodies were selected part by part, during the extraction
   // The measures of a mesh that went part by part, if its sink measured it (partwise_output()).
   std::optional<mesh::MeshMeasures> measures = {};
   std::optional<AttributesOfParts> attributes = {};  // set if the mesh went part by part, and has attributes

@@ -43,8 +43,9 @@ bool zero_lost_pages(const void* address) {
   range->lost.store(true, std::memory_order_release);
   const std::uintptr_t page = at - at % page_size;
   void* const start = static_cast<char*>(const_cast<void*>(address)) - at % page_size;
-  return ::mmap(start, end - page, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED | MAP_NORESERVE, -1, 0) !=
-         MAP_FAILED;
+  // Writable, because a temporary file may still be filled.
+  return ::mmap(start, end - page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED | MAP_NORESERVE, -1,
+                0) != MAP_FAILED;
 }
 
 // Calls the previous handler; without one, ends the process as if there were no handler.

@@ -95,21 +95,20 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
 
 // Reads or maps 64-bit ids. Keeps only their indices, and the table of the ids in `ids`.
 Result<field::DenseSamples> load_ids(const files::InputFile& file, const DenseFile& dense, const SampleSource& source,
-                                     field::LabelIdTable& ids) {
+                                     field::LabelIdTable& ids, Notes& notes) {
   const Context& context = file.context();
-  IndexedIds indexed;
-  const auto mapped = dense.x_slowest ? std::nullopt : map_samples(source, context);
+  field::DenseSamples wide;
+  auto mapped = dense.x_slowest ? std::nullopt : map_samples(source, context);
   if (mapped) {
-    const auto* bytes = static_cast<const std::byte*>(mapped->data());
-    indexed = TRY(index_ids({bytes, source.bytes}, dense.wide, dense.dims, file.name(), context));
-    if (mapped->lost()) {
-      return fail(ErrorCode::input, file.name() + ": the file became shorter, or reading it failed, during the run");
-    }
+    const auto mapping = std::make_shared<const files::MappedFile>(std::move(*mapped));
+    wide = {dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
   } else {
-    auto store = TRY(SampleStore::make(file.name(), dense.dims, dense.type, context));
+    const std::uint64_t index_bytes = sample_bytes(dense.dims, field::SampleType::u32);
+    auto store = TRY(SampleStore::make(file.name(), dense.dims, dense.type, context, {}, index_bytes));
     TRY(read_into(store, dense, source, context));
-    indexed = TRY(index_ids(store.bytes(), dense.wide, dense.dims, file.name(), context));
+    wide = std::move(store).finish(notes);
   }
+  IndexedIds indexed = TRY(index_ids(wide, dense.wide, file.name(), context));
   ids = std::move(indexed.ids);
   const void* data = indexed.samples->values.data();
   return field::DenseSamples{field::SampleType::u32, dense.dims, std::move(indexed.samples), data, false};
@@ -165,8 +164,8 @@ void add_to_lengths(const field::DenseSamples& samples, const T* component, bool
 template <class Length, class Load>
 Result<field::DenseSamples> read_lengths(const files::InputFile& file, const DenseFile& dense, const Load& load,
                                          Notes& notes) {
-  auto store =
-      TRY(SampleStore::make(file.name(), dense.dims, field::sample_type_of<Length>(), file.context(), "lengths of "));
+  auto store = TRY(SampleStore::make(file.name(), dense.dims, field::sample_type_of<Length>(), file.context(),
+                                     "lengths of ", sample_bytes(dense.dims, dense.type)));
   for (std::uint64_t c = 0; c < dense.components; ++c) {
     const Result<field::DenseSamples> component = load(c);
     if (!component) return component;
@@ -237,7 +236,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   const auto load_chosen = [&](std::uint64_t component) -> Result<field::DenseSamples> {
     const bool are_ids = options.label_ids && dense.wide != Integer64::none && !options.no_data;
     if (!are_ids) return load(component);
-    return load_ids(file, dense, TRY(part_of(source, dense, volume, component)), ids);
+    return load_ids(file, dense, TRY(part_of(source, dense, volume, component)), ids, dense.notes);
   };
   auto samples = TRY(chosen                     ? load_chosen(*chosen)
                      : needs_double(dense.type) ? read_lengths<double>(file, dense, load, dense.notes)

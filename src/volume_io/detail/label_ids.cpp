@@ -71,9 +71,13 @@ tl::unexpected<Error> too_large(std::span<const std::byte> stored, const glm::iv
 
 }  // namespace
 
-Result<IndexedIds> index_ids(std::span<const std::byte> stored, Integer64 type, const glm::ivec3& dims,
-                             const std::string& name, const Context& context) {
-  const std::size_t count = stored.size() / sizeof(std::int64_t);
+Result<IndexedIds> index_ids(const field::DenseSamples& wide, Integer64 type, const std::string& name,
+                             const Context& context) {
+  const std::size_t count = wide.count();
+  const std::span stored(static_cast<const std::byte*>(wide.data), count * sizeof(std::int64_t));
+  const auto leave = [&](std::size_t task) {
+    wide.leave(task * kSamplesATask, std::min((task + 1) * kSamplesATask, count));
+  };
   const std::size_t tasks = (count + kSamplesATask - 1) / kSamplesATask;
   auto samples = TRY(make_reserved_buffer<std::uint32_t>(count, context, name + ": the indices of its labels"));
   context.progress().begin("finding labels", 2 * tasks);
@@ -81,6 +85,7 @@ Result<IndexedIds> index_ids(std::span<const std::byte> stored, Integer64 type, 
   for_each_index(tasks, [&](std::size_t task) {
     if (context.cancelled()) return;
     collect_ids(stored, task, of_task[task]);
+    leave(task);
     context.progress().advance(1);
   });
   TRY(context.check());
@@ -88,7 +93,7 @@ Result<IndexedIds> index_ids(std::span<const std::byte> stored, Integer64 type, 
   for (const std::vector<std::int64_t>& some : of_task) found.insert(found.end(), some.begin(), some.end());
   of_task.clear();
   make_unique(found);
-  if (type == Integer64::u64 && !found.empty() && found.front() < 0) return too_large(stored, dims, name);
+  if (type == Integer64::u64 && !found.empty() && found.front() < 0) return too_large(stored, wide.dims, name);
   std::vector<std::int64_t> ids{0};
   ids.reserve(found.size() + 1);
   std::ranges::copy_if(found, std::back_inserter(ids), [](std::int64_t id) { return id != 0; });
@@ -101,9 +106,13 @@ Result<IndexedIds> index_ids(std::span<const std::byte> stored, Integer64 type, 
       const std::uint32_t index = index_of.at(id);
       for (std::size_t sample = begin; sample < end; ++sample) samples->values[sample] = index;
     });
+    leave(task);
     context.progress().advance(1);
   });
   TRY(context.check());
+  if (wide.lost()) {
+    return fail(ErrorCode::input, name + ": the file became shorter, or reading it failed, during the run");
+  }
   return IndexedIds{std::move(samples), std::make_shared<const std::vector<std::int64_t>>(std::move(ids))};
 }
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
 
 #include "base/context.hpp"
@@ -20,11 +19,12 @@ struct IndexedIds {
   field::LabelIdTable ids;
 };
 
-// Returns, for each 64-bit integer in `stored` (native byte order), its index in a table of 0 and all ids that occur.
-// Takes four bytes for each sample, reserved in `context`, and two passes. The result does not depend on the number of
-// threads. Fails with ErrorCode::input for an id beyond 2^63 - 1; the message has its sample index by `dims`.
-// Fails with ErrorCode::out_of_memory, and as Context::check() does. `name` starts the messages.
-[[nodiscard]] Result<IndexedIds> index_ids(std::span<const std::byte> stored, Integer64 type, const glm::ivec3& dims,
-                                           const std::string& name, const Context& context);
+// Returns, for each 64-bit integer in `wide`, whatever its sample type, its index in a table of 0 and all ids that
+// occur. Takes four bytes for each sample, reserved in `context`, and two passes, which release pages of a large file.
+// The result does not depend on the number of threads. Fails with ErrorCode::input if samples were lost, and for an id
+// beyond 2^63 - 1; the message has its sample index. Fails with ErrorCode::out_of_memory, and as Context::check() does.
+// `name` starts the messages.
+[[nodiscard]] Result<IndexedIds> index_ids(const field::DenseSamples& wide, Integer64 type, const std::string& name,
+                                           const Context& context);
 
 }  // namespace isoextract::volume_io

@@ -341,9 +341,19 @@ class PluginFormat final : public VolumeFormat {
       selection.first[at] = static_cast<std::uint64_t>(needed.min[axis]);
       selection.count[at] = static_cast<std::uint64_t>(dense.dims[axis]);
     }
-    auto memory = context.reserve(sample_bytes(dense.dims, dense.type),
-                                  fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type)));
-    if (!memory) return read_by_runs(visit, input, selection, dense, std::move(memory.error()), context, field);
+    const std::uint64_t bytes = sample_bytes(dense.dims, dense.type);
+    // The samples of all components of a layer are in the plug-in's memory.
+    const std::uint64_t components =
+        selection.component == ISOEXTRACT_COMPONENT_LENGTH ? std::max<std::uint64_t>(grid.components, 1) : 0;
+    if (prefers_file(bytes, context)) {
+      auto store = SampleStore::make_in_file(dense.dims, dense.type, Error());
+      if (store) return read_by_runs(visit, input, selection, dense, std::move(*store), components, context, field);
+    }
+    auto memory = context.reserve(bytes, fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type)));
+    if (!memory) {
+      auto store = TRY(SampleStore::make_in_file(dense.dims, dense.type, std::move(memory.error())));
+      return read_by_runs(visit, input, selection, dense, std::move(store), components, context, field);
+    }
     const auto owner = std::make_shared<PluginSamples>();
     owner->box_memory = std::move(*memory);
     owner->visited = TRY(read_layers(visit, input, selection, dense));
@@ -368,16 +378,15 @@ class PluginFormat final : public VolumeFormat {
     return visited;
   }
 
-  // Reads a box that memory does not hold, a run of layers after the other, into a temporary file. `refusal` tells why
-  // there is no memory.
+  // Reads a box into the temporary file of `store`, a run of layers after the other. While it reads, the plug-in holds
+  // `components` arrays of a run besides that of the result.
   Result<void> read_by_runs(plugin_host::VolumeSession& visit, const std::string& input,
-                            plugin_host::VolumeSelection& selection, field::DenseSamples dense, Error refusal,
-                            const Context& context, field::ScalarField& field) const {
+                            plugin_host::VolumeSelection& selection, field::DenseSamples dense, SampleStore store,
+                            std::uint64_t components, const Context& context, field::ScalarField& field) const {
     const int layers = dense.dims.z;
-    auto store = TRY(SampleStore::make_in_file(dense.dims, dense.type, std::move(refusal)));
     dense.dims.z = 1;
     const std::uint64_t layer_bytes = sample_bytes(dense.dims, dense.type);
-    const int run = layers_at_once(layer_bytes, layers, context);
+    const int run = layers_at_once(layer_bytes * (1 + components), layers, context);
     const std::uint64_t first = selection.first[2];
     std::uint64_t parts_read = 0;
     context.progress().begin("reading", static_cast<std::uint64_t>(layers));

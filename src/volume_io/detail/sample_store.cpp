@@ -13,6 +13,10 @@
 
 namespace isoextract::volume_io {
 
+bool prefers_file(std::uint64_t bytes, const Context& context) {
+  return bytes >= kLeastInFile && bytes > context.memory().limit() / 2;
+}
+
 int layers_at_once(std::uint64_t layer_bytes, int layers, const Context& context) {
   const std::uint64_t most = context.memory().left() / 2 / std::max<std::uint64_t>(layer_bytes, 1);
   if (most >= static_cast<std::uint64_t>(layers)) return layers;
@@ -23,9 +27,12 @@ int layers_at_once(std::uint64_t layer_bytes, int layers, const Context& context
 }
 
 Result<SampleStore> SampleStore::make(const std::string& source, const glm::ivec3& dims, field::SampleType type,
-                                      const Context& context, const std::string& kind) {
+                                      const Context& context, const std::string& kind, std::uint64_t beside) {
   const std::string what = fmt::format("{}: {}{}", source, kind, describe_samples(dims, type));
   const std::uint64_t bytes = sample_bytes(dims, type);
+  if (bytes >= kLeastInFile && prefers_file(bytes + beside, context)) {
+    if (auto file = files::ScratchFile::make(bytes)) return SampleStore(dims, type, std::move(*file));
+  }
   auto reserved = context.reserve(bytes, what);
   if (reserved) {
     try {
@@ -72,13 +79,13 @@ field::DenseSamples SampleStore::finish(Notes& notes) && {
     return samples;
   }
   std::erase_if(notes, [](const Note& note) { return note.id == NoteId::samples_in_file; });
-  notes.push_back({NoteId::samples_in_file,
-                   fmt::format("the memory limit does not hold the {} of samples, so they are in a temporary file",
-                               format_byte_size(bytes().size()))});
+  notes.push_back(
+      {NoteId::samples_in_file, fmt::format("memory is short for the {} of samples, so they are in a temporary file",
+                                            format_byte_size(bytes().size()))});
   const auto file = std::make_shared<files::ScratchFile>(std::move(std::get<files::ScratchFile>(memory_)));
   file->protect();
   samples.file_backed = true;
-  samples.loss = &file->lost();
+  samples.is_lost_on_disk = [](const void* owner) { return static_cast<const files::ScratchFile*>(owner)->lost(); };
   samples.owner = file;
   return samples;
 }

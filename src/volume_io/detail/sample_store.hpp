@@ -22,6 +22,10 @@ namespace isoextract::volume_io {
 // Volumes from this size on may go to a temporary file. Smaller ones fit wherever the program itself does.
 inline constexpr std::uint64_t kLeastInFile = std::uint64_t{64} << 20U;  // bytes
 
+// Returns whether samples of that size should go to a temporary file if possible: kLeastInFile, and more than half of
+// the memory limit. The other half is for the work on them, so a larger limit never makes a conversion fail.
+[[nodiscard]] bool prefers_file(std::uint64_t bytes, const Context& context);
+
 // Returns the longest run of layers, each of `layer_bytes`, that a reader may decode at a time into memory besides a
 // temporary file: at least 1, at most `layers`. Uses at most half of the memory that is left. Prefers multiples of
 // 64, or of smaller powers of two: chunks of files often have such depths, and a chunk in two runs is decoded twice.
@@ -30,11 +34,11 @@ inline constexpr std::uint64_t kLeastInFile = std::uint64_t{64} << 20U;  // byte
 class SampleStore {
  public:
   // Makes a store for samples of that type and size. For messages, `source` names the input, and `kind` is empty or
-  // tells what the samples are: "lengths of ". Fails as Context::reserve(), with what is needed for a temporary file as
-  // a hint. May throw std::bad_alloc.
+  // tells what the samples are: "lengths of ". `beside` is the memory of other arrays that the caller needs at the same
+  // time. Fails as Context::reserve(), with what is needed for a temporary file as a hint. May throw std::bad_alloc.
   [[nodiscard]] static Result<SampleStore> make(const std::string& source, const glm::ivec3& dims,
                                                 field::SampleType type, const Context& context,
-                                                const std::string& kind = {});
+                                                const std::string& kind = {}, std::uint64_t beside = 0);
   // Makes a store in a temporary file. Fails with `refusal`, the error of memory, and the hint above; also if the
   // samples have less than kLeastInFile bytes.
   [[nodiscard]] static Result<SampleStore> make_in_file(const glm::ivec3& dims, field::SampleType type, Error refusal);

@@ -7,6 +7,7 @@
 
 #include "accuracy/field_error.hpp"
 #include "field/resample.hpp"
+#include "mesh/triangle_tree.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 #include "support/sample_meshes.hpp"

@@ -1,0 +1,32 @@
+#include "accuracy/detail/brick_counter.hpp"
+
+namespace isoextract::accuracy {
+
+Result<bool> BrickCounter::begin(const mesh::MeshShape& shape) {
+  shape_ = shape;
+  return shape.triangles > most_whole_;
+}
+
+Result<void> BrickCounter::take(const mesh::MeshPart& part) {
+  std::vector<BrickCount> here;
+  for (const glm::vec3& position : part.positions) {
+    const glm::ivec3 brick = cells_.brick(index_from_output_(shape_.origin + glm::dvec3(position)));
+    if (here.empty() || here.back().brick != brick) here.push_back({brick, 0});
+    ++here.back().triangles;
+  }
+  merge_bricks(here);
+  const std::lock_guard lock(mutex_);
+  bricks_.insert(bricks_.end(), here.begin(), here.end());
+  return {};
+}
+
+const std::vector<BrickCount>& BrickCounter::bricks() {
+  merge_bricks(bricks_);
+  const double triangles_a_vertex = static_cast<double>(shape_.triangles) / static_cast<double>(shape_.vertices);
+  for (BrickCount& brick : bricks_) {
+    brick.triangles = static_cast<std::uint64_t>(triangles_a_vertex * static_cast<double>(brick.triangles));
+  }
+  return bricks_;
+}
+
+}  // namespace isoextract::accuracy
