@@ -33,8 +33,8 @@ TEST(SampleStore, ReadsAsManyLayersAsHalfOfTheMemoryHolds) {
   EXPECT_EQ(volume_io::layers_at_once(0, 7, context), 7);
 }
 
-TEST(SampleStore, IsInMemoryIfTheBudgetHoldsIt) {
-  const Context context{MemoryBudget(64 * kMiB)};
+TEST(SampleStore, IsInMemoryIfHalfOfTheLimitHoldsIt) {
+  const Context context{MemoryBudget(128 * kMiB)};
   auto store = SampleStore::make("a", kLarge, field::SampleType::f32, context);
   ASSERT_TRUE(store);
   EXPECT_FALSE(store->is_in_file());
@@ -46,7 +46,7 @@ TEST(SampleStore, IsInMemoryIfTheBudgetHoldsIt) {
 }
 
 TEST(SampleStore, IsInAFileOtherwise) {
-  const Context context{MemoryBudget(64 * kMiB - 1)};
+  const Context context{MemoryBudget(128 * kMiB - 1)};
   auto store = SampleStore::make("a", kLarge, field::SampleType::f32, context);
   ASSERT_TRUE(store) << store.error().message;
   ASSERT_TRUE(store->is_in_file());
