@@ -15,7 +15,11 @@
 namespace isoextract::accuracy {
 namespace {
 
-constexpr int kFirstMargin = 4;  // cells
+// The margins of the windows in which the isosurface and the mesh are searched, in cells.
+struct Margins {
+  int surface = 4;
+  int mesh = 4;
+};
 
 // Maps the region of `grid` to samples of `field`: whole cells within it, or all cells that it touches.
 field::IndexBox region_in_field(const field::IndexBox& region, const field::ScalarField& field,
@@ -68,16 +72,18 @@ class FieldMeasurement {
     if (windows.size() > 1) begin_windows(windows);
     FieldSums sums = no_sums(reference_);
     for (const WindowBricks& bricks : windows) {
-      int margin = kFirstMargin;
-      for (double needed = 1; needed > 0; margin = wider(margin, needed)) {
-        needed = TRY(measure({bricks.box, margin, all_, reference_.width}, windows.size() == 1, sums));
+      Margins margins;
+      while (!TRY(measure(bricks.box, margins, windows.size() == 1, sums))) {
       }
       if (windows.size() > 1) context_.progress().advance(bricks.count);
     }
     while (const SearchWindow* window = components_.unfinished()) {
       const mesh::Mesh surface = TRY(extract_surface(*window));
+      const auto memory =
+          TRY(context_.reserve(SurfaceComponents::bytes(surface.positions.size(), surface.triangles.size()),
+                               "the components of the isosurface"));
       const IndexMesh placed(surface, reference_.field, reference_.extracted, reference_.options.grid);
-      components_.mark_found({*window, reference_.cells, surface, placed, nullptr});
+      TRY(components_.mark_found({*window, reference_.cells, surface, placed, nullptr}));
     }
     return result_of(sums);
   }
@@ -86,7 +92,8 @@ class FieldMeasurement {
   // Extracts the isosurface of all samples, or of the region, in whole cells. If it is too large for that, only counts
   // its triangles, and divides the field.
   Result<std::vector<WindowBricks>> divide() {
-    BrickCounter counter(reference_.options.window_triangles, reference_.cells, reference_.output_from_index.inverse());
+    BrickCounter counter(reference_.options.window_triangles, reference_.cells, reference_.output_from_index.inverse(),
+                         context_);
     extract::ExtractOptions options = surface_options_;
     options.sink = &counter;
     auto extraction = TRY(extract::make_cpu_extractor()->extract(reference_.field, options, context_));
@@ -106,38 +113,45 @@ class FieldMeasurement {
     context_.progress().begin("measuring the error", bricks);
   }
 
-  // Returns a margin in which points at most `needed` from a brick lie.
+  // Returns a margin in which points at most `needed` from a brick lie; `margin` if `needed` is 0.
   [[nodiscard]] int wider(int margin, double needed) const {
-    constexpr double kWidest = BrickBox::kUnbounded;
+    if (!(needed > 0)) return margin;
+    constexpr double kWidest = 1 << 30;  // wider than any field
     const double width = std::min({reference_.width.x, reference_.width.y, reference_.width.z});
     const double cells = std::isfinite(needed) ? std::ceil(needed / width) + 1 : 4.0 * margin;
     return static_cast<int>(std::min(kWidest, std::max(2.0 * margin, cells)));
   }
 
   Result<mesh::Mesh> extract_surface(const SearchWindow& window) const {
-    return extract_within(window, reference_.field, surface_options_, context_);
+    return extract_within(window, reference_.field, surface_options_, context_.beside());
   }
 
-  // Adds the distances in a window to `sums`. Returns 0; or, if the window is too small, a distance that its margin
-  // needs, and adds nothing.
-  Result<double> measure(const SearchWindow& window, bool is_only_one, FieldSums& sums) {
-    const mesh::Mesh* mesh = TRY(mesh_.part(window));
+  // Adds the distances in a window to `sums`, and returns true. If a margin is too small, widens it, adds nothing, and
+  // returns false.
+  Result<bool> measure(const BrickBox& bricks, Margins& margins, bool is_only_one, FieldSums& sums) {
+    const SearchWindow window(bricks, margins.surface, all_, reference_.width);
+    const SearchWindow mesh_window(bricks, margins.mesh, all_, reference_.width);
+    const mesh::Mesh* mesh = TRY(mesh_.part(mesh_window));
     mesh::Mesh own_surface;
     if (!is_only_one) own_surface = TRY(extract_surface(window));
     const mesh::Mesh& surface = is_only_one ? whole_ : own_surface;
-    WindowError error(reference_, window, *mesh, surface, context_);
+    WindowError error(reference_, window, mesh_window, *mesh, surface, context_);
     TRY(error.prepare());
     Progress* progress = is_only_one ? &context_.progress() : nullptr;
     if (is_only_one) progress->begin("measuring the error", error.brick_count());
     FieldSums here = TRY(error.measure(progress));
-    if (here.needed > 0) return here.needed;
+    margins = {wider(margins.surface, here.needed), wider(margins.mesh, here.back.needed)};
+    if (here.needed > 0 || here.back.needed > 0) return false;
     if (reference_.counted) {
+      const mesh::Mesh none;
+      if (!reference_.has_mesh) mesh = &none;  // vertices alone find no component
       if (is_only_one) progress->begin("counting lost components", mesh->positions.size());
       const IndexMesh placed(surface, reference_.field, reference_.extracted, reference_.options.grid);
-      const double needed = components_.add({window, reference_.cells, surface, placed, error.surface_tree()}, *mesh,
-                                            error.placed(), progress, context_);
+      const double needed = TRY(components_.add({window, reference_.cells, surface, placed, error.surface_tree()},
+                                                *mesh, error.placed(), progress, context_));
       TRY(context_.check());
-      if (needed > 0) return needed;
+      margins.surface = wider(margins.surface, needed);
+      if (needed > 0) return false;
     }
     sums.merge(here);
     if (const auto* dense = std::get_if<field::DenseSamples>(&reference_.field.samples); dense && !is_only_one) {
@@ -145,7 +159,7 @@ class FieldMeasurement {
       const auto clamped = [&](int k) { return layer * static_cast<std::size_t>(std::clamp(k, 0, dense->dims.z)); };
       dense->leave(clamped(window.samples().min.z), clamped(window.samples().max.z + 1));
     }
-    return 0.0;
+    return true;
   }
 
   [[nodiscard]] FieldError result_of(const FieldSums& sums) {
@@ -207,15 +221,14 @@ Result<FieldError> measure_extraction_error(const field::ScalarField& field, con
 ErrorMemory field_error_memory(const field::ScalarField& field, std::uint64_t mesh_triangles,
                                std::uint64_t surface_triangles) {
   const std::uint64_t interpolants = interpolants_bytes(field);
-  if (surface_triangles <= kWindowTriangles) {
-    const std::uint64_t bytes = interpolants + window_bytes(mesh_triangles, surface_triangles);
-    return {bytes, bytes};
-  }
-  // Of two neighboring windows, one has at least half the triangles. Margins add about a half.
-  constexpr std::uint64_t kLeast = kWindowTriangles / 2;
-  constexpr std::uint64_t kUsual = kWindowTriangles * 3 / 2;
-  return {interpolants + window_bytes(std::min(mesh_triangles, kLeast), kLeast),
-          interpolants + window_bytes(std::min(mesh_triangles, kUsual), kUsual)};
+  const std::uint64_t whole = interpolants + window_bytes(mesh_triangles, surface_triangles);
+  const auto of_window = [&](std::uint64_t triangles) {
+    return interpolants + window_bytes(std::min(mesh_triangles, triangles), std::min(surface_triangles, triangles));
+  };
+  // Of two neighboring windows, one has at least half the triangles. Margins usually add a half to all of them.
+  const bool may_divide = surface_triangles + surface_triangles / 3 > kWindowTriangles;
+  const bool divides = surface_triangles > kWindowTriangles;
+  return {may_divide ? of_window(kWindowTriangles / 2) : whole, divides ? of_window(kWindowTriangles * 3 / 2) : whole};
 }
 
 }  // namespace isoextract::accuracy

@@ -6,9 +6,9 @@
 // brick on cells divided into subcells (detail/subdivided_surface.hpp), and of all data on undivided cells. In the
 // other direction, several isosurface points in each cell are measured to the nearest triangle of the mesh.
 //
-// Large surfaces are measured in windows, one after the other, so that the memory does not grow with the surface. The
-// windows depend on the surface only. A window that is too small to find the nearest triangles is measured again, with
-// a larger margin.
+// Large surfaces are measured in windows, one after the other, so that little memory grows with the surface: some bytes
+// for each brick and for each component. The windows depend on the surface only. A window that is too small to find the
+// nearest triangles is measured again, with a larger margin. Surfaces with NaN holes are measured as a whole.
 #pragma once
 
 #include <cstdint>
@@ -86,7 +86,8 @@ struct ErrorMemory {
   std::uint64_t usual = 0;  // an estimate
 };
 
-// Returns the memory of a measurement. `surface_triangles` is the size of the isosurface extracted on undivided cells.
+// Returns the memory of a measurement. `surface_triangles` is the size of the isosurface extracted on undivided cells;
+// it may be a quarter too low.
 [[nodiscard]] ErrorMemory field_error_memory(const field::ScalarField& field, std::uint64_t mesh_triangles,
                                              std::uint64_t surface_triangles);
 

@@ -16,6 +16,13 @@ Result<void> BrickCounter::take(const mesh::MeshPart& part) {
   }
   merge_bricks(here);
   const std::lock_guard lock(mutex_);
+  if (bricks_.size() + here.size() > most_) {
+    merge_bricks(bricks_);
+    most_ = 2 * (bricks_.size() + here.size());
+    const std::uint64_t bytes = 2 * most_ * sizeof(BrickCount);  // twice while the list grows
+    if (bytes > memory_.bytes())
+      memory_.take(TRY(context_.reserve(bytes - memory_.bytes(), "the parts of the surface")));
+  }
   bricks_.insert(bricks_.end(), here.begin(), here.end());
   return {};
 }

@@ -69,26 +69,35 @@ Result<const mesh::Mesh*> MeshInMemory::part(const SearchWindow& window) {
         TRY(context_.reserve(mesh_.positions.size() * sizeof(std::uint32_t), "the error of parts of the mesh"));
     numbers_ = Buffer<std::uint32_t>(mesh_.positions.size());
   }
+  // First, the sides of the window on which a vertex is, as bits.
   const glm::dvec3 low(window.samples().min);
   const glm::dvec3 high(window.samples().max);
   for_each_index(
       mesh_.positions.size(),
       [&](std::size_t v) {
         const glm::dvec3 p = placed_.vertex(v);
-        numbers_[v] = glm::all(glm::greaterThanEqual(p, low)) && glm::all(glm::lessThanEqual(p, high)) ? 1 : 0;
+        std::uint32_t sides = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          if (!(p[axis] >= low[axis])) sides |= 1U << axis;
+          if (!(p[axis] <= high[axis])) sides |= 8U << axis;
+        }
+        numbers_[v] = sides;
       },
       kVertexGrain);
+  TRY(context_.check());
+  constexpr std::uint32_t kUsed = 64;
+  const auto sides_of = [&](std::uint32_t v) {
+    return std::atomic_ref(numbers_[v]).load(std::memory_order_relaxed) & (kUsed - 1);
+  };
   const auto chosen = reduce_ranges(
       mesh_.triangles.size(), kVertexGrain, std::vector<std::uint32_t>(),
       [&](std::size_t begin, std::size_t end, std::vector<std::uint32_t> list) {
         for (std::size_t t = begin; t != end; ++t) {
-          const auto corners = placed_.corners(t);
-          const glm::dvec3 least = glm::min(corners[0], glm::min(corners[1], corners[2]));
-          const glm::dvec3 most = glm::max(corners[0], glm::max(corners[1], corners[2]));
-          if (glm::any(glm::greaterThan(least, high)) || glm::any(glm::lessThan(most, low))) continue;
+          const glm::uvec3& corners = mesh_.triangles[t];
+          if ((sides_of(corners.x) & sides_of(corners.y) & sides_of(corners.z)) != 0) continue;
           list.push_back(static_cast<std::uint32_t>(t));
           for (int c = 0; c < 3; ++c) {
-            std::atomic_ref(numbers_[mesh_.triangles[t][c]]).store(1, std::memory_order_relaxed);
+            std::atomic_ref(numbers_[corners[c]]).fetch_or(kUsed, std::memory_order_relaxed);
           }
         }
         return list;
@@ -98,7 +107,10 @@ Result<const mesh::Mesh*> MeshInMemory::part(const SearchWindow& window) {
         return a;
       });
   std::uint32_t count = 0;
-  for (std::uint32_t& number : numbers_) number = number == 0 ? std::numeric_limits<std::uint32_t>::max() : count++;
+  for (std::uint32_t& number : numbers_) {
+    const bool is_in = number == 0 || (number & kUsed) != 0;
+    number = is_in ? count++ : std::numeric_limits<std::uint32_t>::max();
+  }
 
   part_.memory = TRY(context_.reserve(count * sizeof(glm::vec3) + chosen.size() * sizeof(glm::uvec3),
                                       "the error of parts of the mesh"));
@@ -129,7 +141,8 @@ ExtractedMesh::ExtractedMesh(const field::ScalarField& field, const extract::Ext
 
 Result<const mesh::Mesh*> ExtractedMesh::part(const SearchWindow& window) {
   part_ = {};
-  part_ = TRY(extract_within(window, field_, options_, context_));
+  // The progress is that of the measurement.
+  part_ = TRY(extract_within(window, field_, options_, context_.beside()));
   return &part_;
 }
 

@@ -45,15 +45,20 @@ struct TrianglePart {
 };
 
 // Calls take(point) for kTrianglePoints of each part of a triangle. Parts are halved across their longest side until no
-// side is longer than `longest`. Shares and weights refer to the whole triangle.
-template <class Take>
-void for_each_point(const std::array<glm::dvec3, 3>& corners, double longest, const Take& take,
-                    const TrianglePart& part = {}) {
-  const auto place = [&](const glm::dvec3& weights) { return TrianglePoint{weights, 1}.in(corners); };
+// side is longer than `longest`. Shares and weights refer to the whole triangle. Skips a part, with all parts of it, if
+// is_wanted(low, high) returns false for its bounding box.
+template <class IsWanted, class Take>
+void for_each_wanted_point(const std::array<glm::dvec3, 3>& corners, double longest, const IsWanted& is_wanted,
+                           const Take& take, const TrianglePart& part = {}) {
+  const auto place = [&](std::size_t corner) { return TrianglePoint{part.weights[corner], 1}.in(corners); };
+  const std::array places{place(0), place(1), place(2)};
+  const glm::dvec3 low = glm::min(places[0], glm::min(places[1], places[2]));
+  const glm::dvec3 high = glm::max(places[0], glm::max(places[1], places[2]));
+  if (!is_wanted(low, high)) return;
   std::size_t from = 0;
   double squared = 0;
   for (std::size_t side = 0; side < 3; ++side) {
-    const glm::dvec3 along = place(part.weights[(side + 1) % 3]) - place(part.weights[side]);
+    const glm::dvec3 along = places[(side + 1) % 3] - places[side];
     if (glm::dot(along, along) <= squared) continue;
     from = side;
     squared = glm::dot(along, along);
@@ -67,8 +72,15 @@ void for_each_point(const std::array<glm::dvec3, 3>& corners, double longest, co
   const glm::dvec3& b = part.weights[(from + 1) % 3];
   const glm::dvec3& c = part.weights[(from + 2) % 3];
   const glm::dvec3 middle = 0.5 * (a + b);
-  for_each_point(corners, longest, take, {{a, middle, c}, part.share / 2});
-  for_each_point(corners, longest, take, {{middle, b, c}, part.share / 2});
+  for_each_wanted_point(corners, longest, is_wanted, take, {{a, middle, c}, part.share / 2});
+  for_each_wanted_point(corners, longest, is_wanted, take, {{middle, b, c}, part.share / 2});
+}
+
+// Does so for all parts.
+template <class Take>
+void for_each_point(const std::array<glm::dvec3, 3>& corners, double longest, const Take& take) {
+  const auto all = [](const glm::dvec3& /*low*/, const glm::dvec3& /*high*/) { return true; };
+  for_each_wanted_point(corners, longest, all, take);
 }
 
 }  // namespace isoextract::accuracy

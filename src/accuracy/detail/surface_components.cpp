@@ -18,14 +18,22 @@ glm::ivec3 brick_of_triangle(const WindowSurface& surface, std::size_t triangle)
   return surface.cells.brick((corners[0] + corners[1] + corners[2]) / 3.0);
 }
 
-// Returns whether the edge lies in a face of the box that is shared with another box.
-bool is_on_face(const BrickBox& box, const mesh::EdgeKey& edge) {
+// The faces of a box, shared with other boxes, in which an edge lies.
+struct FacesOfEdge {
+  bool before = false;  // one that an earlier box has, too
+  bool after = false;   // one that a later box has, too
+};
+
+FacesOfEdge faces_of(const BrickBox& box, const mesh::EdgeKey& edge) {
+  FacesOfEdge faces;
   for (int axis = 0; axis < 3; ++axis) {
     if ((edge.direction >> axis & 1) != 0) continue;
-    if (box.min[axis] > -BrickBox::kUnbounded && edge.low[axis] == box.min[axis] * kBrickCells) return true;
-    if (box.max[axis] < BrickBox::kUnbounded && edge.low[axis] == (box.max[axis] + 1) * kBrickCells) return true;
+    const bool has_before = box.min[axis] > -BrickBox::kUnbounded;
+    const bool has_after = box.max[axis] < BrickBox::kUnbounded;
+    faces.before = faces.before || (has_before && edge.low[axis] == box.min[axis] * kBrickCells);
+    faces.after = faces.after || (has_after && edge.low[axis] == (box.max[axis] + 1) * kBrickCells);
   }
-  return false;
+  return faces;
 }
 
 }  // namespace
@@ -69,14 +77,21 @@ void SurfaceComponents::join_neighbors(const WindowSurface& surface, const mesh:
   const DisjointSets sets(parents_, true);
   for (std::size_t v = 0; v < surface.mesh.edges.size(); ++v) {
     const std::uint32_t component = components.of_vertex(v);
-    if (component == kNone || numbers[component] == kNone || !is_on_face(bricks, surface.mesh.edges[v])) continue;
-    const auto [known, is_new] = on_faces_.try_emplace(surface.mesh.edges[v], numbers[component]);
-    if (!is_new) sets.join(known->second, numbers[component]);
+    if (component == kNone || numbers[component] == kNone) continue;
+    const mesh::EdgeKey& edge = surface.mesh.edges[v];
+    const FacesOfEdge faces = faces_of(bricks, edge);
+    if (faces.after) {
+      const auto [known, is_new] = on_faces_.try_emplace(edge, numbers[component]);
+      if (!is_new) sets.join(known->second, numbers[component]);
+    } else if (faces.before) {
+      const auto known = on_faces_.find(edge);
+      if (known != on_faces_.end()) sets.join(known->second, numbers[component]);
+    }
   }
 }
 
-double SurfaceComponents::add(const WindowSurface& surface, const mesh::Mesh& mesh, const IndexMesh& placed,
-                              Progress* progress, const Context& context) {
+Result<double> SurfaceComponents::add(const WindowSurface& surface, const mesh::Mesh& mesh, const IndexMesh& placed,
+                                      Progress* progress, const Context& context) {
   const mesh::Components components(surface.mesh.triangles.span(), surface.mesh.positions.size());
   const auto first = static_cast<std::uint32_t>(parents_.size());
   const std::vector<std::uint32_t> numbers = number(surface, components, first);
@@ -119,16 +134,28 @@ double SurfaceComponents::add(const WindowSurface& surface, const mesh::Mesh& me
     const std::uint32_t component = components.of_vertex(v);
     if (component != kNone && is_kept(surface.mesh.position(v), kept_)) counts[component] = 1;
   }
+  const auto own = static_cast<std::uint32_t>(std::ranges::count_if(numbers, [](auto n) { return n != kNone; }));
+  const auto on_later_faces = static_cast<std::uint64_t>(std::ranges::count_if(
+      surface.mesh.edges.span(), [&](const mesh::EdgeKey& edge) { return faces_of(window.bricks(), edge).after; }));
+  constexpr std::uint64_t kGrowth = 2;  // of vectors
+  constexpr std::uint64_t kFaceBytes = 64;
+  constexpr std::uint64_t kComponentBytes = sizeof(std::uint32_t) + 2;
+  const std::uint64_t lasting = kGrowth * (parents_.size() + own) * kComponentBytes +
+                                kFaceBytes * (on_faces_.size() + on_later_faces) +
+                                kGrowth * (beyond_.size() + beyond.size()) * sizeof(Beyond);
+  if (lasting > memory_.bytes()) {
+    memory_.take(TRY(context.reserve(lasting - memory_.bytes(), "the components of the isosurface")));
+  }
   for (std::size_t c = 0; c < numbers.size(); ++c) {
     if (numbers[c] == kNone) continue;
     parents_.push_back(numbers[c]);
     counted_.push_back(counts[c]);
     found_.push_back(found[c]);
   }
-  windows_.push_back({window, first});
+  windows_.push_back({window, first, own});
   beyond_.insert(beyond_.end(), beyond.begin(), beyond.end());
   join_neighbors(surface, components, numbers);
-  return 0;
+  return 0.0;
 }
 
 const SearchWindow* SurfaceComponents::unfinished() const {
@@ -138,7 +165,7 @@ const SearchWindow* SurfaceComponents::unfinished() const {
   return &it->window;
 }
 
-void SurfaceComponents::mark_found(const WindowSurface& surface) {
+Result<void> SurfaceComponents::mark_found(const WindowSurface& surface) {
   const mesh::Components components(surface.mesh.triangles.span(), surface.mesh.positions.size());
   const auto added = std::ranges::find_if(windows_, [&](const Added& one) { return &one.window == &surface.window; });
   const std::vector<std::uint32_t> numbers = number(surface, components, added->first);
@@ -151,8 +178,13 @@ void SurfaceComponents::mark_found(const WindowSurface& surface) {
   for (std::size_t v = 0; v < surface.mesh.edges.size(); ++v) {
     const std::uint32_t component = components.of_vertex(v);
     if (component == kNone || numbers[component] == kNone || !wanted.contains(surface.mesh.edges[v])) continue;
+    if (numbers[component] >= added->first + added->count) {
+      return fail(ErrorCode::input, "the samples changed while the error was measured",
+                  "wait until the program that writes the file has finished");
+    }
     found_[numbers[component]] = 1;
   }
+  return {};
 }
 
 SurfaceComponents::Counts SurfaceComponents::counts() {

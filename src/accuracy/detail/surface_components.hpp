@@ -11,6 +11,7 @@
 #include "accuracy/detail/search_window.hpp"
 #include "accuracy/index_mesh.hpp"
 #include "base/context.hpp"
+#include "base/error.hpp"
 #include "mesh/components.hpp"
 #include "mesh/half_space.hpp"
 #include "mesh/mesh.hpp"
@@ -36,15 +37,16 @@ class SurfaceComponents {
 
   // Adds one window. `mesh` is the part of the mesh in the window. Call in the order of divide_bricks(). Returns 0, or
   // a distance within which the nearest component of a vertex can be found, if the window is too small for that; the
-  // call then has no effect. The caller reserves bytes(). `progress`, which may be null, advances by
-  // the vertices of `mesh`. Throws std::bad_alloc.
-  [[nodiscard]] double add(const WindowSurface& surface, const mesh::Mesh& mesh, const IndexMesh& placed,
-                           Progress* progress, const Context& context);
+  // call then has no effect. The caller reserves bytes(). The object reserves what it keeps. `progress`, which may be
+  // null, advances by the vertices of `mesh`. Fails with ErrorCode::out_of_memory. Throws std::bad_alloc.
+  [[nodiscard]] Result<double> add(const WindowSurface& surface, const mesh::Mesh& mesh, const IndexMesh& placed,
+                                   Progress* progress, const Context& context);
 
   // The mesh has vertices whose nearest component lies in the bricks of a window, but not of their own one. Returns the
   // first such window, with the margin that it was added with; null if there is none. mark_found() takes its surface.
   [[nodiscard]] const SearchWindow* unfinished() const;
-  void mark_found(const WindowSurface& surface);
+  // Fails with ErrorCode::input if the surface is not that which was added.
+  [[nodiscard]] Result<void> mark_found(const WindowSurface& surface);
 
   struct Counts {
     std::uint64_t components = 0;
@@ -65,6 +67,7 @@ class SurfaceComponents {
   struct Added {
     SearchWindow window;
     std::uint32_t first = 0;  // number of its first component that has triangles in its bricks
+    std::uint32_t count = 0;  // of these components
   };
   // A surface triangle that is nearest to a vertex of the mesh, in bricks of another window: one of its vertices, and
   // its brick.
@@ -82,6 +85,7 @@ class SurfaceComponents {
                       std::span<const std::uint32_t> numbers);
 
   std::span<const mesh::HalfSpace> kept_;
+  Reservation memory_;  // for all members
   std::vector<Added> windows_;
   // By component, over all windows: an earlier component that it belongs to, whether it counts, whether it was found.
   std::vector<std::uint32_t> parents_;

@@ -10,7 +10,7 @@
 
 namespace isoextract::accuracy {
 
-SurfaceToMesh::SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
+SurfaceToMesh::SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree* tree, const IndexMesh& placed,
                              std::span<const mesh::HalfSpace> clipped, const SearchWindow& window)
     : tree_(tree),
       placed_(placed),
@@ -24,10 +24,11 @@ SurfaceToMesh::SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree& t
 mesh::TriangleTree::Nearest SurfaceToMesh::add(const glm::dvec3& index, double weight, std::uint32_t hint,
                                                SurfaceToMeshSums& sums) const {
   const glm::dvec3 p = to_tree(index);
-  const mesh::TriangleTree::Nearest nearest = tree_.nearest(p, hint);
+  const mesh::TriangleTree::Nearest nearest =
+      tree_ != nullptr ? tree_->nearest(p, hint) : mesh::TriangleTree::Nearest();
   sums.needed = std::max(sums.needed, window_.needed(index, std::sqrt(nearest.distance_squared)));
   const glm::dvec3 world = placed_.output_from_index()(index);
-  if (weight > 0 && is_kept(world, clipped_)) {
+  if (tree_ != nullptr && weight > 0 && is_kept(world, clipped_)) {
     sums.distances.add({glm::length(inverse_ * (nearest.point - p)), std::sqrt(nearest.distance_squared)}, weight,
                        world);
   }
@@ -59,6 +60,8 @@ void SurfaceToMesh::measure(const SubdividedSurface& surface, FieldFootFinder& f
   const mesh::Mesh& mesh = surface.mesh();
   std::vector<Sample> samples(mesh.positions.size());
   std::vector<std::uint32_t> counted;
+  std::vector<glm::dvec3> polygon;
+  std::vector<glm::dvec3> polygon_before;
   const auto corners_of = [&](const glm::uvec3& t) {
     return std::array{surface.index(glm::dvec3(mesh.positions[t.x])), surface.index(glm::dvec3(mesh.positions[t.y])),
                       surface.index(glm::dvec3(mesh.positions[t.z]))};
@@ -70,6 +73,10 @@ void SurfaceToMesh::measure(const SubdividedSurface& surface, FieldFootFinder& f
     const auto corners = corners_of(mesh.triangles[t]);
     const glm::dvec3 center = center_of(corners);
     if (!counts(center)) continue;
+    if (!clipped_.empty()) {
+      clip({to_tree(corners[0]), to_tree(corners[1]), to_tree(corners[2])}, polygon, polygon_before);
+      if (polygon.empty()) continue;  // none of its points counts
+    }
     counted.push_back(t);
     const double area = glm::length(placed_.area_vector(corners)) / 2;
     for (int corner = 0; corner < 3; ++corner) {
@@ -78,8 +85,6 @@ void SurfaceToMesh::measure(const SubdividedSurface& surface, FieldFootFinder& f
       sample.used = true;
     }
   }
-  std::vector<glm::dvec3> polygon;
-  std::vector<glm::dvec3> polygon_before;
   std::uint32_t hint = 0;
   for (std::size_t v = 0; v < samples.size(); ++v) {
     Sample& sample = samples[v];
@@ -88,6 +93,7 @@ void SurfaceToMesh::measure(const SubdividedSurface& surface, FieldFootFinder& f
     sample.slot = hint = nearest.slot;
     sample.distance = std::sqrt(nearest.distance_squared);
   }
+  if (tree_ == nullptr) return;
   for (const std::uint32_t t : counted) {
     const glm::uvec3& triangle = mesh.triangles[t];
     const auto corners = corners_of(triangle);
@@ -98,7 +104,6 @@ void SurfaceToMesh::measure(const SubdividedSurface& surface, FieldFootFinder& f
       clip(places, polygon, polygon_before);
       kept = polygon;
     }
-    if (kept.empty()) continue;
     const bool center_is_kept = is_kept(placed_.output_from_index()(center), clipped_);
     const double area = glm::length(placed_.area_vector(corners)) / 2;
     const glm::dvec3 landed = foot.land(center, reach).value_or(center);
@@ -114,7 +119,7 @@ void SurfaceToMesh::measure(const SubdividedSurface& surface, FieldFootFinder& f
     double bound = farthest + longest / std::sqrt(3.0);
     for (const std::uint32_t slot :
          {at_center.slot, samples[triangle.x].slot, samples[triangle.y].slot, samples[triangle.z].slot}) {
-      bound = std::min(bound, std::sqrt(tree_.max_distance_squared(slot, kept)));
+      bound = std::min(bound, std::sqrt(tree_->max_distance_squared(slot, kept)));
     }
     sums.at_most = std::max(sums.at_most, bound + foot.length(landed - center));
   }

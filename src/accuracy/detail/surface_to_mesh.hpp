@@ -33,9 +33,9 @@ struct SurfaceToMeshSums {
 
 class SurfaceToMesh {
  public:
-  // `tree` contains the triangles of `mesh`, the part of the mesh in `window`. `placed` is `mesh` in index space.
-  // `clipped` are the half-spaces that the mesh was clipped to.
-  SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree& tree, const IndexMesh& placed,
+  // `tree` contains the triangles of `mesh`, the part of the mesh in `window`; null: there are none. `placed` is `mesh`
+  // in index space. `clipped` are the half-spaces that the mesh was clipped to.
+  SurfaceToMesh(const mesh::Mesh& mesh, const mesh::TriangleTree* tree, const IndexMesh& placed,
                 std::span<const mesh::HalfSpace> clipped, const SearchWindow& window);
 
   // Adds the distances of the triangles of `surface` whose centers `counts` accepts, weighted by area. Measures at the
@@ -61,7 +61,7 @@ class SurfaceToMesh {
   mesh::TriangleTree::Nearest add(const glm::dvec3& index, double weight, std::uint32_t hint,
                                   SurfaceToMeshSums& sums) const;
 
-  const mesh::TriangleTree& tree_;
+  const mesh::TriangleTree* tree_;
   const IndexMesh& placed_;
   const SearchWindow& window_;
   std::span<const mesh::HalfSpace> clipped_;

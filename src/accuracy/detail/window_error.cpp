@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kBrickMargin = 2;       // cells around a brick that are searched, too
 constexpr double kNearEnough = 1e-5;  // voxels; a point this near ends the search
+constexpr double kPointRounding = 1e-6;    // voxels; rounding moves the points of a triangle less
 
 // Returns the least length of a one-voxel step in the mesh's coordinates.
 double shortest_step(const glm::dmat3& linear) {
@@ -60,10 +61,12 @@ FieldSums no_sums(const ErrorReference& reference) {
   return {none, none, none, {none, 0, 0}, 0, 0};
 }
 
-WindowError::WindowError(const ErrorReference& reference, const SearchWindow& window, const mesh::Mesh& mesh,
-                         const mesh::Mesh& surface, const Context& context)
+WindowError::WindowError(const ErrorReference& reference, const SearchWindow& surface_window,
+                         const SearchWindow& mesh_window, const mesh::Mesh& mesh, const mesh::Mesh& surface,
+                         const Context& context)
     : reference_(reference),
-      window_(window),
+      window_(surface_window),
+      mesh_window_(mesh_window),
       mesh_(mesh),
       surface_(surface),
       context_(context),
@@ -92,7 +95,6 @@ Result<FieldSums> WindowError::measure(Progress* progress) {
       1);
   if (error_) return tl::unexpected(std::move(*error_));
   TRY(context_.check());
-  sums.needed = std::max(sums.needed, sums.back.needed);
   return sums;
 }
 
@@ -121,16 +123,20 @@ void WindowError::list_bricks() {
   const BrickBox& wanted = window_.bricks();
   triangles_ = members_by_brick(mesh_.triangles.size(), [&](std::size_t t, const auto& add) {
     const auto corners = placed_.corners(t);
-    const std::array of_corners{cells.brick(corners[0]), cells.brick(corners[1]), cells.brick(corners[2])};
-    if (of_corners[0] == of_corners[1] && of_corners[0] == of_corners[2]) {
-      if (wanted.contains(of_corners[0])) add(of_corners[0]);
-      return;
-    }
-    std::vector<glm::ivec3> touched{cells.brick((corners[0] + corners[1] + corners[2]) / 3.0)};
-    for_each_point(corners, kLongestSide, [&](const TrianglePoint& point) {
-      const glm::ivec3 brick = cells.brick(point.in(corners));
+    // Reused by all triangles of a thread.
+    thread_local std::vector<glm::ivec3> touched;
+    touched.assign(1, cells.brick((corners[0] + corners[1] + corners[2]) / 3.0));
+    const auto touch = [&](const glm::ivec3& brick) {
       if (touched.back() != brick) touched.push_back(brick);
-    });
+    };
+    const auto reaches_several = [&](const glm::dvec3& low, const glm::dvec3& high) {
+      const glm::ivec3 brick = cells.brick(low - kPointRounding);
+      if (brick != cells.brick(high + kPointRounding)) return true;
+      touch(brick);
+      return false;
+    };
+    for_each_wanted_point(corners, kLongestSide, reaches_several,
+                          [&](const TrianglePoint& point) { touch(cells.brick(point.in(corners))); });
     const auto key = [](const glm::ivec3& brick) { return std::tuple(brick.z, brick.y, brick.x); };
     std::ranges::sort(touched, {}, key);
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
@@ -176,7 +182,7 @@ void WindowError::list_bricks() {
 }
 
 void WindowError::measure_brick(const glm::ivec3& at, FieldSums& sums) {
-  if (context_.cancelled() || failed_) return;
+  if (context_.cancelled() || failed_ || is_too_small_) return;
   field::IndexBox cells{at * kBrickCells - kBrickMargin, at * kBrickCells + (kBrickCells + kBrickMargin - 1)};
   glm::dvec3 low(-std::numeric_limits<double>::infinity());
   glm::dvec3 high(std::numeric_limits<double>::infinity());
@@ -202,6 +208,7 @@ void WindowError::measure_brick(const glm::ivec3& at, FieldSums& sums) {
     measure_vertices(brick, sums);
     if (reference_.counted && reference_.has_mesh) measure_from_surface(brick, sums);
   });
+  if (sums.needed > 0 || sums.back.needed > 0) is_too_small_ = true;
 }
 
 GradientSearch WindowError::search_in(const field::Interpolant& interpolant) const {
@@ -276,7 +283,11 @@ void WindowError::measure_triangle(std::size_t triangle, Brick& brick, FieldSums
     return;
   }
   const double area = glm::length(placed_.area_vector(corners)) / 2;
-  for_each_point(corners, kLongestSide, [&](const TrianglePoint& point) {
+  const auto meets_brick = [&](const glm::dvec3& low, const glm::dvec3& high) {
+    return glm::all(glm::lessThanEqual(cells.brick(low - kPointRounding), brick.at)) &&
+           glm::all(glm::greaterThanEqual(cells.brick(high + kPointRounding), brick.at));
+  };
+  for_each_wanted_point(corners, kLongestSide, meets_brick, [&](const TrianglePoint& point) {
     const glm::dvec3 index = point.in(corners);
     if (cells.brick(index) != brick.at) return;
     sums.needed = std::max(sums.needed, measure_point(index, point.share * area, brick, sums.interior));
@@ -311,19 +322,8 @@ void WindowError::measure_from_surface(Brick& brick, FieldSums& sums) const {
     return brick_of(cell) == brick.at && (!region || (glm::all(glm::greaterThanEqual(cell, region->min)) &&
                                                       glm::all(glm::lessThan(cell, region->max))));
   };
-  if (!mesh_tree_) {
-    // The mesh is outside the window, so any part of the surface needs a larger one.
-    for (std::size_t t = 0; t < brick.surface.mesh().triangles.size() && sums.needed == 0; ++t) {
-      const glm::uvec3& triangle = brick.surface.mesh().triangles[t];
-      glm::dvec3 center(0);
-      for (int c = 0; c < 3; ++c) {
-        center += brick.surface.index(glm::dvec3(brick.surface.mesh().positions[triangle[c]])) / 3.0;
-      }
-      if (counts(center)) sums.needed = window_.needed(center, std::numeric_limits<double>::infinity());
-    }
-    return;
-  }
-  const SurfaceToMesh back(mesh_, *mesh_tree_, placed_, reference_.options.clipped, window_);
+  const SurfaceToMesh back(mesh_, mesh_tree_ ? &*mesh_tree_ : nullptr, placed_, reference_.options.clipped,
+                           mesh_window_);
   back.measure(brick.surface, brick.foot, reference_.diagonal / reference_.parts, counts, sums.back);
 }
 

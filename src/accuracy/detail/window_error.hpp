@@ -49,7 +49,9 @@ struct FieldSums {
   ErrorAccumulator storage;
   SurfaceToMeshSums back;
   std::uint64_t cap_triangles = 0;
-  double needed = 0;  // as SurfaceToMeshSums::needed
+  // Distance within which the nearest points of the isosurface are, if its window is too small to find all; else 0. For
+  // the mesh, this is back.needed.
+  double needed = 0;
 
   void merge(const FieldSums& other);
 };
@@ -58,15 +60,15 @@ struct FieldSums {
 
 class WindowError {
  public:
-  // `mesh` and `surface`, the isosurface on undivided cells, are the parts within `window`. All arguments must outlive
-  // the object.
-  WindowError(const ErrorReference& reference, const SearchWindow& window, const mesh::Mesh& mesh,
-              const mesh::Mesh& surface, const Context& context);
+  // `surface`, the isosurface on undivided cells, is the part within `surface_window`, and `mesh` that within
+  // `mesh_window`. Both windows have the same bricks. All arguments must outlive the object.
+  WindowError(const ErrorReference& reference, const SearchWindow& surface_window, const SearchWindow& mesh_window,
+              const mesh::Mesh& mesh, const mesh::Mesh& surface, const Context& context);
 
   // Reserves memory, and builds the trees. Call it first. Throws std::bad_alloc, as measure() does.
   [[nodiscard]] Result<void> prepare();
-  // Returns the sums of the points in the window's bricks. If `needed` is above 0, the window is too small to find all
-  // nearest points, and the sums are wrong. `progress` may be null.
+  // Returns the sums of the points in the bricks of the windows. If a distance is needed, a window is too small to find
+  // all nearest points, and the sums are incomplete. `progress` may be null.
   [[nodiscard]] Result<FieldSums> measure(Progress* progress);
 
   [[nodiscard]] const IndexMesh& placed() const { return placed_; }
@@ -112,7 +114,8 @@ class WindowError {
   void measure_from_surface(Brick& brick, FieldSums& sums) const;
 
   const ErrorReference& reference_;
-  const SearchWindow& window_;
+  const SearchWindow& window_;  // of the isosurface
+  const SearchWindow& mesh_window_;
   const mesh::Mesh& mesh_;
   const mesh::Mesh& surface_;
   const Context& context_;
@@ -128,6 +131,7 @@ class WindowError {
   std::vector<BrickCount> bricks_;
 
   std::atomic<bool> failed_{false};
+  std::atomic<bool> is_too_small_{false};  // a window is: the remaining bricks need not be measured
   std::mutex error_mutex_;
   std::optional<Error> error_;
 };

@@ -29,7 +29,7 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
     if (as_extracted) {
       // Of a mesh that goes to its file by parts, the measurement extracts a window again.
       const bool is_whole = !goes_by_parts(job, source, iso.id.iso());
-      const std::uint64_t held = is_whole ? vertices : std::min(vertices, accuracy::kWindowTriangles / 3);
+      const std::uint64_t held = is_whole ? vertices : std::min(vertices, accuracy::kWindowTriangles / 4);
       bytes += held * sizeof(glm::vec3) + triangles_of(held) * sizeof(glm::uvec3);
     }
     // Not MemoryBudget::left(): other conversions of a batch may give their memory back before this one needs it.

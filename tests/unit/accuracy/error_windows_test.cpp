@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "accuracy/detail/quadrature.hpp"
 #include "accuracy/detail/search_window.hpp"
 #include "accuracy/field_error.hpp"
 #include "field/resample.hpp"
@@ -195,6 +196,53 @@ TEST(ErrorWindows, MeasureLongTriangles) {
   const FieldError whole = measure_field_error(mesh, field, options, in_windows(kOneWindow), Context()).value();
   EXPECT_GT(whole.interior.points, 4000U);
   expect_same(whole, measure_field_error(mesh, field, options, in_windows(100), Context()).value());
+}
+
+// All points of a flat triangle in a grid plane count once, whatever bricks rounding puts them in.
+TEST(ErrorWindows, MeasureAllPointsOfTrianglesBetweenBricks) {
+  const field::ScalarField field = test::dense_field<double>({40, 40, 40}, [](int, int j, int) { return j - 16.25; });
+  extract::ExtractOptions options;
+  const mesh::Mesh mesh = test::make_mesh(
+      "t", {{1, 16, 1}, {38, 16, 2}, {3, 16, 37}, {15.5F, 16, 15.2F}, {16.3F, 16, 15.7F}, {15.8F, 16, 16.4F}},
+      {{0, 1, 2}, {3, 4, 5}});
+  double points = 0;
+  const auto count = [&](const TrianglePoint& /*point*/) { ++points; };
+  for (const glm::uvec3& t : mesh.triangles) {
+    for_each_point({glm::dvec3(mesh.positions[t.x]), glm::dvec3(mesh.positions[t.y]), glm::dvec3(mesh.positions[t.z])},
+                   kLongestSide, count);
+  }
+  const FieldError error = measure_field_error(mesh, field, options, {}, Context()).value();
+  EXPECT_EQ(static_cast<double>(error.interior.points), points);
+  EXPECT_NEAR(error.interior.max.voxels, 0.25, 1e-9);
+}
+
+// Parts of the isosurface that were clipped away need no larger windows.
+TEST(ErrorWindows, DoNotGrowBesideClips) {
+  const field::ScalarField field =
+      test::dense_field<float>({30, 30, 160}, [](int, int, int k) { return k % 2 == 0 ? 1 : -1; });
+  const extract::ExtractOptions options = options_of(field);
+  mesh::Mesh mesh = test::extract(field, options).mesh;
+  constexpr float kClip = 139.9F;
+  std::size_t kept = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (mesh.positions[t.x].z > kClip) mesh.triangles[kept++] = t;
+  }
+  Buffer<glm::uvec3> triangles(kept);
+  std::copy_n(mesh.triangles.begin(), kept, triangles.begin());
+  mesh.triangles = std::move(triangles);
+  const std::vector<mesh::HalfSpace> clipped{{{0, 0, 1}, kClip}};
+  const auto measure = [&](std::uint64_t window_triangles) {
+    FieldErrorOptions how = in_windows(window_triangles);
+    how.clipped = clipped;
+    const Context context;
+    const FieldError error = measure_field_error(mesh, field, options, how, context).value();
+    return std::pair(error, context.memory().peak());
+  };
+  const auto [whole, most] = measure(kOneWindow);
+  const auto [error, least] = measure(20'000);
+  expect_same(whole, error);
+  EXPECT_EQ(error.coverage->components, 19U);
+  EXPECT_LT(least, most / 2);
 }
 
 TEST(ErrorWindows, GiveTheSameFiguresOfResampledGrids) {
