@@ -43,9 +43,22 @@ struct Plane {
   [[nodiscard]] double side(const glm::dvec3& p) const { return glm::dot(p - point, normal); }
 };
 
-// Returns the plane perpendicular to the triangle through the side beyond which the polygon reaches farthest. Returns
-// nullopt if no such plane cuts more than a sliver off the polygon.
-std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Corners& triangle) {
+// Returns how far beyond the sides of a triangle the polygon may reach and probably be within a distance of it. Sharp
+// corners need the rest of that distance.
+double margin_within(double distance, const Polygon& polygon, const TriangleTree::Corners& triangle) {
+  constexpr double kOfRest = 0.5;
+  const glm::dvec3 a(triangle.a);
+  const glm::dvec3 normal = glm::cross(glm::dvec3(triangle.b) - a, glm::dvec3(triangle.c) - a);
+  const double length_squared = glm::dot(normal, normal);
+  if (!(length_squared > 0)) return 0;
+  double height = 0;  // above the triangle's plane, times the length of the normal
+  for (const glm::dvec3& corner : polygon.points()) height = std::max(height, std::abs(glm::dot(corner - a, normal)));
+  return kOfRest * std::sqrt(std::max(0.0, distance * distance - height * height / length_squared));
+}
+
+// Returns the plane perpendicular to the triangle, and by `margin` outside of it, that cuts off the farthest part of
+// the polygon. Returns nullopt if no such plane cuts off more than a sliver.
+std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Corners& triangle, double margin = 0) {
   const std::array<glm::dvec3, 3> corners{triangle.a, triangle.b, triangle.c};
   const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
   // Rounding gives a polygon that lies in the cutting plane some thickness. Cutting it there would never end.
@@ -60,7 +73,8 @@ std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Cor
     const glm::dvec3 outward = glm::cross(corners[(edge + 1) % 3] - corners[edge], normal);
     const double length = glm::length(outward);
     if (!(length > 0)) continue;
-    const Plane plane{corners[edge], outward / length};
+    const glm::dvec3 direction = outward / length;
+    const Plane plane{corners[edge] + margin * direction, direction};
     double low = 0;
     double high = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
@@ -86,6 +100,20 @@ Plane longest_edge_cut(const Polygon& polygon) {
     if (glm::dot(edge, edge) > glm::dot(longest, longest)) longest = edge;
   }
   return {polygon.center(), longest};
+}
+
+// Returns the corner of the polygon that is farthest from a triangle.
+const glm::dvec3& farthest_corner(const Polygon& polygon, const TriangleTree& tree, std::uint32_t slot) {
+  std::size_t farthest = 0;
+  double most = -1;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const double squared = tree.nearest_on_triangle(slot, polygon.corners[i]).distance_squared;
+    if (squared > most) {
+      most = squared;
+      farthest = i;
+    }
+  }
+  return polygon.corners[farthest];
 }
 
 std::array<Polygon, 2> cut(const Polygon& polygon, const Plane& plane) {
@@ -136,30 +164,48 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
   waiting.emplace_back();
   for (const glm::dvec3& corner : corners) waiting[0].add(corner);
   waiting[0].hint = hint;
+  const auto add = [&](const Polygon& part, std::uint32_t near) {
+    if (part.count < 3) return;
+    waiting.push_back(part);
+    waiting.back().hint = near;
+  };
   const auto add_parts = [&](const std::array<Polygon, 2>& cut_parts, std::uint32_t near) {
-    for (const Polygon& part : cut_parts) {
-      if (part.count < 3) continue;
-      waiting.push_back(part);
-      waiting.back().hint = near;
-    }
+    for (const Polygon& part : cut_parts) add(part, near);
   };
   // Returns whether all of the polygon is within limits.enough of the triangle in `slot`; if so, raises bound.upper.
   const double enough_squared = limits.enough * limits.enough;
+  const double refuse_squared = limits.refuse * limits.refuse;
   const auto is_accepted = [&](const Polygon& polygon, std::uint32_t slot) {
     const double to_slot = tree.max_distance_squared(slot, polygon.points(), enough_squared);
     if (!(to_slot <= enough_squared)) return false;
     bound.upper = std::max(bound.upper, std::sqrt(to_slot));
     return true;
   };
+  // Cuts off what reaches far beyond the sides of the triangle in `slot`; accepts the rest or adds it to the waiting
+  // polygons. Returns false if there is nothing to cut off.
+  const auto cut_around = [&](const Polygon& polygon, std::uint32_t slot) {
+    const TriangleTree::Corners& triangle = tree.corners(slot);
+    const double margin = margin_within(limits.enough, polygon, triangle);
+    std::optional<Polygon> inner(polygon);
+    bool cuts = false;
+    while (margin > 0 && inner->count < Polygon::kManyCorners) {
+      const auto side = side_to_cut(*inner, triangle, margin);
+      if (!side) break;
+      cuts = true;
+      const std::array<Polygon, 2> sides = cut(*inner, *side);
+      add(sides[1], slot);
+      if (sides[0].count < 3 || is_accepted(sides[0], slot)) return true;
+      inner.emplace(sides[0]);
+    }
+    if (cuts) add(*inner, slot);
+    return cuts;
+  };
   for (std::size_t parts = 0; !waiting.empty(); ++parts) {
     const Polygon polygon = waiting.back();
     waiting.pop_back();
     if (parts == 0 && !others.empty()) {
       bound.slot = hint;
-      if (const auto side = side_to_cut(polygon, tree.corners(hint))) {
-        add_parts(cut_at(polygon, side), hint);
-        continue;
-      }
+      if (cut_around(polygon, hint)) continue;
     } else if (limits.enough > 0) {
       if (parts == 0) bound.slot = hint;
       if (is_accepted(polygon, polygon.hint)) continue;
@@ -202,7 +248,22 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.unfinished = true;
       continue;
     }
-    add_parts(cut_at(polygon, side_to_cut(polygon, tree.corners(nearest.slot))), nearest.slot);
+    if (limits.enough > 0 && cut_around(polygon, nearest.slot)) continue;
+    const auto side = side_to_cut(polygon, tree.corners(nearest.slot));
+    if (!side && std::isfinite(limits.refuse)) {
+      const glm::dvec3& corner = farthest_corner(polygon, tree, nearest.slot);
+      const TriangleTree::Nearest to_corner = tree.nearest(corner, nearest.slot, refuse_squared);
+      if (to_corner.distance_squared > refuse_squared) {
+        bound = {std::sqrt(to_corner.distance_squared),
+                 std::numeric_limits<double>::infinity(),
+                 corner,
+                 to_corner.point,
+                 bound.slot,
+                 true};
+        return bound;
+      }
+    }
+    add_parts(cut_at(polygon, side), nearest.slot);
   }
   bound.upper = std::max(bound.upper, bound.lower);
   return bound;

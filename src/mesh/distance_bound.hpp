@@ -4,8 +4,9 @@
 // over a polygon it is greatest at a corner. No point of the polygon is therefore farther from the surface than the
 // polygon's farthest corner is from b. If the bound is too wide, the polygon is cut along a side of b (a plane through
 // an edge of b, perpendicular to b), so that each part lies over one triangle. A polygon that lies over b already is
-// halved. This is branch and bound. Compare Tang, Lee, Kim: Interactive Hausdorff distance computation for general
-// polygonal models. ACM Trans. Graph. 28(3), 2009. They use the same convexity and split at midpoints.
+// halved. If some distance is near enough, cuts lie outside of the sides of b, which leaves fewer parts. This is branch
+// and bound. Compare Tang, Lee, Kim: Interactive Hausdorff distance computation for general polygonal models. ACM
+// Trans. Graph. 28(3), 2009. They use the same convexity and split at midpoints.
 #pragma once
 
 #include <array>

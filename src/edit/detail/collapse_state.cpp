@@ -17,6 +17,7 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
       changed_by(triangles.size(), kNone),
       first_sample(triangles.size(), kNone),
       next_sample(places.size(), kNone),
+      first_patch(triangles.size(), kNone),
       tangled(triangles.size(), 0),
       known(triangles.size()),
       sheets(sheets_of_triangles),

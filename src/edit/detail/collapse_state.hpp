@@ -63,6 +63,8 @@ struct CollapseState {
   // end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
+  // The patch, by CollapseLog::first, in which the first round had each triangle; kNone: in none.
+  std::vector<std::uint32_t> first_patch;
   std::vector<char> tangled;          // 1: an allowed collapse left the triangle in an intersecting pair
   std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
   Sheets sheets;
@@ -85,7 +87,7 @@ struct CollapseState {
   [[nodiscard]] std::size_t count_remaining() const;
   // Bytes for each triangle and each vertex, without the tree.
   static constexpr std::uint64_t kTriangleBytes =
-      sizeof(glm::uvec3) + 2 + 3 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
+      sizeof(glm::uvec3) + 2 + 4 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
   static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t);
   static constexpr std::size_t kMostSamples = 6;  // of a triangle: the farthest
 

@@ -51,8 +51,8 @@ bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
          mesh::find_overlap(p, q).meet;
 }
 
-// Finds intersections between triangles that different patches changed last, or of which only one was changed. The
-// guard has tested all other pairs.
+// Finds intersections between triangles of different patches. The patch of a triangle is the one that changed it last;
+// of an unchanged triangle, the one that had it in the first round. The guard has tested all pairs of one patch.
 class PairsOfPatches {
  public:
   PairsOfPatches(const CollapseState& state, std::span<const CollapseLog> logs, std::span<mesh::BoxTree::Item> items,
@@ -71,7 +71,6 @@ class PairsOfPatches {
  private:
   using BoxTree = mesh::BoxTree;
   using Node = BoxTree::Node;
-  static constexpr std::uint32_t kUnchanged = kNone;
   static constexpr std::uint32_t kSeveral = kNone - 1;
 
   struct PatchBox {
@@ -84,8 +83,7 @@ class PairsOfPatches {
 
   [[nodiscard]] std::uint32_t patch_of(std::uint32_t t, std::span<const CollapseLog> logs) const {
     const std::uint32_t collapse = state_.changed_by[t];
-    if (collapse == kNone) return kUnchanged;
-    return find_log(collapse, logs).first;
+    return collapse == kNone ? state_.first_patch[t] : find_log(collapse, logs).first;
   }
 
   [[nodiscard]] const PatchBox& box(const Node& node) const { return boxes_[node.index()]; }

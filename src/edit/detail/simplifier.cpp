@@ -267,6 +267,13 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
   for_each_index(
       places.size(), [&](std::size_t i) { triangles[i] = places[i].triangle; }, kTriangleGrain);
   lock_patch_borders(triangles, first);
+  if (numbers_ == 0) {
+    for_each_index(patches, [&](std::size_t p) {
+      for (std::size_t i = first[p]; i < first[p + 1]; ++i) {
+        state_.first_patch[triangles[i]] = static_cast<std::uint32_t>(first[p]);
+      }
+    });
+  }
   places = {};
   std::size_t workers = 0;
   const auto memory = TRY(reserve_patches(first, workers));

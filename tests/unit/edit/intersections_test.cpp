@@ -8,6 +8,7 @@
 #include <random>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -94,6 +95,37 @@ TEST(SimplifyIntersections, AddsNoneBetweenPatchesOfThinSheets) {
     EXPECT_EQ(count_pairs(done.mesh), 0U) << distance;
     EXPECT_LE(done.facts.distance_upper, distance);
   }
+}
+
+// A bowl in one patch, and needles whose tips are just above it. No needle can change, and all of them are in other
+// patches. The distance is small enough for a single sweep.
+TEST(SimplifyIntersections, AddsNoneWithUnchangedTrianglesOfOtherPatches) {
+  constexpr unsigned kSide = 31;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (unsigned v = 0; v < kSide * kSide; ++v) {
+    const float x = 0.25F * static_cast<float>(v % kSide);
+    const float y = 0.25F * static_cast<float>(v / kSide);
+    positions.emplace_back(x, y, ((x - 3.75F) * (x - 3.75F) + (y - 3.75F) * (y - 3.75F)) / 20);
+    if (v % kSide + 1 == kSide || v / kSide + 1 == kSide) continue;
+    triangles.insert(triangles.end(), {{v, v + 1, v + kSide + 1}, {v, v + kSide + 1, v + kSide}});
+  }
+  for (unsigned v = 5 * (kSide + 1); v < kSide * (kSide - 5); v += 37) {
+    if (v % kSide < 5 || v % kSide > kSide - 5) continue;
+    const auto tip = static_cast<unsigned>(positions.size());
+    const glm::vec3 at = positions[v] + glm::vec3(0, 0, 0.005F);
+    const glm::vec3 top(at.x, at.y, 30);
+    positions.insert(positions.end(), {at, top, top + glm::vec3(0.1F, 0, 0), top + glm::vec3(0, 0.1F, 0)});
+    triangles.insert(
+        triangles.end(),
+        {{tip, tip + 2, tip + 1}, {tip, tip + 3, tip + 2}, {tip, tip + 1, tip + 3}, {tip + 1, tip + 2, tip + 3}});
+  }
+  const mesh::Mesh both = test::make_mesh("bowl", positions, triangles);
+  ASSERT_EQ(count_pairs(both), 0U);
+  const SimplifiedMesh done = simplified_copy(both, to_distance(0.05));
+  EXPECT_LT(done.mesh.triangles.size(), both.triangles.size() / 2);
+  EXPECT_EQ(count_pairs(done.mesh), 0U);
+  EXPECT_GT(done.facts.untangled_collapses, 0U);
 }
 
 TEST(SimplifyIntersections, AddsNoneToPlantedPairs) {

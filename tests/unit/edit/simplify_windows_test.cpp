@@ -242,7 +242,10 @@ TEST(SimplifyWindows, ApproachATargetNumber) {
   EXPECT_EQ(whole->facts.windows, 0U);
   EXPECT_GT(limited->facts.windows, 2U);
   EXPECT_EQ(limited->facts.triangles_before, mesh.triangles.size());
-  EXPECT_EQ(limited->mesh.triangles.size(), whole->mesh.triangles.size());
+  for (const auto* result : {&*whole, &*limited}) {
+    EXPECT_GE(result->mesh.triangles.size(), 14999U);
+    EXPECT_LE(result->mesh.triangles.size(), 15000U);
+  }
   EXPECT_LT(limited->facts.distance_upper, 1.5 * whole->facts.distance_upper);
   test::expect_sound(limited->mesh, false);
   accuracy::DistanceOptions measure;

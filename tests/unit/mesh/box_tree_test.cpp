@@ -110,6 +110,45 @@ TEST(BoxTree, MapsSlotsToLeaves) {
   }
 }
 
+// Returns the coordinate and number by which the node is split: those of its greatest or least item.
+std::pair<float, std::uint32_t> end_of(const BoxTree& tree, const BoxTree::Node& node,
+                                       std::span<const glm::vec3> centers, int axis, bool greatest) {
+  const auto key = [&](std::uint32_t i) { return std::pair(centers[i][axis], i); };
+  const auto numbers = tree.numbers_of(node);
+  const auto [least, most] = std::ranges::minmax(numbers, {}, key);
+  return key(greatest ? most : least);
+}
+
+// Random, equal, ascending and repeated centers, with both zeros.
+TEST(BoxTree, SplitsAtTheMedianOfTheLongestAxis) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> at(-1, 1);
+  const auto expect_sorted = [](std::span<const glm::vec3> centers) {
+    Buffer<BoxTree::Item> items(centers.size());
+    for (std::uint32_t i = 0; i < centers.size(); ++i) items[i] = {centers[i], i};
+    const BoxTree tree(items.span(), [&](std::uint32_t i) { return FloatBox{centers[i], centers[i]}; });
+    for (std::size_t level = 0; level < tree.depth(); ++level) {
+      for (std::size_t number = 0; number < std::size_t{1} << level; ++number) {
+        const BoxTree::Node node{level, number};
+        const glm::vec3 extent = tree.box(node.index()).max * 0.5F - tree.box(node.index()).min * 0.5F;
+        const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+        ASSERT_LT(end_of(tree, node.child(0), centers, axis, true), end_of(tree, node.child(1), centers, axis, false));
+      }
+    }
+  };
+  for (const std::size_t count : {5, 8, 9, 17, 64, 65, 200, 3000}) {
+    std::vector<glm::vec3> centers(count);
+    for (glm::vec3& c : centers) c = {at(random), 2 * at(random), at(random)};
+    expect_sorted(centers);
+    for (glm::vec3& c : centers) c = glm::trunc(2.0F * c);
+    expect_sorted(centers);
+    for (std::size_t i = 0; i < count; ++i) centers[i] = {i % 2 == 0 ? -0.0F : 0.0F, 0, 0};
+    expect_sorted(centers);
+    for (std::size_t i = 0; i < count; ++i) centers[i] = {0, 0, -static_cast<float>(i / 3)};
+    expect_sorted(centers);
+  }
+}
+
 TEST(BoxTree, KeepsGroupsTogether) {
   std::vector<std::uint32_t> groups;
   for (std::uint32_t i = 0; i < 2000; ++i) groups.push_back(i * 7919 % 5);
