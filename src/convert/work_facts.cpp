@@ -196,7 +196,7 @@ StageReport extraction_report(const extract::ExtractStats& stats, const extract:
   report.work = extraction_facts(stats, options, stage.job, surface.id.is_label());
   if (surface.taken) {
     report.work.push_back({WorkTopic::whole_mesh, WorkDone::left_out, std::nullopt, std::nullopt,
-                           "the whole mesh in memory, because one part is made after the other"});
+                           "the whole mesh in memory, because the program makes one part after the other"});
   }
   Figures figures;
   if (!surface.asked.is_number()) figures.emplace_back(Key::asked, text_of(surface.asked));

@@ -179,7 +179,7 @@ Result<void> SurfaceComponents::mark_found(const WindowSurface& surface) {
     const std::uint32_t component = components.of_vertex(v);
     if (component == kNone || numbers[component] == kNone || !wanted.contains(surface.mesh.edges[v])) continue;
     if (numbers[component] >= added->first + added->count) {
-      return fail(ErrorCode::input, "the samples changed while the error was measured",
+      return fail(ErrorCode::input, "the samples changed while the program measured the error",
                   "wait until the program that writes the file has finished");
     }
     found_[numbers[component]] = 1;

@@ -45,7 +45,7 @@ class SurfaceComponents {
   // The mesh has vertices whose nearest component lies in the bricks of a window, but not of their own one. Returns the
   // first such window, with the margin that it was added with; null if there is none. mark_found() takes its surface.
   [[nodiscard]] const SearchWindow* unfinished() const;
-  // Fails with ErrorCode::input if the surface is not that which was added.
+  // Fails with ErrorCode::input if the surface differs from the one that add() got.
   [[nodiscard]] Result<void> mark_found(const WindowSurface& surface);
 
   struct Counts {

@@ -15,9 +15,9 @@
 namespace isoextract::accuracy {
 namespace {
 
-constexpr int kBrickMargin = 2;       // cells around a brick that are searched, too
-constexpr double kNearEnough = 1e-5;  // voxels; a point this near ends the search
-constexpr double kPointRounding = 1e-6;    // voxels; rounding moves the points of a triangle less
+constexpr int kBrickMargin = 2;          // cells around a brick that are searched, too
+constexpr double kNearEnough = 1e-5;     // voxels; a point this near ends the search
+constexpr double kPointRounding = 1e-6;  // voxels; rounding moves the points of a triangle less
 
 // Returns the least length of a one-voxel step in the mesh's coordinates.
 double shortest_step(const glm::dmat3& linear) {

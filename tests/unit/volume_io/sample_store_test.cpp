@@ -71,7 +71,7 @@ TEST(SampleStore, IsInAFileOtherwise) {
   EXPECT_EQ(stored[6], 6);
   EXPECT_EQ(stored[(1 << 24) - 1], (1 << 24) - 1);
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_EQ(notes[0].text, "the memory limit does not hold the 64 MiB of samples, so they are in a temporary file");
+  EXPECT_EQ(notes[0].text, "memory is short for the 64 MiB of samples, so they are in a temporary file");
 }
 
 TEST(SampleStore, RefusesSmallVolumesWithoutMemory) {
