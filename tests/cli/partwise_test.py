@@ -88,6 +88,23 @@ class PartwiseTest(ProgramTest):
                     cavities += parts["pieces"]["after"]["components"] > parts["pieces"]["after"]["bodies"]
         self.assertGreater(cavities, 5)
 
+    def test_a_small_rest_needs_no_whole_mesh(self):
+        """A GLB of few vertices is not written by parts, and neither is a mesh without triangles."""
+        # 31,301 small components, 7 MiB of mesh.
+        noise = (*self.write_noise(72)[:-1], 251, "--normals", "none", "--report", "r.json")
+        limit = ("--memory-limit", "26M")
+        small = (*noise, "--largest", 3)
+        parts, whole = (self.selected("a.glb", *small, *given) for given in (limit, ()))
+        self.assertFalse(parts["by_parts"])
+        self.assertEqual(parts, whole)
+        self.assert_fails(2, self.run_program(*small, *limit, *WHOLE, "-o", "b.glb"), "memory")
+        for given in (limit, ()):
+            run = self.run_program(*noise, "--drop-components", 10**7, *given, "-o", "b.ply")
+            self.assert_fails(2, run, "noise.raw: none of the", "components at iso 251 has the requested size")
+            self.convert(*noise, "--drop-components", 10**7, "--empty", "write", *given, "-o", "b.ply")
+            self.assertIn(b"element face 0\n", (self.folder / "b.ply").read_bytes())
+            (self.folder / "b.ply").unlink()
+
     def selected(self, name, *arguments):
         """All that a conversion makes and tells of the bodies."""
         run = self.convert(*arguments, "-v", "-o", name)
