@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "extract/edge_geometry.hpp"
 #include "extract/sparse_blocks.hpp"
 
 namespace isoextract::accuracy {
@@ -45,9 +46,10 @@ field::IndexBox surface_box(const field::ScalarField& field) {
 Result<mesh::Mesh> extract_within(const SearchWindow& window, const field::ScalarField& field,
                                   extract::ExtractOptions options, const Context& context) {
   options.smooth_normals = false;
-  options.shared_origin = true;
   options.sink = nullptr;
   const field::IndexBox all = surface_box(field);
+  // Positions do not depend on the window, unless all samples together are too far apart for float32.
+  options.shared_origin = extract::output_placement(field, options, all, all).fits_float32();
   field::IndexBox region = window.samples();
   if (options.region) region = {glm::max(region.min, options.region->min), glm::min(region.max, options.region->max)};
   const glm::ivec3 low = glm::max(region.min, all.min);

@@ -71,7 +71,8 @@ bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
   const auto region = extract::clip_region(source.field, stored, options);
   if (!region) return false;
   const extract::OutputPlacement placement = extract::output_placement(source.field, options, stored, *region);
-  if (job.error && placement.margin() != extract::output_placement(source.field, options, stored, stored).margin()) {
+  const extract::OutputPlacement of_all = extract::output_placement(source.field, options, stored, stored);
+  if (job.error && (placement.margin() != of_all.margin() || placement.origin() != of_all.origin())) {
     return false;  // the surface of the region differs from that of all samples, which the measurement extracts
   }
   return placement.origin() == glm::dvec3(0) && (!needs_distinct_positions(job) || placement.keeps_vertices_apart());
