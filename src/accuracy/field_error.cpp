@@ -100,7 +100,7 @@ class FieldMeasurement {
     if (extraction.taken) {
       reference_.parts = parts_for(counter.triangles());
       surface_options_.edge_keys = true;
-      return divide_bricks(counter.bricks(), reference_.options.window_triangles);
+      return divide_bricks(counter.take_bricks(), reference_.options.window_triangles);
     }
     whole_ = std::move(extraction.mesh);
     reference_.parts = parts_for(whole_.triangles.size());

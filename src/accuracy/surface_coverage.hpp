@@ -5,6 +5,7 @@
 // This needs no distance limit, and a small component does not count as found just because a large one is near.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -28,6 +29,8 @@ struct SurfaceCoverage {
 
 // Returns whether a point in the mesh's coordinates is inside or on the boundary of all half-spaces in which a clipped
 // mesh lies.
-[[nodiscard]] bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> kept);
+[[nodiscard]] inline bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> kept) {
+  return std::ranges::all_of(kept, [&](const mesh::HalfSpace& side) { return side.depth(p) >= 0; });
+}
 
 }  // namespace isoextract::accuracy

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <tl/expected.hpp>
+
 namespace isoextract::files {
 
 namespace detail {

@@ -1,5 +1,7 @@
 #include "accuracy/detail/brick_counter.hpp"
 
+#include <utility>
+
 namespace isoextract::accuracy {
 
 Result<bool> BrickCounter::begin(const mesh::MeshShape& shape) {
@@ -27,13 +29,13 @@ Result<void> BrickCounter::take(const mesh::MeshPart& part) {
   return {};
 }
 
-const std::vector<BrickCount>& BrickCounter::bricks() {
+std::vector<BrickCount> BrickCounter::take_bricks() {
   merge_bricks(bricks_);
   const double triangles_a_vertex = static_cast<double>(shape_.triangles) / static_cast<double>(shape_.vertices);
   for (BrickCount& brick : bricks_) {
     brick.triangles = static_cast<std::uint64_t>(triangles_a_vertex * static_cast<double>(brick.triangles));
   }
-  return bricks_;
+  return std::move(bricks_);
 }
 
 }  // namespace isoextract::accuracy

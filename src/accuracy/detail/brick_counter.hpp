@@ -27,8 +27,9 @@ class BrickCounter final : public mesh::MeshSink {
   Result<void> take(const mesh::MeshPart& part) override;
 
   [[nodiscard]] std::uint64_t triangles() const { return shape_.triangles; }
-  // Returns the bricks in the order of merge_bricks(), with the surface's triangles divided as its vertices are.
-  [[nodiscard]] const std::vector<BrickCount>& bricks();
+  // Returns the bricks in the order of merge_bricks(), with the surface's triangles divided as its vertices are. Call
+  // it once, after the last part.
+  [[nodiscard]] std::vector<BrickCount> take_bricks();
 
  private:
   std::uint64_t most_whole_;

@@ -38,10 +38,6 @@ FacesOfEdge faces_of(const BrickBox& box, const mesh::EdgeKey& edge) {
 
 }  // namespace
 
-bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> kept) {
-  return std::ranges::all_of(kept, [&](const mesh::HalfSpace& side) { return side.depth(p) >= 0; });
-}
-
 std::size_t SurfaceComponents::HashOfEdge::operator()(const mesh::EdgeKey& edge) const {
   constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15ULL;
   std::uint64_t hash = static_cast<std::uint32_t>(edge.direction);

@@ -97,7 +97,7 @@ TEST(AttributeSampling, UsesTheNearestParticleBeyondAllKernels) {
   EXPECT_TRUE(sample_attributes(particles_at({}), {}, {}, kSamplingRadius, 2, Context()));
 }
 
-// Some vertices are beyond all kernels.
+// Some vertices lie beyond the kernels of all particles.
 TEST(AttributeSampling, IsTheSameForPartsOfTheVertices) {
   const ParticleSet set = with_attributes(random_positions(2000, 1, 46));
   const std::vector<glm::dvec3> vertices = random_positions(3000, 1.5, 47);
