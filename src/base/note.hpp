@@ -66,6 +66,7 @@ enum class NoteId {
   samples_in_file,    // a temporary file holds the samples, as memory is short
   sparse_made_dense,
   voxel_size,
+  voxels_in_files,  // temporary files hold the voxels of labels and the points of surface nets, as memory is short
   // Surfaces
   backend,
   cap_overlaps,
@@ -161,6 +162,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::samples_in_file, "samples-in-file"},
       Word{NoteId::sparse_made_dense, "sparse-made-dense"},
       Word{NoteId::voxel_size, "voxel-size"},
+      Word{NoteId::voxels_in_files, "voxels-in-files"},
       Word{NoteId::backend, "backend"},
       Word{NoteId::cap_overlaps, "cap-overlaps"},
       Word{NoteId::clipped, "clipped"},

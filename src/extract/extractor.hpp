@@ -111,6 +111,9 @@ struct ExtractStats {
   // them).
   bool inside_at_boundary = false;
   bool meets_boundary = false;
+  // The most bytes that temporary files held at a time, as the memory limit did not hold them (surface_nets and
+  // labels).
+  std::uint64_t most_in_files = 0;
   StageTime classify;
   StageTime count;
   StageTime emit;

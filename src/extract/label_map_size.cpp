@@ -13,6 +13,7 @@
 #include "base/parallel.hpp"
 #include "extract/detail/corner_words.hpp"
 #include "extract/detail/face_rectangles.hpp"
+#include "extract/detail/label_bits.hpp"
 #include "extract/detail/label_chunks.hpp"
 #include "extract/detail/label_parts.hpp"
 #include "extract/detail/net_points.hpp"
@@ -331,16 +332,24 @@ Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const E
   const bool has_all_points = nets || options.voxel_faces == VoxelFaces::plain || counts.points == 0;
   const double share = has_all_points ? 1 : static_cast<double>(counts.corners) / static_cast<double>(counts.points);
   size.making_bytes = making_bytes(size, parts, share);
-  size.voxel_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t));
+  const std::uint64_t bits = parts * sizeof(ChunkBits);
+  const std::uint64_t most_bits = LabelBits::most_in_memory(context);
+  size.voxel_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t)) + std::min(bits, most_bits);
   size.kept_bytes = size.finding_bytes = size.voxel_bytes;
   if (!nets) return size;
   const std::uint64_t chunks = scaled(counts.chunks, scale);
   const std::uint64_t points = scaled(counts.points, scale);
   const std::uint64_t faces = scaled(counts.faces, scale);
   const std::uint64_t rounds = options.relaxations;
-  size.kept_bytes += NetPoints::bytes(points, chunks);
-  size.finding_bytes = size.kept_bytes + LabelChunks::bytes(parts) +
-                       (rounds > 0 ? std::max(relaxing_bytes(points), volume_keeping_bytes(points, faces, chunks)) : 0);
+  const std::uint64_t making = NetPoints::making_bytes(points, faces, chunks, rounds);
+  if (bits > most_bits || NetMemory::prefers_files(making, context)) {
+    size.finding_bytes +=
+        LabelChunks::bytes(parts) + NetPoints::list_bytes(chunks, rounds) + NetMemory::run_bytes(context);
+    size.kept_bytes += NetPoints::list_bytes(chunks, 0);
+  } else {
+    size.finding_bytes += LabelChunks::bytes(parts) + making;
+    size.kept_bytes += NetPoints::bytes(points, chunks);
+  }
   return size;
 }
 

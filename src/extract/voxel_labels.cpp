@@ -16,6 +16,7 @@
 #include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "extract/dense_input.hpp"
+#include "extract/detail/label_bits.hpp"
 #include "extract/detail/label_parts.hpp"
 #include "extract/detail/label_samples.hpp"
 #include "extract/detail/net_points.hpp"
@@ -127,8 +128,9 @@ class LayerReleases {
 }  // namespace
 
 struct LabelVoxels::Found {
-  Found(std::string text, const field::IndexBox& within, const OutputPlacement& placement, LabelIds table)
-      : what(std::move(text)), ids(std::move(table)), region(within), frame(placement) {}
+  Found(const Context& context, std::string text, const field::IndexBox& within, const OutputPlacement& placement,
+        LabelIds table)
+      : what(std::move(text)), arrays(context, what), ids(std::move(table)), region(within), frame(placement) {}
 
   // A label, and the index of its first part; the parts up to the next label's first part belong to it.
   struct Entry {
@@ -137,6 +139,8 @@ struct LabelVoxels::Found {
   };
 
   std::string what;  // starts error messages
+  NetMemory arrays;
+  LabelBits bits{arrays};
   LabelIds ids;
   std::vector<std::int64_t> labels;  // ids, like those of FoundLabel
   Notes notes;
@@ -150,7 +154,7 @@ struct LabelVoxels::Found {
   std::optional<SparseLabelRows> sparse;                  // of sparse fields
   const std::vector<field::SparseTile>* tiles = nullptr;  // of the field in find(); used there only
   std::vector<Reservation> memory;
-  std::vector<ReservedBlocks<LabelPart>> tasks;
+  std::vector<LabelPartList> tasks;
   std::vector<std::optional<NonLabelSample>> wrong;  // of each task: the first sample that is no label
   std::vector<std::uint64_t> nan_samples;            // of each task
   std::vector<const LabelPart*> parts;               // sorted by label, those of a label in chunk_order()
@@ -173,6 +177,7 @@ struct LabelVoxels::Found {
       if (context.cancelled()) return;
       ChunkLabels chunk(*filter, nan);
       add(chunk, kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);
+      bits.place(tasks[p]);
       wrong[p] = chunk.wrong();
       nan_samples[p] = chunk.nan_samples();
       context.progress().advance(1);
@@ -187,12 +192,11 @@ struct LabelVoxels::Found {
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       const DenseView<T> view = part_of(dense_view<T>(samples), region);
       LayerReleases<T> releases(view, grid);
-      run(grid.count(), context,
-          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedBlocks<LabelPart>& list) {
-            for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
-              chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
-            releases.finish(begin, end);
-          });
+      run(grid.count(), context, [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, LabelPartList& list) {
+        for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
+          chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
+        releases.finish(begin, end);
+      });
     });
     stats.nan_samples = std::reduce(nan_samples.begin(), nan_samples.end());
     // Releases the pages that LayerReleases kept: pages of small files, and pages that layers share. Nothing needs the
@@ -209,12 +213,10 @@ struct LabelVoxels::Found {
     const std::vector<glm::ivec3>& origins = chunks.origins;
     stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
-      run(origins.size(), context,
-          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedBlocks<LabelPart>& list) {
-            SparseRows<T> rows = sparse->rows<T>();
-            for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
-              chunk.add(rows.read(origins[n]), origins[n], list);
-          });
+      run(origins.size(), context, [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, LabelPartList& list) {
+        SparseRows<T> rows = sparse->rows<T>();
+        for (std::size_t n = begin; n < end && !chunk.wrong(); ++n) chunk.add(rows.read(origins[n]), origins[n], list);
+      });
     });
     return {};
   }
@@ -238,14 +240,14 @@ struct LabelVoxels::Found {
       return refuse_sample(field, sample->value, fmt::format("at sample ({}, {}, {})", at.x, at.y, at.z));
     }
     std::uint64_t count = 0;
-    for (const ReservedBlocks<LabelPart>& task : tasks) {
+    for (const LabelPartList& task : tasks) {
       if (task.error()) return tl::unexpected(*task.error());
       count += task.size();
     }
     auto held = TRY(context.reserve(count * 2 * sizeof(std::uintptr_t), what));
     memory.push_back(std::move(held));
     parts.reserve(count);
-    for (const ReservedBlocks<LabelPart>& task : tasks) {
+    for (const LabelPartList& task : tasks) {
       task.for_each([&](const LabelPart& part) { parts.push_back(&part); });
     }
     std::ranges::stable_sort(parts, {}, &LabelPart::label);
@@ -329,20 +331,18 @@ struct LabelVoxels::Found {
 
   [[nodiscard]] Result<void> make_net(const ExtractOptions& options, const Context& context) {
     std::uint64_t count = 0;
-    for (const ReservedBlocks<LabelPart>& task : tasks) count += task.size();
+    for (const LabelPartList& task : tasks) count += task.size();
     auto held = TRY(context.reserve(LabelChunks::bytes(count), what));
     std::vector<LabelChunk> chunks;
     chunks.reserve(count);
-    for (const ReservedBlocks<LabelPart>& task : tasks) {
-      task.for_each([&](const LabelPart& part) {
-        chunks.push_back({part.label, part.origin, part.full() ? &full_chunk() : &part.bits});
-      });
+    for (const LabelPartList& task : tasks) {
+      task.for_each([&](const LabelPart& part) { chunks.push_back({part.label, part.origin, part.bits, part.rows}); });
     }
     LabelChunks::Unlisted unlisted;
     if (sparse) unlisted = [this](const glm::ivec3& origin) { return label_of_tile(origin); };
     const field::IndexBox bounds{region.min - base, region.max - base};
     auto made = TRY(NetPoints::make(LabelChunks(std::move(chunks), std::move(unlisted), bounds, std::move(held)),
-                                    options.relaxations, options.output_from_index.linear, context, what));
+                                    options.relaxations, options.output_from_index.linear, arrays));
     net.emplace(std::move(made));
     for (const LabelShells& found : net->shells()) {
       const Entry* const entry = entry_of(ids.id_of(found.label));
@@ -362,8 +362,8 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   const SparseBounds bounds = TRY(label_bounds(field, options));
   const field::IndexBox& region = bounds.region;
   const OutputPlacement frame = voxel_placement(field, options, bounds.stored, options.region ? region : bounds.stored);
-  auto found =
-      std::make_shared<Found>(field.source + ": the voxels with labels", region, frame, LabelIds(field.label_ids));
+  auto found = std::make_shared<Found>(context, field.source + ": the voxels with labels", region, frame,
+                                       LabelIds(field.label_ids));
   const bool nets = options.method == Method::surface_nets;
   found->filter.emplace(choice, nets, label_around(sparse), found->ids);
   found->nan = options.nan;
@@ -384,6 +384,7 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
                      field.source, found->stats.nan_samples > 0 ? " except NaN" : "",
                      field::sample_type_name(field.type()))});
   }
+  found->stats.most_in_files = found->arrays.most_in_files();
   found->stats.classify = watch.elapsed();
   return LabelVoxels(std::move(found));
 }
@@ -407,20 +408,24 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
     stats.classify = {};
     stats.samples_classified = 0;
     stats.nan_samples = 0;
+    stats.most_in_files = 0;
   }
   if (entry == nullptr) return Extraction{{}, stats};
   const std::span<const LabelPart* const> parts = found_->parts_of(*entry);
   auto memory = TRY(context.reserve(VoxelChunks::bytes(parts.size()), found_->what));
   std::vector<VoxelChunk> chunks;
   chunks.reserve(parts.size());
-  for (const LabelPart* part : parts) chunks.push_back({part->origin, part->full() ? &full_chunk() : &part->bits});
+  for (const LabelPart* part : parts) chunks.push_back({part->origin, part->bits});
   VoxelChunks::Unlisted unlisted;
   if (found_->sparse) {
     unlisted = [this, label](const glm::ivec3& origin) { return found_->label_of_tile(origin) == label; };
   }
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(memory));
-  return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,
-                     found_->net ? &*found_->net : nullptr);
+  auto extraction = TRY(mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,
+                                    found_->net ? &*found_->net : nullptr));
+  found_->arrays.leave();
+  TRY(found_->arrays.check());
+  return extraction;
 }
 
 }  // namespace isoextract::extract

@@ -69,18 +69,27 @@ Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelCh
   }
   const Stopwatch watch;
   auto memory = TRY(context.reserve(LabelChunks::bytes(voxels.chunks().size()), chunks_text(field)));
-  std::vector<LabelChunk> chunks;
-  chunks.reserve(voxels.chunks().size());
-  for (const VoxelChunk& chunk : voxels.chunks()) chunks.push_back({0, chunk.origin, chunk.bits});
+  std::vector<LabelChunk> chunks(voxels.chunks().size());
+  constexpr std::size_t kGrain = 256;
+  for_each_index(
+      chunks.size(),
+      [&](std::size_t c) {
+        const VoxelChunk& chunk = voxels.chunks()[c];
+        chunks[c] = {0, chunk.origin, chunk.bits, rows_with_voxels(*chunk.bits)};
+      },
+      kGrain);
   const auto unlisted = [&](const glm::ivec3& origin) {
     return &voxels.at(origin) == &full_chunk() ? std::optional<std::int64_t>(0) : std::nullopt;
   };
   const LabelChunks inside(std::move(chunks), unlisted, bounds, std::move(memory));
-  auto net =
-      TRY(NetPoints::make(inside, options.relaxations, options.output_from_index.linear, context, chunks_text(field)));
+  NetMemory arrays(context, chunks_text(field));
+  auto net = TRY(NetPoints::make(inside, options.relaxations, options.output_from_index.linear, arrays));
   ExtractStats with_net = stats;
   with_net.count += watch.elapsed();
-  return mesh_voxels(field, voxels, base, placement, options, with_net, context, &net);
+  with_net.most_in_files = arrays.most_in_files();
+  auto extraction = TRY(mesh_voxels(field, voxels, base, placement, options, with_net, context, &net));
+  TRY(arrays.check());
+  return extraction;
 }
 
 Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const field::DenseSamples& samples,

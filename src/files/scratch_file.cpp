@@ -36,7 +36,10 @@ std::string map_whole(int descriptor, std::uint64_t bytes, void*& pages) {
   while (error == EINTR) error = ::posix_fallocate(descriptor, 0, static_cast<off_t>(bytes));
   if (error != 0) return std::generic_category().message(error);
   pages = ::mmap(nullptr, static_cast<std::size_t>(bytes), PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
-  return pages == MAP_FAILED ? std::generic_category().message(errno) : "";
+  if (pages == MAP_FAILED) return std::generic_category().message(errno);
+  // The access to a byte would else bring up to 2 MiB around it into the memory of the process. Only advice.
+  static_cast<void>(::madvise(pages, static_cast<std::size_t>(bytes), MADV_NOHUGEPAGE));
+  return "";
 }
 
 }  // namespace
@@ -86,8 +89,9 @@ ScratchFile::~ScratchFile() {
 void ScratchFile::protect() { static_cast<void>(::mprotect(pages_, length_, PROT_READ)); }
 
 bool ScratchFile::lost() const {
-  // The kernel drops a page that it cannot write, and reads zeros from then on. It tells that error once.
-  if (::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WAIT_BEFORE) != 0 && errno != ENOSYS && errno != EINVAL) {
+  // The kernel drops a page that it cannot write, and reads zeros from then on. It records the error before that, and
+  // tells it once, for the whole file, so it is enough to wait for the first page.
+  if (::sync_file_range(descriptor_, 0, 1, SYNC_FILE_RANGE_WAIT_BEFORE) != 0 && errno != ENOSYS && errno != EINVAL) {
     range_->lost.store(true, std::memory_order_release);
   }
   return range_->lost.load(std::memory_order_acquire);

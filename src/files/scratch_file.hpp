@@ -32,8 +32,8 @@ class ScratchFile {
   [[nodiscard]] std::span<std::byte> bytes() const { return {pages_, length_}; }
   // Makes the bytes read-only.
   void protect();
-  // Returns whether the disk could not give or take some bytes, which are then 0. Call it after the last use of the
-  // bytes. Waits for pages that the system is writing.
+  // Returns whether the disk could not give or take some bytes, which are then 0. Call it after each use of the bytes
+  // that counts.
   [[nodiscard]] bool lost() const;
 
  private:

@@ -4,6 +4,7 @@ import gzip
 import itertools
 import json
 import multiprocessing
+import os
 import random
 import re
 import resource
@@ -80,7 +81,27 @@ class MemoryTest(ProgramTest):
                   else bytes((x // 3 + y // 2 + z) % 4 for y in range(size) for x in range(size)) for z in range(size)]
         (self.folder / "map.raw").write_bytes(b"".join(layers))
         # One thread: with several, it depends on their timing how much they hold at the same time.
-        self.check("map.raw", "--dims", f"{size},{size},{size}", "--labels", "all", "-o", "a.glb", "--threads", "1")
+        arguments = ("map.raw", "--dims", f"{size},{size},{size}", "--labels", "all", "-o", "a.glb", "--threads", "1")
+        run, report = self.report(*arguments)
+        self.assertEqual(run.code, 0, run.err)
+        self.assertNotIn("voxels-in-files", [note["id"] for note in report["notes"]])
+        needed = report["reserved_memory_bytes"]
+        self.assertGreater(needed, 64 * MIB)
+        self.assertLess(report["peak_memory_bytes"], needed + OVERHEAD)
+        whole = (self.folder / "a.glb").read_bytes()
+        for limit in (needed + MIB, needed // 2):  # both in temporary files: they are for more than half of the limit
+            (self.folder / "a.glb").unlink()
+            run, report = self.report(*arguments, "--memory-limit", f"{limit}B")
+            self.assertEqual(run.code, 0, run.err)
+            self.assertIn("voxels-in-files", [note["id"] for note in report["notes"]])
+            self.assertLessEqual(report["reserved_memory_bytes"], limit)
+            self.assertLess(report["peak_memory_bytes"], limit + OVERHEAD)
+            self.assertEqual((self.folder / "a.glb").read_bytes(), whole)
+        (self.folder / "a.glb").unlink()
+        run = self.run_program(*arguments, "--memory-limit", f"{needed // 2}B", env={**os.environ, "TMPDIR": "/dev/shm"})
+        self.assert_fails(2, run, "memory", "a temporary file", "it is in memory (tmpfs)", "for the voxels and corners of labels",
+                          "TMPDIR", "--memory-limit")
+        self.assertNotIn("a.glb", self.files())
 
     def test_the_distance_of_a_simplified_mesh(self):
         """Faces that lie in planes at right angles to others: rounding made parts of triangles without end, 1.6 GiB."""

@@ -19,7 +19,7 @@ MAY_INCLUDE = {
     "volume_io": ["points", "plugin_host"],
     "particle_io": ["points", "volume_io"],
     "mesh_io": ["mesh", "files"],
-    "extract": ["field", "mesh"],
+    "extract": ["field", "mesh", "files"],
     "gpu": ["gl", "extract"],
     "edit": ["mesh"],
     "check": ["mesh"],

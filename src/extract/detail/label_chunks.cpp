@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "base/parallel.hpp"
-
 namespace isoextract::extract {
 
 LabelChunks::LabelChunks(std::vector<LabelChunk> chunks, Unlisted unlisted, const field::IndexBox& bounds,
@@ -18,16 +16,6 @@ LabelChunks::LabelChunks(std::vector<LabelChunk> chunks, Unlisted unlisted, cons
       index_.insert(chunks_[c].origin, static_cast<std::int32_t>(c));
     }
   }
-  constexpr std::size_t kGrain = 256;
-  for_each_index(
-      chunks_.size(),
-      [&](std::size_t c) {
-        const ChunkBits& bits = *chunks_[c].bits;
-        for (std::size_t row = 0; row < bits.size(); ++row) {
-          chunks_[c].rows |= std::uint64_t{bits[row] != 0 ? 1U : 0U} << row;
-        }
-      },
-      kGrain);
 }
 
 std::uint64_t LabelChunks::bytes(std::uint64_t chunks) {

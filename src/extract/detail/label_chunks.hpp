@@ -17,7 +17,7 @@ struct LabelChunk {
   std::int64_t label = 0;
   glm::ivec3 origin{0};
   const ChunkBits* bits = nullptr;  // owned by the caller
-  std::uint64_t rows = 0;           // the rows that have voxels, as bits by chunk_row(); LabelChunks sets it
+  std::uint64_t rows = 0;           // the rows that have voxels, as bits by chunk_row()
 };
 
 class LabelChunks {

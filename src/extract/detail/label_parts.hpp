@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -42,15 +44,16 @@ struct LabelPart {
   std::int64_t label = 0;
   glm::ivec3 origin{0};
   std::uint32_t voxels = 0;
+  std::uint64_t rows = 0;                         // the rows that have voxels, as bits by chunk_row()
   std::array<std::uint8_t, 3> least{63, 63, 63};  // bounds of the voxels in the chunk
   std::array<std::uint8_t, 3> greatest{};
-  ChunkBits bits{};
+  const ChunkBits* bits = nullptr;  // not owned; full_chunk() if all voxels have the label
 
   [[nodiscard]] bool full() const { return voxels == kChunkVoxels; }
 
-  // Adds voxels `begin` to `end` - 1 of a row.
+  // Counts voxels `begin` to `end` - 1 of a row.
   void add(std::size_t row, int begin, int end) {
-    bits[row] |= kAllBits >> (64 - (end - begin)) << begin;
+    rows |= std::uint64_t{1} << row;
     voxels += static_cast<std::uint32_t>(end - begin);
     const std::array<int, 3> first{begin, static_cast<int>(row) & 7, static_cast<int>(row) >> 3};
     const std::array<int, 3> last{end - 1, first[1], first[2]};
@@ -59,6 +62,45 @@ struct LabelPart {
       greatest[axis] = std::max(greatest[axis], static_cast<std::uint8_t>(last[axis]));
     }
   }
+};
+
+// The parts of consecutive chunks, and their bits.
+class LabelPartList {
+ public:
+  // Takes the arguments of a ReservedList.
+  LabelPartList(const Context& context, const std::string& what) : parts_(context, what), bits_(context, what) {}
+
+  // Appends a part with a copy of its bits. Returns false if memory ran out; error() then has the reason.
+  bool add(LabelPart part, const ChunkBits& bits) {
+    part.bits = part.full() ? &full_chunk() : bits_.add(bits);
+    return part.bits != nullptr && parts_.add(part) != nullptr;
+  }
+
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+  [[nodiscard]] const std::optional<Error>& error() const { return parts_.error() ? parts_.error() : bits_.error(); }
+
+  // Returns how many chunks of bits the list owns.
+  [[nodiscard]] std::size_t own_bits() const { return bits_.size(); }
+  // Moves its bits to other memory, which has place for own_bits() of them, and frees its own.
+  void move_bits(std::span<ChunkBits> to) {
+    std::size_t next = 0;
+    parts_.for_each([&](LabelPart& part) {
+      if (part.full()) return;
+      to[next] = *part.bits;
+      part.bits = &to[next++];
+    });
+    bits_.clear();
+  }
+
+  // Calls f(part) for the parts in their order. Parts keep their addresses.
+  template <class F>
+  void for_each(const F& f) const {
+    parts_.for_each(f);
+  }
+
+ private:
+  ReservedBlocks<LabelPart> parts_;
+  ReservedBlocks<ChunkBits> bits_;
 };
 
 // The samples of a chunk as rows of 64, valid from `begin` to `end` - 1; rows beyond the region are null.
@@ -128,7 +170,7 @@ class ChunkLabels {
   [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
 
   template <class T>
-  void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedBlocks<LabelPart>& found) {
+  void add(const SampleRows<T>& samples, const glm::ivec3& origin, LabelPartList& found) {
     parts_.clear();
     for (std::size_t r = 0; r < samples.rows.size(); ++r) {
       const T* row = samples.rows[r];
@@ -147,32 +189,42 @@ class ChunkLabels {
         }
         int end = x + 1;
         while (end < samples.end && row[end] == label) ++end;
-        if (LabelPart* part = part_of(static_cast<std::int64_t>(label))) part->add(r, x, end);
+        if (Collected* one = part_of(static_cast<std::int64_t>(label))) one->add(r, x, end);
         x = end;
       }
     }
-    for (LabelPart& part : parts_) {
-      part.origin = origin;
-      found.add(part);
+    for (Collected& one : parts_) {
+      one.part.origin = origin;
+      found.add(one.part, one.bits);
     }
   }
 
  private:
+  struct Collected {
+    LabelPart part;
+    ChunkBits bits{};
+
+    void add(std::size_t row, int begin, int end) {
+      part.add(row, begin, end);
+      bits[row] |= kAllBits >> (64 - (end - begin)) << begin;
+    }
+  };
+
   // Returns null for labels that are not looked for.
-  LabelPart* part_of(std::int64_t label) {
+  Collected* part_of(std::int64_t label) {
     // Searches from the end, because the label is usually that of the previous run or row.
     for (std::size_t p = parts_.size(); p-- > 0;) {
-      if (parts_[p].label == label) return &parts_[p];
+      if (parts_[p].part.label == label) return &parts_[p];
     }
     if (!filter_(label)) return nullptr;
-    parts_.emplace_back().label = label;
+    parts_.emplace_back().part.label = label;
     return &parts_.back();
   }
 
   const LabelFilter& filter_;
   NanPolicy nan_;
   std::uint64_t nan_samples_ = 0;
-  std::vector<LabelPart> parts_;
+  std::vector<Collected> parts_;
   std::optional<NonLabelSample> wrong_;
 };
 

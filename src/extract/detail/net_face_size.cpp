@@ -55,7 +55,7 @@ Float4 walls_of(Float4 u, Float4 v, Float4 up) {
 
 }  // namespace
 
-NetFaceSizes::NetFaceSizes(const Buffer<glm::vec3>& offsets, const glm::dmat3& output_from_index)
+NetFaceSizes::NetFaceSizes(const NetArray<glm::vec3>& offsets, const glm::dmat3& output_from_index)
     : offsets_(offsets),
       output_area_(glm::inverseTranspose(output_from_index)),
       is_stretched_(is_stretched(output_from_index)) {}

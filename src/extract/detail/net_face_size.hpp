@@ -6,8 +6,8 @@
 
 #include <glm/glm.hpp>
 
-#include "base/buffer.hpp"
 #include "extract/detail/near_points.hpp"
+#include "extract/detail/net_memory.hpp"
 
 namespace isoextract::extract {
 
@@ -20,7 +20,7 @@ class NetFaceSizes {
  public:
   // `offsets` has the offset of each point from its corner, in grid steps, and one unused element at the end, since
   // load() reads 16 bytes. `output_from_index` is an invertible map; it decides which diagonal divides a face.
-  NetFaceSizes(const Buffer<glm::vec3>& offsets, const glm::dmat3& output_from_index);
+  NetFaceSizes(const NetArray<glm::vec3>& offsets, const glm::dmat3& output_from_index);
 
   // Returns the size of the face that is perpendicular to `axis` and has its first point at `place`.
   [[nodiscard]] NetFaceSize of(const NearPoints& near, int place, int axis) const {
@@ -32,7 +32,7 @@ class NetFaceSizes {
   template <int kAxis>
   [[nodiscard]] NetFaceSize across(const NearPoints& near, int place) const;
 
-  const Buffer<glm::vec3>& offsets_;
+  const NetArray<glm::vec3>& offsets_;
   glm::mat3 output_area_;  // maps areas, up to a constant factor
   bool is_stretched_;
 };

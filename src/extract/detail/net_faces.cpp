@@ -7,7 +7,6 @@
 
 #include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
-#include "base/reserved_buffer.hpp"
 #include "extract/detail/corner_fans.hpp"
 #include "extract/detail/near_labels.hpp"
 #include "extract/row_bits.hpp"
@@ -84,25 +83,23 @@ constexpr std::array<int, kFacesAround> kWaysDown = make_ways_down();
 
 }  // namespace
 
-Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
-                                const std::string& what) {
+Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, NetMemory& memory) {
   NetFaces faces;
-  auto held = TRY(context.reserve(bytes(grid.size(), 0, grid.origins().size()), what));
-  faces.memory_.push_back(std::move(held));
-  faces.find_sides(grid, labels);
+  const Context& context = memory.context();
+  faces.sides_ = TRY(memory.make<std::uint16_t>(grid.size()));
+  faces.find_sides(grid, labels, memory);
   TRY(context.check());
-  TRY(faces.number_faces(grid, context, what));
-  faces.mark_labeled(grid, labels);
+  TRY(faces.number_faces(grid, memory));
+  faces.mark_labeled(grid, labels, memory);
   TRY(context.check());
-  faces.join_shells(grid, labels);
+  faces.join_shells(grid, labels, memory);
   TRY(context.check());
-  TRY(faces.number_shells(context, what));
+  TRY(faces.number_shells(memory));
   return faces;
 }
 
-void NetFaces::find_sides(const NetGrid& grid, const LabelChunks& labels) {
-  sides_ = Buffer<std::uint16_t>(grid.size());
-  for_each_index(grid.origins().size(), [&](std::size_t c) {
+void NetFaces::find_sides(const NetGrid& grid, const LabelChunks& labels, const NetMemory& memory) {
+  memory.for_each_chunk(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       std::array<std::uint64_t, kFacesAround> differ{};
@@ -119,11 +116,11 @@ void NetFaces::find_sides(const NetGrid& grid, const LabelChunks& labels) {
   });
 }
 
-Result<void> NetFaces::number_faces(const NetGrid& grid, const Context& context, const std::string& what) {
+Result<void> NetFaces::number_faces(const NetGrid& grid, NetMemory& memory) {
   const std::size_t chunks = grid.origins().size();
-  first_of_rows_ = Buffer<std::uint32_t>(64 * chunks + 1);
-  std::fill(first_of_rows_.begin(), first_of_rows_.end(), std::uint32_t{0});
-  for_each_index(chunks, [&](std::size_t c) {
+  first_of_rows_ = TRY(memory.make<std::uint32_t>(64 * chunks + 1));
+  memory.fill(first_of_rows_, std::uint32_t{0});
+  memory.for_each_chunk(chunks, [&](std::size_t c) {
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       std::uint32_t& count = first_of_rows_[64 * c + chunk_row(y, z)];
       std::uint32_t k = row.first;
@@ -132,22 +129,21 @@ Result<void> NetFaces::number_faces(const NetGrid& grid, const Context& context,
   });
   std::uint64_t all = 0;
   for (std::uint32_t& first : first_of_rows_) all += std::exchange(first, static_cast<std::uint32_t>(all));
+  memory.leave();
   constexpr std::uint64_t kMost = ~std::uint32_t{0} / 4;
   if (all > kMost) {
-    return fail(
-        ErrorCode::input,
-        what + ": there are " + std::to_string(all) + " faces between labels; the limit is " + std::to_string(kMost),
-        {Remedy::use, Setting::parts});
+    return fail(ErrorCode::input,
+                memory.what() + ": there are " + std::to_string(all) + " faces between labels; the limit is " +
+                    std::to_string(kMost),
+                {Remedy::use, Setting::parts});
   }
-  auto held = TRY(context.reserve(all * sizeof(Shells), what));
-  memory_.push_back(std::move(held));
-  of_shells_ = Buffer<std::uint32_t>(2 * all);
-  return context.check();
+  of_shells_ = TRY(memory.make<std::uint32_t>(2 * all));
+  return memory.context().check();
 }
 
 // Makes each node a set of its own.
-void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
-  for_each_index(grid.origins().size(), [&](std::size_t c) {
+void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels, const NetMemory& memory) {
+  memory.for_each_chunk(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
     grid.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
       CornerWords labeled{};
@@ -171,9 +167,9 @@ void NetFaces::mark_labeled(const NetGrid& grid, const LabelChunks& labels) {
 }
 
 // Joins the faces in each fan of each label around each point.
-void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
+void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels, const NetMemory& memory) {
   const DisjointSets sets(of_shells_.span());
-  for_each_index(grid.origins().size(), [&](std::size_t c) {
+  memory.for_each_chunk(grid.origins().size(), [&](std::size_t c) {
     const NearLabels near(labels, grid.origins()[c]);
     const NearFaces faces(grid, *this, c);
     grid.for_each_row(c, [&](const NetGrid::Row&, int y, int z) {
@@ -199,36 +195,41 @@ void NetFaces::join_shells(const NetGrid& grid, const LabelChunks& labels) {
 }
 
 // Numbers the shells by their first face.
-Result<void> NetFaces::number_shells(const Context& context, const std::string& what) {
+Result<void> NetFaces::number_shells(const NetMemory& memory) {
   constexpr std::size_t kGrain = 1 << 13;
   const DisjointSets sets(of_shells_.span());
-  const std::size_t shells = reduce_ranges(
-      of_shells_.size(), kGrain, std::size_t{0},
-      [&](std::size_t begin, std::size_t end, std::size_t roots) {
-        for (std::size_t i = begin; i != end; ++i) {
-          const auto node = static_cast<std::uint32_t>(i);
-          const std::uint32_t parent = sets.load(node);
-          if (parent == kNoShell) continue;
-          const std::uint32_t root = sets.root(parent);
-          sets.store(node, root);
-          roots += root == node ? 1 : 0;
-        }
-        return roots;
-      },
-      std::plus<>());
-  auto held = TRY(context.reserve(shells * sizeof(std::uint32_t), what));
+  std::size_t shells = 0;
+  memory.for_each_run(of_shells_.size(), [&](std::size_t first, std::size_t last) {
+    shells += reduce_ranges(
+        last - first, kGrain, std::size_t{0},
+        [&](std::size_t begin, std::size_t end, std::size_t roots) {
+          for (std::size_t i = first + begin; i != first + end; ++i) {
+            const auto node = static_cast<std::uint32_t>(i);
+            const std::uint32_t parent = sets.load(node);
+            if (parent == kNoShell) continue;
+            const std::uint32_t root = sets.root(parent);
+            sets.store(node, root);
+            roots += root == node ? 1 : 0;
+          }
+          return roots;
+        },
+        std::plus<>());
+  });
+  auto held = TRY(memory.context().reserve(shells * sizeof(std::uint32_t), memory.what()));
   memory_.push_back(std::move(held));
   first_nodes_.reserve(shells);
   // Each parent, a root or not, is a lower node, so its number is known before its children need it.
-  for (std::uint32_t node = 0; node < of_shells_.size(); ++node) {
-    std::uint32_t& root = of_shells_[node];
-    if (root == node) {
-      root = static_cast<std::uint32_t>(first_nodes_.size());
-      first_nodes_.push_back(node);
-    } else if (root != kNoShell) {
-      root = of_shells_[root];
+  memory.for_each_run(of_shells_.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t node = begin; node < end; ++node) {
+      std::uint32_t& root = of_shells_[node];
+      if (root == node) {
+        root = static_cast<std::uint32_t>(first_nodes_.size());
+        first_nodes_.push_back(static_cast<std::uint32_t>(node));
+      } else if (root != kNoShell) {
+        root = of_shells_[root];
+      }
     }
-  }
+  });
   return {};
 }
 

@@ -10,10 +10,8 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/near_points.hpp"
 #include "extract/detail/net_grid.hpp"
@@ -41,9 +39,8 @@ class NetFaces {
        {0, NearPlaces::kSteps[0], NearPlaces::kSteps[0] + NearPlaces::kSteps[1], NearPlaces::kSteps[1]}}};
 
   // Runs in parallel; the result does not depend on the number of threads. Fails if memory runs out, if the context is
-  // cancelled, and with ErrorCode::input if 32-bit numbers do not suffice. `what` starts the message about memory.
-  [[nodiscard]] static Result<NetFaces> make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
-                                             const std::string& what);
+  // cancelled, and with ErrorCode::input if 32-bit numbers do not suffice.
+  [[nodiscard]] static Result<NetFaces> make(const NetGrid& grid, const LabelChunks& labels, NetMemory& memory);
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks) {
     return points * sizeof(std::uint16_t) + (64 * chunks + 1) * sizeof(std::uint32_t) + faces * sizeof(Shells);
@@ -85,17 +82,17 @@ class NetFaces {
   }
 
  private:
-  void find_sides(const NetGrid& grid, const LabelChunks& labels);
-  [[nodiscard]] Result<void> number_faces(const NetGrid& grid, const Context& context, const std::string& what);
-  void mark_labeled(const NetGrid& grid, const LabelChunks& labels);
-  void join_shells(const NetGrid& grid, const LabelChunks& labels);
-  [[nodiscard]] Result<void> number_shells(const Context& context, const std::string& what);
+  void find_sides(const NetGrid& grid, const LabelChunks& labels, const NetMemory& memory);
+  [[nodiscard]] Result<void> number_faces(const NetGrid& grid, NetMemory& memory);
+  void mark_labeled(const NetGrid& grid, const LabelChunks& labels, const NetMemory& memory);
+  void join_shells(const NetGrid& grid, const LabelChunks& labels, const NetMemory& memory);
+  [[nodiscard]] Result<void> number_shells(const NetMemory& memory);
   [[nodiscard]] glm::ivec3 voxel_at(const NetGrid& grid, std::uint32_t node) const;
 
-  Buffer<std::uint16_t> sides_;          // of each point
-  Buffer<std::uint32_t> first_of_rows_;  // 64 for each chunk, then the number of faces
+  NetArray<std::uint16_t> sides_;          // of each point
+  NetArray<std::uint32_t> first_of_rows_;  // 64 for each chunk, then the number of faces
   // A node is a side of a face that has a label: 2 * face + side, where the lower side is 0.
-  Buffer<std::uint32_t> of_shells_;         // of each node
+  NetArray<std::uint32_t> of_shells_;       // of each node
   std::vector<std::uint32_t> first_nodes_;  // of each shell
   std::vector<Reservation> memory_;
 };

@@ -11,7 +11,9 @@
 
 namespace isoextract::extract {
 
-Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context, const std::string& what) {
+Result<NetGrid> NetGrid::make(const LabelChunks& labels, NetMemory& memory) {
+  const Context& context = memory.context();
+  const std::string& what = memory.what();
   NetGrid grid;
   auto list_memory = TRY(context.reserve(8 * labels.chunks().size() * sizeof(glm::ivec3), what));
   std::vector<glm::ivec3> candidates;
@@ -26,7 +28,7 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
 
   auto flags = TRY(make_reserved_buffer<std::uint8_t>(candidates.size(), context, what));
-  for_each_index(candidates.size(), [&](std::size_t c) {
+  memory.for_each_chunk(candidates.size(), [&](std::size_t c) {
     const NearLabels near(labels, candidates[c]);
     std::uint64_t used = 0;
     for (int row = 0; row < 64 && used == 0; ++row) used = near.corners_between_labels(row & 7, row >> 3);
@@ -34,7 +36,9 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
   });
   TRY(context.check());
   const auto chunks = static_cast<std::size_t>(std::count(flags->values.begin(), flags->values.end(), std::uint8_t{1}));
-  grid.memory_ = TRY(context.reserve(bytes(chunks), what));
+  grid.memory_ = TRY(context.reserve(index_bytes(chunks), what));
+  // The arrays of the points, known only later, usually take at least three times as much.
+  if (NetMemory::prefers_files(4 * array_bytes(chunks), context)) memory.use_files();
   grid.origins_.reserve(chunks);
   grid.index_ = field::OriginIndex(chunks);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -42,16 +46,16 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
     grid.index_.insert(candidates[c], static_cast<std::int32_t>(grid.origins_.size()));
     grid.origins_.push_back(candidates[c]);
   }
-  grid.near_ = Buffer<NearChunkNumbers>(chunks);
-  for_each_index(chunks, [&](std::size_t c) {
+  grid.near_ = TRY(memory.make<NearChunkNumbers>(chunks));
+  memory.for_each_chunk(chunks, [&](std::size_t c) {
     for (int n = 0; n < 27; ++n) {
       const glm::ivec3 steps = glm::ivec3(n % 3, n / 3 % 3, n / 9) - 1;
       grid.near_[c][static_cast<std::size_t>(n)] = grid.find(grid.origins_[c] + kVoxelChunk * steps);
     }
   });
-  grid.used_ = Buffer<ChunkBits>(chunks);
-  grid.first_ = Buffer<RowBases>(chunks);
-  for_each_index(chunks, [&](std::size_t c) {
+  grid.used_ = TRY(memory.make<ChunkBits>(chunks));
+  grid.first_ = TRY(memory.make<RowBases>(chunks));
+  memory.for_each_chunk(chunks, [&](std::size_t c) {
     const NearLabels near(labels, grid.origins_[c]);
     for (int z = 0; z < 8; ++z) {
       for (int y = 0; y < 8; ++y) {
@@ -69,6 +73,7 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, const Context& context,
       grid.points_ += count;
     }
   }
+  memory.leave();
   if (grid.points_ > ~std::uint32_t{0}) {
     return fail(ErrorCode::input,
                 what + ": the faces between labels have " + std::to_string(grid.points_) + " corners; the limit is " +

@@ -4,13 +4,12 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/label_chunks.hpp"
+#include "extract/detail/net_memory.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
@@ -29,13 +28,13 @@ class NetGrid {
   };
 
   // Fails if memory runs out, if the context is cancelled, and with ErrorCode::input if 32-bit numbers do not suffice.
-  // `what` starts the message about memory.
-  [[nodiscard]] static Result<NetGrid> make(const LabelChunks& labels, const Context& context, const std::string& what);
+  [[nodiscard]] static Result<NetGrid> make(const LabelChunks& labels, NetMemory& memory);
 
   // Returns the bytes of the numbers in so many chunks that have points.
-  [[nodiscard]] static std::uint64_t bytes(std::uint64_t chunks) {
-    return VoxelChunks::bytes(chunks) +
-           chunks * (sizeof(glm::ivec3) + sizeof(NearChunkNumbers) + sizeof(ChunkBits) + sizeof(RowBases));
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t chunks) { return index_bytes(chunks) + array_bytes(chunks); }
+  // Returns the part of bytes() that NetMemory may put into files.
+  [[nodiscard]] static std::uint64_t array_bytes(std::uint64_t chunks) {
+    return chunks * (sizeof(NearChunkNumbers) + sizeof(ChunkBits) + sizeof(RowBases));
   }
 
   [[nodiscard]] std::uint64_t size() const { return points_; }
@@ -75,11 +74,15 @@ class NetGrid {
  private:
   using RowBases = std::array<std::uint32_t, 64>;
 
+  [[nodiscard]] static std::uint64_t index_bytes(std::uint64_t chunks) {
+    return VoxelChunks::bytes(chunks) + chunks * sizeof(glm::ivec3);
+  }
+
   std::vector<glm::ivec3> origins_;
   field::OriginIndex index_;
-  Buffer<NearChunkNumbers> near_;
-  Buffer<ChunkBits> used_;
-  Buffer<RowBases> first_;  // number of the first point of each row
+  NetArray<NearChunkNumbers> near_;
+  NetArray<ChunkBits> used_;
+  NetArray<RowBases> first_;  // number of the first point of each row
   std::uint64_t points_ = 0;
   Reservation memory_;
 };

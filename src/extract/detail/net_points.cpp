@@ -48,29 +48,40 @@ bool find_middles_of(const LabelChunks& labels, const glm::ivec3& origin, std::a
 }  // namespace
 
 Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relaxations,
-                                  const glm::dmat3& output_from_index, const Context& context,
-                                  const std::string& what) {
+                                  const glm::dmat3& output_from_index, NetMemory& memory) {
   NetPoints points;
+  const Context& context = memory.context();
   context.progress().begin("smoothing corners", relaxations);
-  points.grid_ = TRY(NetGrid::make(labels, context, what));
-  TRY(points.find_middles(labels, context, what));
-  auto held = TRY(context.reserve((points.grid_.size() + 1) * sizeof(glm::vec3), what));
-  points.memory_.push_back(std::move(held));
-  points.offsets_ = Buffer<glm::vec3>(points.grid_.size() + 1);
-  // In parallel, because the system takes long to clear new pages.
-  for_each_range(points.offsets_.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
-    std::fill(&points.offsets_[begin], &points.offsets_[begin] + (end - begin), glm::vec3(0));
-  });
-  TRY(relax_net(points.grid_, labels, relaxations, points.offsets_, context, what));
+  points.grid_ = TRY(NetGrid::make(labels, memory));
+  const std::uint64_t count = points.grid_.size();
+  const std::uint64_t chunks = points.grid_.origins().size();
+  if (NetMemory::prefers_files(making_bytes(count, count, chunks, relaxations), context)) memory.use_files();
+  TRY(points.find_middles(labels, memory));
+  points.offsets_ = TRY(memory.make<glm::vec3>(count + 1));
+  memory.fill(points.offsets_, glm::vec3(0));
+  TRY(relax_net(points.grid_, labels, relaxations, points.offsets_, memory));
   if (relaxations > 0) {
-    points.shells_ = TRY(keep_volumes(points.grid_, labels, output_from_index, points.offsets_, context, what));
+    points.shells_ = TRY(keep_volumes(points.grid_, labels, output_from_index, points.offsets_, memory));
   }
+  memory.leave();
+  TRY(memory.check());
   return points;
 }
 
-Result<void> NetPoints::find_middles(const LabelChunks& labels, const Context& context, const std::string& what) {
-  middles_number_ = Buffer<std::int32_t>(grid_.origins().size());
-  for_each_index(grid_.origins().size(), [&](std::size_t c) {
+std::uint64_t NetPoints::making_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks,
+                                      std::uint64_t relaxations) {
+  const std::uint64_t beside =
+      relaxations > 0 ? std::max(relaxing_bytes(points), volume_keeping_bytes(points, faces, chunks)) : 0;
+  return bytes(points, chunks) + beside;
+}
+
+std::uint64_t NetPoints::list_bytes(std::uint64_t chunks, std::uint64_t relaxations) {
+  return NetGrid::bytes(chunks) - NetGrid::array_bytes(chunks) + (relaxations > 0 ? volume_list_bytes(chunks) : 0);
+}
+
+Result<void> NetPoints::find_middles(const LabelChunks& labels, NetMemory& memory) {
+  middles_number_ = TRY(memory.make<std::int32_t>(grid_.origins().size()));
+  memory.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
     Middles middles;
     middles_number_[c] = find_middles_of(labels, grid_.origins()[c], middles) ? 0 : -1;
   });
@@ -78,15 +89,13 @@ Result<void> NetPoints::find_middles(const LabelChunks& labels, const Context& c
   for (std::int32_t& number : middles_number_) {
     if (number >= 0) number = count++;
   }
-  auto held = TRY(context.reserve(static_cast<std::uint64_t>(count) * sizeof(Middles), what));
-  memory_.push_back(std::move(held));
-  middles_ = Buffer<Middles>(static_cast<std::size_t>(count));
-  for_each_index(grid_.origins().size(), [&](std::size_t c) {
+  middles_ = TRY(memory.make<Middles>(static_cast<std::size_t>(count)));
+  memory.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
     if (middles_number_[c] >= 0) {
       find_middles_of(labels, grid_.origins()[c], middles_[static_cast<std::size_t>(middles_number_[c])]);
     }
   });
-  return context.check();
+  return memory.context().check();
 }
 
 glm::vec3 NetPoints::offset(std::int32_t chunk, const glm::ivec3& corner) const {

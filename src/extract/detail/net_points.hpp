@@ -16,10 +16,8 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
-#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/label_chunks.hpp"
 #include "extract/detail/net_faces.hpp"
@@ -31,16 +29,21 @@ class NetPoints {
  public:
   // Returns the net of all labels in `labels` after `relaxations` rounds of smoothing. All voxels without a label count
   // as one more label. `output_from_index`: the linear part of the map to the mesh's coordinates. Runs in parallel; the
-  // result does not depend on the number of threads. Fails as NetGrid::make() and NetFaces::make() do. `what` starts
-  // the message about memory.
+  // result does not depend on the number of threads, nor on where `memory` puts the arrays. Fails as NetGrid::make()
+  // and NetFaces::make() do.
   [[nodiscard]] static Result<NetPoints> make(const LabelChunks& labels, std::uint64_t relaxations,
-                                              const glm::dmat3& output_from_index, const Context& context,
-                                              const std::string& what);
+                                              const glm::dmat3& output_from_index, NetMemory& memory);
 
   // Returns the bytes of so many points in so many chunks, without edges that have an extra vertex.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t points, std::uint64_t chunks) {
     return NetGrid::bytes(chunks) + chunks * sizeof(std::int32_t) + (points + 1) * sizeof(glm::vec3);
   }
+
+  // Returns the most bytes that make() needs at a time for so many points, faces and chunks.
+  [[nodiscard]] static std::uint64_t making_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks,
+                                                  std::uint64_t relaxations);
+  // Returns the part of these bytes that is always in memory.
+  [[nodiscard]] static std::uint64_t list_bytes(std::uint64_t chunks, std::uint64_t relaxations);
 
   // Returns the number of points.
   [[nodiscard]] std::uint64_t size() const { return grid_.size(); }
@@ -63,14 +66,13 @@ class NetPoints {
  private:
   using Middles = std::array<ChunkBits, 3>;
 
-  [[nodiscard]] Result<void> find_middles(const LabelChunks& labels, const Context& context, const std::string& what);
+  [[nodiscard]] Result<void> find_middles(const LabelChunks& labels, NetMemory& memory);
 
   NetGrid grid_;
-  Buffer<std::int32_t> middles_number_;  // of each chunk of the grid
-  Buffer<Middles> middles_;
-  Buffer<glm::vec3> offsets_;  // of each point, then one unused element, since load() reads 16 bytes
+  NetArray<std::int32_t> middles_number_;  // of each chunk of the grid
+  NetArray<Middles> middles_;
+  NetArray<glm::vec3> offsets_;  // of each point, then one unused element, since load() reads 16 bytes
   std::vector<LabelShells> shells_;
-  std::vector<Reservation> memory_;
 };
 
 }  // namespace isoextract::extract

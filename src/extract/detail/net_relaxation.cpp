@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "base/parallel.hpp"
-#include "base/reserved_buffer.hpp"
 #include "extract/detail/float4.hpp"
 #include "extract/detail/near_labels.hpp"
 #include "extract/detail/near_points.hpp"
@@ -119,19 +118,17 @@ constexpr std::array<Steps, 64> kSteps = make_steps();
 // The connections of the points.
 class Links {
  public:
-  static Result<Links> make(const NetGrid& grid, const LabelChunks& labels, const Context& context,
-                            const std::string& what) {
+  static Result<Links> make(const NetGrid& grid, const LabelChunks& labels, NetMemory& memory) {
     Links links(grid, labels.bounds());
-    links.memory_ = TRY(context.reserve(grid.size(), what));
-    links.joined_ = Buffer<std::uint8_t>(grid.size());
-    for_each_index(grid.origins().size(), [&](std::size_t c) { links.find_joined(labels, c); });
+    links.joined_ = TRY(memory.make<std::uint8_t>(grid.size()));
+    memory.for_each_chunk(grid.origins().size(), [&](std::size_t c) { links.find_joined(labels, c); });
     return links;
   }
 
   // Calls f(number, mean, free axes) for the points of a chunk, in order. The mean is the mean of the connected points,
   // relative to the point's corner. `offsets` has one element more than there are points.
   template <class F>
-  void for_each_mean(std::size_t chunk, const Buffer<glm::vec3>& offsets, const F& f) const {
+  void for_each_mean(std::size_t chunk, const NetArray<glm::vec3>& offsets, const F& f) const {
     // Index steps to the neighbors within a plane of places (NearPointPlanes).
     constexpr std::array<int, kFaces> kWays{
         -NearPlaces::kSteps[0], NearPlaces::kSteps[0], -NearPlaces::kSteps[1], NearPlaces::kSteps[1], 0, 0};
@@ -193,35 +190,30 @@ class Links {
 
   const NetGrid& grid_;
   field::IndexBox bounds_;
-  Buffer<std::uint8_t> joined_;  // of each point: the faces that lead to connected points, as bits
-  Reservation memory_;
+  NetArray<std::uint8_t> joined_;  // of each point: the faces that lead to connected points, as bits
 };
 
 }  // namespace
 
-Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint64_t rounds, Buffer<glm::vec3>& offsets,
-                       const Context& context, const std::string& what) {
+Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint64_t rounds,
+                       NetArray<glm::vec3>& offsets, NetMemory& memory) {
   if (rounds == 0) return {};
-  const Links links = TRY(Links::make(grid, labels, context, what));
-  auto start_memory = TRY(make_reserved_buffer<glm::vec3>(grid.size() + 1, context, what));
-  auto half_memory = TRY(make_reserved_buffer<glm::vec3>(grid.size() + 1, context, what));
-  Buffer<glm::vec3>& start = start_memory->values;
-  Buffer<glm::vec3>& half = half_memory->values;
-  // In parallel, because the system takes long to clear new pages.
-  for_each_range(grid.size() + 1, 1 << 16, [&](std::size_t begin, std::size_t end) {
-    std::copy(&offsets[begin], &offsets[begin] + (end - begin), &start[begin]);
-  });
+  const Context& context = memory.context();
+  const Links links = TRY(Links::make(grid, labels, memory));
+  NetArray<glm::vec3> start = TRY(memory.make<glm::vec3>(grid.size() + 1));
+  NetArray<glm::vec3> half = TRY(memory.make<glm::vec3>(grid.size() + 1));
+  memory.fill(start, glm::vec3(0));  // like `offsets`
   half[grid.size()] = glm::vec3(0);
   Momentum momentum;
   for (std::uint64_t round = 0; round < rounds; ++round) {
     TRY(context.check());
-    for_each_index(grid.origins().size(), [&](std::size_t c) {
+    memory.for_each_chunk(grid.origins().size(), [&](std::size_t c) {
       links.for_each_mean(c, start, [&](std::size_t k, Float4 mean, Float4 free_axes) {
         const Float4 from = load(&start[k]);
         store(half[k], (from + kPart * (mean - from)) * free_axes);
       });
     });
-    for_each_index(grid.origins().size(), [&](std::size_t c) {
+    memory.for_each_chunk(grid.origins().size(), [&](std::size_t c) {
       links.for_each_mean(c, half, [&](std::size_t k, Float4 mean, Float4 free_axes) {
         const Float4 from = load(&half[k]);
         const Float4 end = clamp((from - kPart * (mean - from)) * free_axes, kNetReach);

@@ -6,11 +6,9 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include <glm/glm.hpp>
 
-#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/net_grid.hpp"
 
@@ -23,10 +21,9 @@ inline constexpr float kNetReach = 0.5F - kNetMargin;
 
 // Moves the points of `grid` in `rounds` rounds. `offsets` has the offset of each point from its corner, in grid steps,
 // 0 before the call, and one unused element at the end, since load() reads 16 bytes. Runs in parallel; the result does
-// not depend on the number of threads. Fails if memory runs out and if the context is cancelled. `what` starts the
-// message about memory.
+// not depend on the number of threads. Fails if memory runs out and if the context is cancelled.
 [[nodiscard]] Result<void> relax_net(const NetGrid& grid, const LabelChunks& labels, std::uint64_t rounds,
-                                     Buffer<glm::vec3>& offsets, const Context& context, const std::string& what);
+                                     NetArray<glm::vec3>& offsets, NetMemory& memory);
 
 // Returns the bytes that relax_net() takes while it runs.
 [[nodiscard]] inline std::uint64_t relaxing_bytes(std::uint64_t points) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/parallel.hpp"
-#include "base/reserved_buffer.hpp"
 #include "extract/detail/corner_words.hpp"
 #include "extract/detail/net_face_size.hpp"
 #include "extract/detail/net_faces.hpp"
@@ -31,29 +30,35 @@ constexpr double kMostSearched = 0.2;  // the greatest share of the area whose f
 class VolumeKeeper {
  public:
   VolumeKeeper(const NetGrid& grid, const NetFaces& faces, const field::IndexBox& bounds,
-               const glm::dmat3& output_from_index, Buffer<glm::vec3>& areas, Buffer<glm::vec3>& offsets)
-      : grid_(grid),
+               const glm::dmat3& output_from_index, NetArray<glm::vec3>& offsets, NetMemory& memory)
+      : memory_(memory),
+        grid_(grid),
         faces_(faces),
         bounds_(bounds),
         sizes_(offsets, output_from_index),
-        areas_(areas),
         offsets_(offsets),
         shells_(faces.shells()),
         steps_(faces.shells()),
         has_steps_(grid.origins().size()),
-        is_marked_(grid.origins().size()),
-        moving_(grid.origins().size()) {}
+        is_marked_(grid.origins().size()) {}
 
-  // Returns the bytes that a keeper takes in addition to the constructor's arguments.
-  static std::uint64_t bytes(std::uint64_t shells, std::uint64_t chunks) {
+  // Returns the bytes that a keeper takes in addition to the constructor's arguments and the arrays of run().
+  static std::uint64_t list_bytes(std::uint64_t shells, std::uint64_t chunks) {
     return shells * (sizeof(Shell) + ShellSteps::kBytesPerShell + ShellLinks::kBytesPerShell) +
-           chunks * (ShellLinks::kBytesPerChunk + 2 + sizeof(ChunkBits));
+           chunks * (ShellLinks::kBytesPerChunk + 2);
+  }
+  // Returns the bytes of the arrays of run().
+  static std::uint64_t array_bytes(std::uint64_t faces, std::uint64_t chunks) {
+    return faces * sizeof(glm::vec3) + chunks * sizeof(ChunkBits);
   }
 
-  Result<void> run(const Context& context, const std::string& what) {
+  Result<void> run() {
+    const Context& context = memory_.context();
+    areas_ = TRY(memory_.make<glm::vec3>(faces_.size()));
+    moving_ = TRY(memory_.make<ChunkBits>(grid_.origins().size()));
     measure_voxels();
     measure_all();
-    const ShellLinks links = TRY(link_shells(context, what));
+    const ShellLinks links = TRY(link_shells());
     for (int pass = 0; pass < kMostPasses; ++pass) {
       TRY(context.check());
       if (!choose_changes()) break;
@@ -67,8 +72,8 @@ class VolumeKeeper {
         move_points([](std::size_t, std::size_t) { return ~std::uint64_t{0}; });
         measure_all();
       } else {
-        for_each_index(grid_.origins().size(),
-                       [&](std::size_t c) { has_steps_[c] = links.any_step(c, steps_) ? 1 : 0; });
+        memory_.for_each_chunk(grid_.origins().size(),
+                               [&](std::size_t c) { has_steps_[c] = links.any_step(c, steps_) ? 1 : 0; });
         mark_moving();
         add_moving(-1);
         move_points([&](std::size_t c, std::size_t row) { return is_marked_[c] != 0 ? moving_[c][row] : 0; });
@@ -85,7 +90,7 @@ class VolumeKeeper {
   }
 
   void measure_voxels() {
-    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+    memory_.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
       ShellSums sums(shells_);
       faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
         if (axis != 0) return;  // the faces across one axis tell the volume
@@ -96,9 +101,9 @@ class VolumeKeeper {
   }
 
   // Sums the areas that shells have in common.
-  Result<ShellLinks> link_shells(const Context& context, const std::string& what) {
-    ShellLinks links(grid_.origins().size(), context, what);
-    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+  Result<ShellLinks> link_shells() {
+    ShellLinks links(grid_.origins().size(), memory_.context(), memory_.what());
+    memory_.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
       ShellLinks::OfChunk areas(links, c, faces_.first_of_row(c, 64) - faces_.first_of_row(c, 0));
       faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
         const bool is_fixed = (fixed_axes(grid_.origins()[c] + corner, bounds_) >> axis & 1) != 0;
@@ -111,8 +116,8 @@ class VolumeKeeper {
 
   void measure_all() {
     for (Shell& shell : shells_) shell.excess = shell.area = 0;
-    for_each_index(grid_.origins().size(),
-                   [&](std::size_t c) { add_faces(c, 1, [](std::size_t) { return ~std::uint64_t{0}; }); });
+    memory_.for_each_chunk(grid_.origins().size(),
+                           [&](std::size_t c) { add_faces(c, 1, [](std::size_t) { return ~std::uint64_t{0}; }); });
   }
 
   // Adds the faces of a chunk whose first point is in which(row) to the sums of their shells, times `sign`.
@@ -167,7 +172,7 @@ class VolumeKeeper {
         moving_[static_cast<std::size_t>(up)].fill(0);
       }
     }
-    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+    memory_.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
       if (has_steps_[c] == 0) return;
       faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
         if (steps_.of_face(faces_.shells_of(number)) == 0) return;
@@ -185,7 +190,7 @@ class VolumeKeeper {
 
   // Adds the faces with marked points to the sums, times a sign.
   void add_moving(int sign) {
-    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+    memory_.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
       std::array<const ChunkBits*, 8> near{};
       bool any = false;
       for (unsigned n = 0; n < near.size(); ++n) {
@@ -239,7 +244,7 @@ class VolumeKeeper {
   // Moves the points in which(chunk, row) by the steps of the faces around them.
   template <class Which>
   void move_points(const Which& which) {
-    for_each_index(grid_.origins().size(), [&](std::size_t c) {
+    memory_.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
       std::optional<NearFaces> near;
       grid_.for_each_row(c, [&](const NetGrid::Row& row, int y, int z) {
         const std::uint64_t asked = which(c, chunk_row(y, z));
@@ -273,33 +278,36 @@ class VolumeKeeper {
     offsets_[k] = offset_within_cell(offsets_[k] + way, fixed);
   }
 
+  NetMemory& memory_;
   const NetGrid& grid_;
   const NetFaces& faces_;
   field::IndexBox bounds_;
   NetFaceSizes sizes_;
-  Buffer<glm::vec3>& areas_;  // of the faces, as area vectors
-  Buffer<glm::vec3>& offsets_;
+  NetArray<glm::vec3> areas_;  // of the faces, as area vectors
+  NetArray<glm::vec3>& offsets_;
   std::vector<Shell> shells_;
   ShellSteps steps_;
   std::vector<std::uint8_t> has_steps_;  // of each chunk: any of its shells makes a step
   std::vector<std::uint8_t> is_marked_;  // of each chunk: moving_ is valid, and may have points
-  Buffer<ChunkBits> moving_;             // the points that the pass moves
+  NetArray<ChunkBits> moving_;           // the points that the pass moves
 };
 
 }  // namespace
 
 Result<std::vector<LabelShells>> keep_volumes(const NetGrid& grid, const LabelChunks& labels,
-                                              const glm::dmat3& output_from_index, Buffer<glm::vec3>& offsets,
-                                              const Context& context, const std::string& what) {
-  const NetFaces faces = TRY(NetFaces::make(grid, labels, context, what));
-  auto areas = TRY(make_reserved_buffer<glm::vec3>(faces.size(), context, what));
-  const auto held = TRY(context.reserve(VolumeKeeper::bytes(faces.shells(), grid.origins().size()), what));
-  TRY(VolumeKeeper(grid, faces, labels.bounds(), output_from_index, areas->values, offsets).run(context, what));
+                                              const glm::dmat3& output_from_index, NetArray<glm::vec3>& offsets,
+                                              NetMemory& memory) {
+  const NetFaces faces = TRY(NetFaces::make(grid, labels, memory));
+  const auto held =
+      TRY(memory.context().reserve(VolumeKeeper::list_bytes(faces.shells(), grid.origins().size()), memory.what()));
+  TRY(VolumeKeeper(grid, faces, labels.bounds(), output_from_index, offsets, memory).run());
   return faces.count_shells(grid, labels);
 }
 
 std::uint64_t volume_keeping_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks) {
-  return NetFaces::bytes(points, faces, chunks) + faces * sizeof(glm::vec3) + VolumeKeeper::bytes(0, chunks);
+  return NetFaces::bytes(points, faces, chunks) + VolumeKeeper::array_bytes(faces, chunks) + volume_list_bytes(chunks);
 }
+
+std::uint64_t volume_list_bytes(std::uint64_t chunks) { return VolumeKeeper::list_bytes(0, chunks); }
 
 }  // namespace isoextract::extract

@@ -2,12 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
 
-#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "extract/detail/net_faces.hpp"
 #include "extract/detail/net_grid.hpp"
@@ -26,10 +24,11 @@ inline constexpr double kNetVolumeTolerance = 0.0005;
 // NetFaces::make() does.
 [[nodiscard]] Result<std::vector<LabelShells>> keep_volumes(const NetGrid& grid, const LabelChunks& labels,
                                                             const glm::dmat3& output_from_index,
-                                                            Buffer<glm::vec3>& offsets, const Context& context,
-                                                            const std::string& what);
+                                                            NetArray<glm::vec3>& offsets, NetMemory& memory);
 
 // Returns the bytes that keep_volumes() takes while it runs, without those of the shells.
 [[nodiscard]] std::uint64_t volume_keeping_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks);
+// Returns the part of these bytes that is always in memory.
+[[nodiscard]] std::uint64_t volume_list_bytes(std::uint64_t chunks);
 
 }  // namespace isoextract::extract

@@ -58,10 +58,16 @@ class ReservedBlocks {
   // Takes the arguments of a ReservedList.
   ReservedBlocks(const Context& context, const std::string& what) : context_(&context), what_(&what) {}
 
-  bool add(const T& value) {
-    if ((blocks_.empty() || blocks_.back().size() == kBlockValues) && !grow()) return false;
-    blocks_.back().push_back(value);
-    return true;
+  // Appends a value. Returns its place, or null if memory ran out; error() then has the reason.
+  T* add(const T& value) {
+    if ((blocks_.empty() || blocks_.back().size() == kBlockValues) && !grow()) return nullptr;
+    return &blocks_.back().emplace_back(value);
+  }
+
+  // Frees all values.
+  void clear() {
+    blocks_.clear();
+    memory_.release();
   }
 
   [[nodiscard]] std::size_t size() const {
@@ -74,6 +80,12 @@ class ReservedBlocks {
   void for_each(const F& f) const {
     for (const std::vector<T>& block : blocks_) {
       for (const T& value : block) f(value);
+    }
+  }
+  template <class F>
+  void for_each(const F& f) {
+    for (std::vector<T>& block : blocks_) {
+      for (T& value : block) f(value);
     }
   }
 

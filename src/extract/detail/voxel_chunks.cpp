@@ -20,6 +20,12 @@ constexpr ChunkBits kEmptyChunk = filled(0);
 const ChunkBits& full_chunk() { return kFullChunk; }
 const ChunkBits& empty_chunk() { return kEmptyChunk; }
 
+std::uint64_t rows_with_voxels(const ChunkBits& bits) {
+  std::uint64_t rows = 0;
+  for (std::size_t row = 0; row < bits.size(); ++row) rows |= std::uint64_t{bits[row] != 0 ? 1U : 0U} << row;
+  return rows;
+}
+
 VoxelChunks::VoxelChunks(std::vector<VoxelChunk> chunks, Unlisted unlisted, std::shared_ptr<const void> owner,
                          Reservation memory)
     : chunks_(std::move(chunks)),

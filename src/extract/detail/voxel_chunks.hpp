@@ -27,6 +27,9 @@ inline constexpr std::uint64_t kAllBits = ~std::uint64_t{0};
 [[nodiscard]] const ChunkBits& full_chunk();   // all voxels inside
 [[nodiscard]] const ChunkBits& empty_chunk();  // all voxels outside
 
+// Returns the rows that have inside voxels, as bits by chunk_row().
+[[nodiscard]] std::uint64_t rows_with_voxels(const ChunkBits& bits);
+
 struct VoxelChunk {
   glm::ivec3 origin;                // a multiple of kVoxelChunk
   const ChunkBits* bits = nullptr;  // not owned

@@ -108,10 +108,9 @@ Result<field::DenseSamples> load_ids(const files::InputFile& file, const DenseFi
     TRY(read_into(store, dense, source, context));
     wide = std::move(store).finish(notes);
   }
-  IndexedIds indexed = TRY(index_ids(wide, dense.wide, file.name(), context));
+  IndexedIds indexed = TRY(index_ids(wide, dense.wide, file.name(), context, notes));
   ids = std::move(indexed.ids);
-  const void* data = indexed.samples->values.data();
-  return field::DenseSamples{field::SampleType::u32, dense.dims, std::move(indexed.samples), data, false};
+  return std::move(indexed.samples);
 }
 
 // Returns the source of all samples.

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/parallel.hpp"
+#include "volume_io/detail/sample_store.hpp"
 
 namespace isoextract::volume_io {
 namespace {
@@ -72,14 +74,15 @@ tl::unexpected<Error> too_large(std::span<const std::byte> stored, const glm::iv
 }  // namespace
 
 Result<IndexedIds> index_ids(const field::DenseSamples& wide, Integer64 type, const std::string& name,
-                             const Context& context) {
+                             const Context& context, Notes& notes) {
   const std::size_t count = wide.count();
   const std::span stored(static_cast<const std::byte*>(wide.data), count * sizeof(std::int64_t));
   const auto leave = [&](std::size_t task) {
     wide.leave(task * kSamplesATask, std::min((task + 1) * kSamplesATask, count));
   };
   const std::size_t tasks = (count + kSamplesATask - 1) / kSamplesATask;
-  auto samples = TRY(make_reserved_buffer<std::uint32_t>(count, context, name + ": the indices of its labels"));
+  auto store = TRY(SampleStore::make(name, wide.dims, field::SampleType::u32, context, "indices of labels, "));
+  auto* const indices = reinterpret_cast<std::uint32_t*>(store.bytes().data());
   context.progress().begin("finding labels", 2 * tasks);
   std::vector<std::vector<std::int64_t>> of_task(tasks);
   for_each_index(tasks, [&](std::size_t task) {
@@ -104,16 +107,18 @@ Result<IndexedIds> index_ids(const field::DenseSamples& wide, Integer64 type, co
     if (context.cancelled()) return;
     for_each_run(stored, task, [&](std::size_t begin, std::size_t end, std::int64_t id) {
       const std::uint32_t index = index_of.at(id);
-      for (std::size_t sample = begin; sample < end; ++sample) samples->values[sample] = index;
+      for (std::size_t sample = begin; sample < end; ++sample) indices[sample] = index;
     });
     leave(task);
+    const std::size_t first = task * kSamplesATask;
+    store.leave(std::as_bytes(std::span(indices + first, std::min(kSamplesATask, count - first))));
     context.progress().advance(1);
   });
   TRY(context.check());
   if (wide.lost()) {
     return fail(ErrorCode::input, name + ": the file became shorter, or reading it failed, during the run");
   }
-  return IndexedIds{std::move(samples), std::make_shared<const std::vector<std::int64_t>>(std::move(ids))};
+  return IndexedIds{std::move(store).finish(notes), std::make_shared<const std::vector<std::int64_t>>(std::move(ids))};
 }
 
 }  // namespace isoextract::volume_io

@@ -6,16 +6,12 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <variant>
 
-#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/memory_budget.hpp"
 #include "base/note.hpp"
-#include "base/reserved_buffer.hpp"
 #include "field/samples.hpp"
-#include "files/scratch_file.hpp"
+#include "files/work_memory.hpp"
 
 namespace isoextract::volume_io {
 
@@ -43,22 +39,21 @@ class SampleStore {
   // samples have less than kLeastInFile bytes.
   [[nodiscard]] static Result<SampleStore> make_in_file(const glm::ivec3& dims, field::SampleType type, Error refusal);
 
-  [[nodiscard]] std::span<std::byte> bytes();
-  [[nodiscard]] bool is_in_file() const { return std::holds_alternative<files::ScratchFile>(memory_); }
+  [[nodiscard]] std::span<std::byte> bytes() { return memory_.bytes(); }
+  [[nodiscard]] bool is_in_file() const { return memory_.is_in_file(); }
   // Gives the memory of a part that was filled back to the system. The part stays readable and writable.
-  void leave(std::span<const std::byte> part) const;
+  void leave(std::span<const std::byte> part) const { memory_.leave(part); }
 
   // Returns the samples, which own the memory. Adds a note about a temporary file.
   [[nodiscard]] field::DenseSamples finish(Notes& notes) &&;
 
  private:
-  using Memory = std::variant<ReservedBuffer<std::byte>, files::ScratchFile>;
-  SampleStore(const glm::ivec3& dims, field::SampleType type, Memory memory)
+  SampleStore(const glm::ivec3& dims, field::SampleType type, files::WorkMemory memory)
       : dims_(dims), type_(type), memory_(std::move(memory)) {}
 
   glm::ivec3 dims_;
   field::SampleType type_;
-  Memory memory_;
+  files::WorkMemory memory_;
 };
 
 }  // namespace isoextract::volume_io

@@ -61,7 +61,7 @@ class Map {
     for (const auto& [key, bits] : found) {
       const auto& [z, y, x, label] = key;
       bits_.push_back(std::make_unique<ChunkBits>(bits));
-      list.push_back({label, {x, y, z}, bits_.back().get()});
+      list.push_back({label, {x, y, z}, bits_.back().get(), rows_with_voxels(bits)});
     }
     return {std::move(list), nullptr, {glm::ivec3(0), kDims - 1}, Reservation()};
   }
@@ -164,11 +164,14 @@ TEST(NetParts, RelaxesLikePlainLoop) {
   for (const int blocks : {1, 4}) {
     Map map(3, blocks);
     const LabelChunks labels = map.chunks();
-    const auto grid = NetGrid::make(labels, Context(), "test");
+    NetMemory memory(Context(), "test");
+    const auto grid = NetGrid::make(labels, memory);
     ASSERT_TRUE(grid);
-    Buffer<glm::vec3> offsets(grid->size() + 1);
-    std::fill(offsets.begin(), offsets.end(), glm::vec3(0));
-    ASSERT_TRUE(relax_net(*grid, labels, 5, offsets, Context(), "test"));
+    auto made = memory.make<glm::vec3>(grid->size() + 1);
+    ASSERT_TRUE(made);
+    NetArray<glm::vec3>& offsets = *made;
+    memory.fill(offsets, glm::vec3(0));
+    ASSERT_TRUE(relax_net(*grid, labels, 5, offsets, memory));
     std::map<Corner, PlainPoint> plain = plain_points(map);
     relax(plain, 5);
     ASSERT_EQ(grid->size(), plain.size());
@@ -186,9 +189,10 @@ TEST(NetParts, RelaxesLikePlainLoop) {
 TEST(NetParts, FindsFacesThatContainEachPoint) {
   Map map(4, 2);
   const LabelChunks labels = map.chunks();
-  const auto grid = NetGrid::make(labels, Context(), "test");
+  NetMemory memory(Context(), "test");
+  const auto grid = NetGrid::make(labels, memory);
   ASSERT_TRUE(grid);
-  const auto faces = NetFaces::make(*grid, labels, Context(), "test");
+  const auto faces = NetFaces::make(*grid, labels, memory);
   ASSERT_TRUE(faces);
   std::vector<std::set<std::uint32_t>> points(faces->size());
   for (std::size_t c = 0; c < grid->origins().size(); ++c) {
@@ -222,9 +226,10 @@ TEST(NetParts, CountsOneShellPerComponent) {
   for (const int blocks : {1, 2, 5}) {
     Map map(5, blocks);
     const LabelChunks labels = map.chunks();
-    const auto grid = NetGrid::make(labels, Context(), "test");
+    NetMemory memory(Context(), "test");
+    const auto grid = NetGrid::make(labels, memory);
     ASSERT_TRUE(grid);
-    const auto faces = NetFaces::make(*grid, labels, Context(), "test");
+    const auto faces = NetFaces::make(*grid, labels, memory);
     ASSERT_TRUE(faces);
     std::size_t components = 0;
     for (const auto& [label, mesh] : nets_of(map.field(), net_options(0))) {

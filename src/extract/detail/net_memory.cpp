@@ -1,0 +1,62 @@
+#include "extract/detail/net_memory.hpp"
+
+namespace isoextract::extract {
+
+Result<std::shared_ptr<files::WorkMemory>> NetMemory::make_bytes(std::uint64_t bytes) {
+  const files::FileUse use{
+      .prefers_file = uses_files_, .least_bytes = kLeastNetFile, .kind_of_data = "voxels and corners of labels"};
+  auto made = TRY(files::WorkMemory::make(bytes, use, context_, what_));
+  auto memory = std::make_shared<files::WorkMemory>(std::move(made));
+  if (memory->is_in_file()) {
+    {
+      const std::lock_guard lock(mutex_);
+      in_files_.push_back(memory);
+    }
+    const std::uint64_t now = bytes_in_files();
+    std::uint64_t most = most_in_files_;
+    while (now > most && !most_in_files_.compare_exchange_weak(most, now)) {
+    }
+  }
+  return memory;
+}
+
+std::vector<std::shared_ptr<files::WorkMemory>> NetMemory::in_files() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<files::WorkMemory>> alive;
+  std::erase_if(in_files_, [&](const std::weak_ptr<files::WorkMemory>& one) {
+    if (auto memory = one.lock()) alive.push_back(std::move(memory));
+    return one.expired();
+  });
+  return alive;
+}
+
+void NetMemory::leave() const {
+  for (const std::shared_ptr<files::WorkMemory>& memory : in_files()) memory->leave(memory->bytes());
+}
+
+std::uint64_t NetMemory::bytes_in_files() const {
+  std::uint64_t bytes = 0;
+  for (const std::shared_ptr<files::WorkMemory>& memory : in_files()) bytes += memory->bytes().size();
+  return bytes;
+}
+
+std::size_t NetMemory::at_once(std::size_t count) const {
+  const std::uint64_t bytes = bytes_in_files();
+  if (bytes == 0) return std::max<std::size_t>(count, 1);
+  // A pass reads a layer of chunks before and after a run, too, so a short run reads most pages several times.
+  constexpr std::size_t kLeast = 256;
+  const auto part = static_cast<double>(run_bytes(context_) / 2) / static_cast<double>(bytes);
+  return std::max(kLeast, static_cast<std::size_t>(std::min(part, 1.0) * static_cast<double>(count)));
+}
+
+Result<void> NetMemory::check() const {
+  for (const std::shared_ptr<files::WorkMemory>& memory : in_files()) {
+    if (!memory->lost()) continue;
+    return fail(ErrorCode::input,
+                what_ + ": the disk lost a part of a temporary file, which it could not write or read",
+                "set the environment variable TMPDIR to a folder on another disk");
+  }
+  return {};
+}
+
+}  // namespace isoextract::extract

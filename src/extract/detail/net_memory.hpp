@@ -1,0 +1,132 @@
+// Memory of the arrays of a surface net and of the voxels of its labels: reserved memory, or temporary files if the
+// memory limit does not hold them. Passes over the chunks of the net then give pages back as they advance.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/parallel.hpp"
+#include "files/work_memory.hpp"
+
+namespace isoextract::extract {
+
+// Arrays from this size on may go to temporary files.
+inline constexpr std::uint64_t kLeastNetFile = std::uint64_t{4} << 20U;  // bytes
+
+// A fixed-size array with undefined elements. Movable; a moved-from array must not be used.
+template <class T>
+class NetArray {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+ public:
+  NetArray() = default;
+
+  [[nodiscard]] T* data() { return values_.data(); }
+  [[nodiscard]] const T* data() const { return values_.data(); }
+  [[nodiscard]] std::size_t size() const { return values_.size(); }
+  [[nodiscard]] T& operator[](std::size_t i) { return values_[i]; }
+  [[nodiscard]] const T& operator[](std::size_t i) const { return values_[i]; }
+  [[nodiscard]] T* begin() { return data(); }
+  [[nodiscard]] T* end() { return data() + size(); }
+  [[nodiscard]] const T* begin() const { return data(); }
+  [[nodiscard]] const T* end() const { return data() + size(); }
+  [[nodiscard]] std::span<T> span() { return values_; }
+
+ private:
+  friend class NetMemory;
+  NetArray(std::span<T> values, std::shared_ptr<files::WorkMemory> owner) : values_(values), owner_(std::move(owner)) {}
+
+  std::span<T> values_;
+  std::shared_ptr<files::WorkMemory> owner_;
+};
+
+// Safe to use from several threads.
+class NetMemory {
+ public:
+  // `what` starts messages about memory.
+  NetMemory(Context context, std::string what) : context_(std::move(context)), what_(std::move(what)) {}
+  NetMemory(const NetMemory&) = delete;
+  NetMemory& operator=(const NetMemory&) = delete;
+
+  [[nodiscard]] const Context& context() const { return context_; }
+  [[nodiscard]] const std::string& what() const { return what_; }
+
+  // Returns whether arrays of so many bytes in all belong in files: if they take more than half of the memory limit.
+  // The other half is for the meshes.
+  [[nodiscard]] static bool prefers_files(std::uint64_t bytes, const Context& context) {
+    return bytes > context.memory().limit() / 2;
+  }
+  // Returns about how many bytes of arrays in files a pass has in memory at a time.
+  [[nodiscard]] static std::uint64_t run_bytes(const Context& context) { return context.memory().limit() / 8; }
+  // Makes later arrays prefer files. They never prefer memory again.
+  void use_files() { uses_files_ = true; }
+  [[nodiscard]] bool uses_files() const { return uses_files_; }
+
+  // Makes an array in memory or, if files are in use or memory runs out, in a file. Fails if neither has place.
+  template <class T>
+  [[nodiscard]] Result<NetArray<T>> make(std::size_t count) {
+    auto owner = TRY(make_bytes(count * sizeof(T)));
+    const std::span<T> values(reinterpret_cast<T*>(owner->bytes().data()), count);
+    return NetArray<T>(values, std::move(owner));
+  }
+
+  // Calls f(begin, end) for all indices from 0 to count - 1, run by run. With arrays in files, there are several runs,
+  // and leave() follows each. The indices are assumed to use all arrays evenly.
+  template <class F>
+  void for_each_run(std::size_t count, const F& f) const {
+    const std::size_t run = at_once(count);
+    for (std::size_t begin = 0; begin < count; begin += run) {
+      f(begin, std::min(begin + run, count));
+      if (run < count) leave();
+    }
+  }
+  // Calls f(chunk) for all chunks of a net, in parallel within each run.
+  template <class F>
+  void for_each_chunk(std::size_t chunks, const F& f) const {
+    for_each_run(chunks, [&](std::size_t begin, std::size_t end) {
+      for_each_index(end - begin, [&](std::size_t c) { f(begin + c); });
+    });
+  }
+  // Fills an array with equal values, in parallel, because the system takes long to clear new pages.
+  template <class T>
+  void fill(NetArray<T>& values, const T& value) const {
+    constexpr std::size_t kGrain = 1 << 16;
+    for_each_run(values.size(), [&](std::size_t begin, std::size_t end) {
+      for_each_range(end - begin, kGrain, [&](std::size_t first, std::size_t last) {
+        std::fill(values.begin() + begin + first, values.begin() + begin + last, value);
+      });
+    });
+  }
+
+  // Gives the pages of all arrays in files back to the system, which keeps their contents.
+  void leave() const;
+  // Returns the bytes of all arrays in files: those of now, and the most at a time.
+  [[nodiscard]] std::uint64_t bytes_in_files() const;
+  [[nodiscard]] std::uint64_t most_in_files() const { return most_in_files_; }
+  // Fails with ErrorCode::input if the disk lost a part of an array in a file.
+  [[nodiscard]] Result<void> check() const;
+
+ private:
+  [[nodiscard]] Result<std::shared_ptr<files::WorkMemory>> make_bytes(std::uint64_t bytes);
+  [[nodiscard]] std::size_t at_once(std::size_t count) const;
+  [[nodiscard]] std::vector<std::shared_ptr<files::WorkMemory>> in_files() const;
+
+  Context context_;
+  std::string what_;
+  std::atomic<bool> uses_files_ = false;
+  std::atomic<std::uint64_t> most_in_files_ = 0;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::weak_ptr<files::WorkMemory>> in_files_;
+};
+
+}  // namespace isoextract::extract
