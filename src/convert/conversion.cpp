@@ -114,6 +114,7 @@ class Conversion {
     use.masks = masks_ ? &*masks_ : nullptr;
     if (wants_source()) use.only_iso.reset();
     use.outside_region = wants_source();
+    use.by_layers = takes_layers(job_) && collector_ == nullptr;
     use.is_in_meters &= collector_ == nullptr || collector_->becomes_file;
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
     SourceOptions options = with_grid(job_.source, grid);
