@@ -151,12 +151,11 @@ class DenseExtraction final {
   }
 
  private:
-  // A slab at work, with the masks of its samples and of the slice behind it. The views show the samples that the work
-  // needs.
+  // A slab at work, with the masks of its samples and of the slice behind it.
   struct Slab {
     int bk;
     const DenseMasks& masks;
-    DenseView<T> whole;  // view of all samples
+    DenseView<T> whole;  // view of all samples, in which those that the work needs can be read
     SliceSides sides;    // of its samples alone; unknown if the extraction has masks of all samples
   };
 
