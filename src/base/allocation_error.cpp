@@ -1,6 +1,10 @@
 #include "base/allocation_error.hpp"
 
+#include <algorithm>
+#include <fstream>
+
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -12,6 +16,14 @@ std::optional<std::uint64_t> address_space_limit() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
   return limit.rlim_cur;
+}
+
+std::optional<std::uint64_t> address_space_left() {
+  const auto limit = address_space_limit();
+  if (!limit) return std::nullopt;
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return *limit - std::min(*limit, pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
 }
 
 Error allocation_error(std::string message, Hint hint) {

@@ -12,6 +12,9 @@ namespace isoextract {
 // Returns the limit of this process's address space (RLIMIT_AS, "ulimit -v") in bytes, or nothing if it is unlimited.
 [[nodiscard]] std::optional<std::uint64_t> address_space_limit();
 
+// Returns how much of that limit this process has left, or nothing if it is unlimited.
+[[nodiscard]] std::optional<std::uint64_t> address_space_left();
+
 // The step that tells how to raise that limit.
 inline constexpr const char* kRaiseAddressSpaceHint =
     "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)";

@@ -62,8 +62,9 @@ enum class NoteId {
   particle_radius,
   particles_left_out,
   periodic_box,
-  region_at_samples,  // the surface ends at samples near the faces of the region
-  samples_in_file,    // a temporary file holds the samples, as memory is short
+  region_at_samples,   // the surface ends at samples near the faces of the region
+  samples_in_file,     // a temporary file holds the samples, as memory is short
+  samples_in_windows,  // the program maps a few layers at a time, as the address space is limited
   sparse_made_dense,
   voxel_size,
   voxels_in_files,  // temporary files hold the voxels of labels and the points of surface nets, as memory is short
@@ -160,6 +161,7 @@ constexpr auto words_of(NoteId /*type*/) {
       Word{NoteId::periodic_box, "periodic-box"},
       Word{NoteId::region_at_samples, "region-at-samples"},
       Word{NoteId::samples_in_file, "samples-in-file"},
+      Word{NoteId::samples_in_windows, "samples-in-windows"},
       Word{NoteId::sparse_made_dense, "sparse-made-dense"},
       Word{NoteId::voxel_size, "voxel-size"},
       Word{NoteId::voxels_in_files, "voxels-in-files"},

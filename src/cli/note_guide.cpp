@@ -167,6 +167,12 @@ constexpr std::array kGuide{
         "The samples take more than half of the memory limit, or memory is short, and the program cannot map their "
         "file. So it put them into a temporary file, which has no name. The system frees it when the program ends.",
         "Raise --memory-limit, or set the environment variable TMPDIR to a folder on a fast disk."},
+    NoteGuide{
+        samples_in_windows,
+        "The system limits the address space of the process (ulimit -v, in a batch job often its limit of virtual "
+        "memory), and the file takes more than half of it. So the program maps only the layers of samples that it "
+        "works on. The mesh is the same.",
+        "To map the whole file, raise that limit: ulimit -v unlimited."},
     NoteGuide{sparse_made_dense, "Resampling turns sparse samples into dense ones, which take more memory.",
               "Give a smaller --resolution or a larger --voxel-size."},
     NoteGuide{voxel_size,

@@ -101,8 +101,7 @@ class Conversion {
     return {};
   }
 
-  // Reads a grid of the input, or one of its volumes, unless it is already loaded. A grid that several files need is
-  // read again for each file, because only one grid is in memory at a time.
+  // Reads a grid of the input, or one of its volumes, unless it is loaded. Only one grid is in memory at a time.
   Result<void> open_grid(const std::optional<std::string>& grid, std::optional<std::int64_t> volume) {
     if (opened_ == OpenedVolume(grid, volume)) return {};
     opened_.reset();
@@ -114,6 +113,7 @@ class Conversion {
     use.masks = masks_ ? &*masks_ : nullptr;
     if (wants_source()) use.only_iso.reset();
     use.outside_region = wants_source();
+    use.by_layers = collector_ == nullptr && takes_layers(job_, backends_.extractor());
     use.is_in_meters &= collector_ == nullptr || collector_->becomes_file;
     if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
     SourceOptions options = with_grid(job_.source, grid);

@@ -144,6 +144,7 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
                                Events& events, Source& source) {
   volume_io::ReadOptions read = options.read;
   read.sampling = options.voxel_size;
+  read.by_layers = use.by_layers;
   read.label_ids = std::ranges::any_of(use.isos, &IsoChoice::is_label);
   if (needs_region_only(options, use)) read.region = options.roi;
   source.field = TRY(use.masks != nullptr ? use.masks->layer(read.volume.value_or(0), context)

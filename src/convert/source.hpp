@@ -107,6 +107,7 @@ struct SourceUse {
   // For mesh files: the format of the output; glb if the output is a picture.
   mesh_io::MeshFormat mesh_format = mesh_io::MeshFormat::glb;
   const MaskLayers* masks = nullptr;  // of SourceOptions::masks; read.volume is then the layer
+  bool by_layers = false;             // takes samples as volume_io::ReadOptions::by_layers
   bool meshes_apart = true;  // true: each mesh of a mesh file is a surface; false: the whole file is one surface
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);

@@ -47,11 +47,12 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t
                      fmt::format("{} of {} parts of the file (chunks, slices or files)", unread, field.parts.of)});
   }
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
-  if (dense != nullptr && dense->file_backed) {
+  if (dense != nullptr && (dense->file_backed || dense->layers != nullptr)) {
     const std::uint64_t bytes = dense->count() * field::sample_size(dense->type);
     facts.push_back(
         {WorkTopic::samples, WorkDone::mapped, dense->count(), dense->count(),
-         fmt::format("{} samples, {}, without a copy of the file in memory", dense->count(), format_byte_size(bytes))});
+         fmt::format("{} samples, {}, {}", dense->count(), format_byte_size(bytes),
+                     dense->layers != nullptr ? "a few layers at a time" : "without a copy of the file in memory")});
   }
   return facts;
 }

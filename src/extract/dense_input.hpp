@@ -26,8 +26,13 @@ template <class T>
 
 template <class T>
 [[nodiscard]] DenseView<T> part_of(const DenseView<T>& whole, const field::IndexBox& region) {
-  return {whole.row(region.min.y, region.min.z) + region.min.x, glm::ivec3(region.dims()), whole.stride_y,
-          whole.stride_z, whole.transient};
+  const std::ptrdiff_t first = region.min.y * whole.stride_y + region.min.x;
+  return {whole.data != nullptr ? whole.data + first : nullptr,
+          glm::ivec3(region.dims()),
+          whole.stride_y,
+          whole.stride_z,
+          whole.transient,
+          whole.first_slice - region.min.z};
 }
 
 // Returns uninitialized masks, one bit a sample, with room for `slices` of the dims.z slices along z. They keep their
@@ -56,7 +61,7 @@ template <class T>
   const glm::u64vec3 dims(view.dims);
   stats.samples_classified = dims.x * dims.y * dims.z;
   if (stats.nan_samples != 0 && options.nan == NanPolicy::error) {
-    return nan_error(field, stats.nan_samples, low + first_nan(view));
+    return nan_error(field, stats.nan_samples, low + first_nan(view, 0, view.dims.z).value_or(glm::ivec3(0)));
   }
   stats.classify = watch.elapsed();
   return threshold;

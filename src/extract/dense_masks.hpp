@@ -15,7 +15,8 @@
 
 namespace isoextract::extract {
 
-// A box within a dense array. `data` points to its first sample; x is contiguous; strides count samples.
+// A box within a dense array. `data` points to sample (0, 0, first_slice), which need not be part of the box; x is
+// contiguous; strides count samples.
 template <class T>
 struct DenseView {
   const T* data;
@@ -23,8 +24,9 @@ struct DenseView {
   std::int64_t stride_y;
   std::int64_t stride_z;
   bool transient = false;  // the samples are a large mapped file; release pages early
+  int first_slice = 0;     // not 0 if only some slices (planes of equal z) are in memory, or in a part of such a view
 
-  [[nodiscard]] const T* row(int j, int k) const { return data + j * stride_y + k * stride_z; }
+  [[nodiscard]] const T* row(int j, int k) const { return data + j * stride_y + (k - first_slice) * stride_z; }
 
   // Releases the memory pages of slices begin to end - 1 (planes of equal z). The slices can still be read later.
   void leave_slices(int begin, int end) const {
@@ -88,11 +90,11 @@ class DenseMasks {
   BoundarySides boundary_sides_;
 };
 
-// Returns the index within the view of its first NaN; the view must contain one.
+// Returns the index within the view of the first NaN of slices begin to end - 1; nullopt if there is none.
 template <class T>
-[[nodiscard]] glm::ivec3 first_nan(const DenseView<T>& view) {
+[[nodiscard]] std::optional<glm::ivec3> first_nan(const DenseView<T>& view, int begin, int end) {
   glm::ivec3 p(0);
-  for (; p.z < view.dims.z; ++p.z) {
+  for (p.z = begin; p.z < end; ++p.z) {
     for (p.y = 0; p.y < view.dims.y; ++p.y) {
       const T* row = view.row(p.y, p.z);
       for (p.x = 0; p.x < view.dims.x; ++p.x) {
@@ -100,7 +102,7 @@ template <class T>
       }
     }
   }
-  return glm::ivec3(0);
+  return std::nullopt;
 }
 
 // Facts about the samples of a slice.

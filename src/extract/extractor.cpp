@@ -2,6 +2,8 @@
 
 #include <new>
 #include <stdexcept>
+#include <string_view>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -9,6 +11,19 @@
 #include "extract/mesh_assembly.hpp"
 
 namespace isoextract::extract {
+namespace {
+
+// Fails for samples with DenseSamples::layers if the extraction needs more than some layers at a time.
+Result<void> check_layers(const field::ScalarField& field, const ExtractOptions& options, std::string_view backend) {
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  if (dense == nullptr || dense->layers == nullptr) return {};
+  const bool by_slabs = backend == "cpu" && (options.method == Method::mc || options.method == Method::mt) &&
+                        !options.cap && options.nan != NanPolicy::hole;
+  if (by_slabs) return {};
+  return tl::unexpected(allocation_error(field.source + ": this surface needs all samples in memory or mapped"));
+}
+
+}  // namespace
 
 Result<Extraction> Extractor::extract(const field::ScalarField& field, const ExtractOptions& options,
                                       const Context& context) {
@@ -19,6 +34,7 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
                 {Remedy::use, Setting::cpu_backend});
   }
   TRY(check_method(method, options));
+  TRY(check_layers(field, options, name()));
   TRY(context.check());
   try {
     Result<Extraction> result = run(field, options, context);

@@ -145,7 +145,8 @@ class Extractor {
   // - for a NaN sample with NanPolicy::error,
   // - if the mesh would have more than 2^32 - 1 vertices, or arrays that exceed the address space,
   // - if it finds that the file of mapped samples changed meanwhile (it does not find every change).
-  // Fails with ErrorCode::out_of_memory, and with ErrorCode::cancelled between passes.
+  // Fails with ErrorCode::out_of_memory, also if it cannot take samples by layers (DenseSamples::layers), and with
+  // ErrorCode::cancelled between passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context);
 

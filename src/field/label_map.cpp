@@ -226,10 +226,13 @@ LabelVerdict judge_labels(const LabelTallies& all, std::optional<std::int64_t> b
   return verdict;
 }
 
-// Returns whether a field of this kind can hold labels, whatever its samples are.
+// Returns whether a field of this kind can hold labels, whatever its samples are. Returns false if only layers of the
+// samples can be read.
 bool may_hold_labels(const ScalarField& field) {
   if (field.kind != FieldKind::density || !field.scale.is_identity() || default_iso(field)) return false;
-  if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) return dense->count() >= kLeastSamples;
+  if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
+    return dense->count() >= kLeastSamples && dense->layers == nullptr;
+  }
   return !visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return is_floating_sample<T>; });
 }
 

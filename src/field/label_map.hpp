@@ -63,7 +63,8 @@ struct LabelMap {
 
 // Judges by at most 2^17 samples, in small boxes all over the field: exact for smaller dense fields. Reads the blocks
 // of a sparse field, not its tiles. The cost does not depend on the size of the field. Returns nothing if the field is
-// neither a label map nor a mask, or if these samples and the background of a sparse field have one value only.
+// neither a label map nor a mask, or if these samples and the background of a sparse field have one value only. Returns
+// nothing either for samples with DenseSamples::layers.
 [[nodiscard]] std::optional<LabelMapKind> guess_label_map(const ScalarField& field);
 
 }  // namespace isoextract::field

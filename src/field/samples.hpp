@@ -16,6 +16,8 @@
 
 namespace isoextract::field {
 
+class SampleLayers;  // sample_layers.hpp
+
 // An inclusive box of sample indices (i, j, k). Empty if max < min along any axis.
 struct IndexBox {
   glm::ivec3 min{0};
@@ -40,6 +42,10 @@ struct DenseSamples {
 
   // Set if `data` is in a temporary file: returns whether the disk lost samples; called with owner.get().
   bool (*is_lost_on_disk)(const void* owner) = nullptr;
+
+  // Set instead of `data`, which is then null, only if the reader was asked for it (volume_io::ReadOptions::by_layers).
+  // `owner` keeps it alive. The CPU extractor for mc and mt takes such samples, without caps and NanPolicy::hole.
+  const SampleLayers* layers = nullptr;
 
   // Returns whether samples were lost. Call it after work on the samples: if true, the result is invalid.
   [[nodiscard]] bool lost() const {

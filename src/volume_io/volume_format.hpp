@@ -85,7 +85,8 @@ struct ReadOptions {
   bool resamples = false;                    // resample unevenly spaced samples, otherwise an error
   bool flat = false;                         // accept arrays [y, x], as volumes of one slice
   bool label_ids = false;                    // 64-bit integers are ids of labels: kept exactly (ScalarField::label_ids)
-  std::optional<field::Box> region;          // samples beyond it need not be read; in world coordinates
+  bool by_layers = false;  // the caller takes DenseSamples::layers, if the address space is too small for the file
+  std::optional<field::Box> region;  // samples beyond it need not be read; in world coordinates
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };

@@ -271,7 +271,8 @@ class MemoryTest(ProgramTest):
             resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
 
         told = r"the address space of the process is limited to 200 MiB\n  hint: raise that limit \(ulimit -v unlimited; "
-        run = self.run_program("map.raw", "--dims", "400,400,400", "--dtype", "f32", "--iso", "0.5", "-o", "a.ply",
+        # Without --cap, the program maps a few layers at a time (address_space_test.py).
+        run = self.run_program("map.raw", "--dims", "400,400,400", "--dtype", "f32", "--iso", "0.5", "--cap", "-o", "a.ply",
                                preexec_fn=limit_address_space)
         self.assert_fails(2, run, "map.raw: no memory for 256000000 bytes of samples, neither as a mapping of the file (mmap) "
                           "nor as a copy: ")

@@ -81,6 +81,13 @@ Error no_surface(const ConversionJob& job, const Source& source, const ResolvedI
             fmt::format("{}: there is no terrain: every square of four samples has a NaN sample", source.label),
             {Remedy::use, Setting::empty_policy}};
   }
+  const auto* dense = std::get_if<field::DenseSamples>(&source.field.samples);
+  if (dense != nullptr && dense->layers != nullptr) {  // statistics need all samples
+    return {
+        ErrorCode::no_surface,
+        fmt::format("{}: no surface at iso {}{}", source.label, text_of(asked), source.region ? " in the region" : ""),
+        {Remedy::use, Setting::empty_policy}};
+  }
   const field::FieldStatistics statistics = field::measure_statistics(source.field);
   const auto passed = field::surface_range(source.field, statistics);
   if (!passed || (statistics.samples == 0 && !statistics.far_inside)) {

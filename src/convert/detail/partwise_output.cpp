@@ -250,6 +250,18 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
                                           std::move(work), stage.context);
 }
 
+bool takes_layers(const ConversionJob& job, const extract::Extractor* extractor) {
+  using extract::Method;
+  const SourceOptions& source = job.source;
+  const bool by_slabs = (job.surface.method == Method::mc || job.surface.method == Method::mt) &&
+                        !job.surface.heights && !job.surface.cap && job.surface.nan != extract::NanPolicy::hole;
+  const bool changes_samples = !source.filters.empty() || !source.blurs.empty() || source.resamples();
+  const bool reads_samples =
+      job.verify || job.error || !source.attributes.empty() || !std::ranges::all_of(job.isos(), &IsoChoice::is_number);
+  return extractor != nullptr && extractor->name() == "cpu" && by_slabs && !changes_samples && !reads_samples &&
+         job.writes<MeshFileOptions>() != nullptr && !source.mesh && source.masks.empty();
+}
+
 std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,
                                    std::string_view backend) {
   using extract::Method;

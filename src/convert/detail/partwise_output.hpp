@@ -147,6 +147,10 @@ void add_partwise_hint(Error& error);
 [[nodiscard]] std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const SurfaceId& id,
                                                               mesh_io::MeshWriter& writer, Ranks* ranks);
 
+// Returns whether only the extraction reads the samples of the job, slab by slab: then they need not be in memory or
+// mapped as a whole (volume_io::ReadOptions::by_layers). The extractor may be null if the job needs none.
+[[nodiscard]] bool takes_layers(const ConversionJob& job, const extract::Extractor* extractor);
+
 // Returns why ranks cannot share the extraction of a surface; empty if they can. `has_sink`: partwise_output() gave a
 // sink for the surface, and its PartwiseOutput::ranks() is not null. `backend` is Extractor::name().
 [[nodiscard]] std::string reason_against_sharing(const ConversionJob& job, const Source& source, bool has_sink,

@@ -13,14 +13,15 @@
 
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
-#include "extract/asymptotic_decider.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/brick_flags.hpp"
 #include "extract/detail/cell_rows.hpp"
 #include "extract/detail/cell_streams.hpp"
 #include "extract/detail/row_table.hpp"
+#include "extract/detail/sample_chooser.hpp"
 #include "extract/detail/sample_gradient.hpp"
 #include "extract/detail/slab_shares.hpp"
+#include "extract/detail/slab_views.hpp"
 #include "extract/detail/slab_workers.hpp"
 #include "extract/detail/vertex_batch.hpp"
 #include "extract/row_bits.hpp"
@@ -30,9 +31,9 @@ namespace isoextract::extract {
 namespace {
 
 template <class T>
-class DenseExtraction final : private VariantChooser {
+class DenseExtraction final {
  public:
-  DenseExtraction(const field::ScalarField& field, const DenseView<T>& whole, const field::IndexBox& region,
+  DenseExtraction(const field::ScalarField& field, const field::DenseSamples& samples, const field::IndexBox& region,
                   std::optional<DenseMasks> masks, const ExtractOptions& options, const Context& context,
                   Ranks* ranks = nullptr)
       : field_(field),
@@ -40,12 +41,13 @@ class DenseExtraction final : private VariantChooser {
         context_(context),
         ranks_(ranks),
         rule_{field.kind, options.iso},
-        whole_(whole),
-        view_(part_of(whole, region)),
+        layers_(samples.layers),
+        whole_(dense_view<T>(samples)),
+        view_(part_of(whole_, region)),
         region_(region),
         table_(case_table(options.method)),
         directions_(static_cast<int>(table_.directions.size())),
-        placement_(output_placement(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
+        placement_(output_placement(field, options, {glm::ivec3(0), whole_.dims - 1}, region)),
         masks_(std::move(masks)),
         own_(own_slabs(BrickFlags::count_slabs(view_.dims), ranks)),
         // Cells of the last own slab use vertices of the next rank's first slab. Counting that slab gives their
@@ -87,11 +89,11 @@ class DenseExtraction final : private VariantChooser {
 
   Result<void> emit(mesh::Mesh& mesh) {
     if (masks_) {
-      for_each_brick_row("extracting", [&](int bj, int bk) { emit_brick_row(mesh, {}, *masks_, bj, bk); });
+      for_each_brick_row("extracting", [&](int bj, int bk) { emit_brick_row(mesh, {}, slab_in_memory(bk), bj); });
     } else {
       TRY(for_each_slab("extracting", own_, {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
         if (!is_as_counted(slab)) return {};
-        for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(mesh, {}, slab.masks, bj, slab.bk);
+        for (int bj = 0; bj < bricks_.rows_y(); ++bj) emit_brick_row(mesh, {}, slab, bj);
         return {};
       }));
     }
@@ -110,7 +112,7 @@ class DenseExtraction final : private VariantChooser {
       const MeshSizes sizes = sizes_in(pass, slab_sizes(slab.bk));
       if (sizes.vertices == 0 && sizes.triangles == 0) return {};
       if (!is_as_counted(slab)) return check_samples();
-      const auto emit = [&](int bj) { emit_brick_row(part, first, slab.masks, bj, slab.bk); };
+      const auto emit = [&](int bj) { emit_brick_row(part, first, slab, bj); };
       if (pass.in_order) for_each_index(bricks_.rows_y(), emit);
       for (int bj = 0; bj < bricks_.rows_y() && !pass.in_order; ++bj) emit(bj);
       return deliver_part(sink, pass, part, first, sizes);
@@ -153,7 +155,8 @@ class DenseExtraction final : private VariantChooser {
   struct Slab {
     int bk;
     const DenseMasks& masks;
-    SliceSides sides;  // of its samples alone; unknown if the extraction has masks of all samples
+    DenseView<T> whole;  // view of all samples, in which those that the work needs can be read
+    SliceSides sides;    // of its samples alone; unknown if the extraction has masks of all samples
   };
 
   // The meshes in which threads make parts: the sizes of the largest part, and the largest number of threads.
@@ -168,12 +171,16 @@ class DenseExtraction final : private VariantChooser {
   template <class Work>
   Result<void> for_each_slab(const char* stage, const SlabRange& slabs, const PartRoom& room, const Work& work) {
     struct Worker {
-      std::optional<DenseMasks> masks;
-      Reservation memory;
-      mesh::Mesh part;
+      SlabViews<T> views;
+      std::optional<DenseMasks> masks = {};
+      Reservation memory = {};
+      mesh::Mesh part = {};
     };
+    const SlabReach reach{region_, options_.smooth_normals ? SlabReach::kOfGradients : 0};
+    bool is_first = true;
     const auto make = [&]() -> Result<Worker> {
-      Worker worker;
+      if (layers_ != nullptr && !std::exchange(is_first, false)) TRY(check_room_for_window(field_, whole_, reach));
+      Worker worker{TRY(SlabViews<T>::open(whole_, layers_, reach))};
       if (!masks_) worker.masks = TRY(make_masks(field_, view_.dims, std::min(kSlabSlices, view_.dims.z), context_));
       worker.memory = TRY(reserve_mesh(field_, room.sizes, room.options, context_));
       allocate_mesh(worker.part, room.sizes, {}, room.options);
@@ -182,23 +189,18 @@ class DenseExtraction final : private VariantChooser {
     return run_slabs(slabs.count(), room.threads, stage, context_, make,
                      [&](int number, Worker& worker) -> Result<void> {
                        const int bk = slabs.begin + number;
-                       const SliceSides sides = worker.masks ? mark_slab(bk, *worker.masks) : SliceSides();
-                       TRY(work(Slab{bk, worker.masks ? *worker.masks : *masks_, sides}, worker.part));
+                       Slab slab{bk, worker.masks ? *worker.masks : *masks_, TRY(worker.views.show(bk)), {}};
+                       if (worker.masks)
+                         slab.sides = mark_slab(part_of(slab.whole, region_), threshold_, bk, *worker.masks);
+                       TRY(work(slab, worker.part));
                        leave(bk);
                        return {};
                      });
   }
 
-  // Compares the samples of a slab and of the slice behind it with iso.
-  [[nodiscard]] SliceSides mark_slab(int bk, DenseMasks& masks) const {
-    SliceSides sides;
-    const int end = std::min(kBrickRows * (bk + 1), view_.dims.z);
-    masks.move_to(kBrickRows * bk);
-    for (int k = kBrickRows * bk; k < std::min(end + 1, view_.dims.z); ++k) {
-      const SliceSides slice = classify_slice(view_, threshold_, masks, k);
-      if (k < end) sides.add(slice);
-    }
-    return sides;
+  [[nodiscard]] Slab slab_in_memory(int bk) const { return {bk, *masks_, whole_, {}}; }
+  [[nodiscard]] SampleChooser<T> chooser_in(const Slab& slab) const {
+    return {table_, rule_, field_.scale, has_holes_, part_of(slab.whole, region_)};
   }
 
   // Replaces classify() if there is no memory for masks of all samples. Returns false if no sample can be inside;
@@ -219,7 +221,7 @@ class DenseExtraction final : private VariantChooser {
   Result<void> check_nan(std::uint64_t nan, ExtractStats& stats) const {
     stats.nan_samples = nan;
     if (nan == 0 || options_.nan != NanPolicy::error) return {};
-    return nan_error(field_, nan, region_.min + first_nan(view_));
+    return nan_error(field_, nan, TRY(first_nan(whole_, layers_, region_)));
   }
 
   // Compares the samples and counts, slab by slab.
@@ -228,7 +230,7 @@ class DenseExtraction final : private VariantChooser {
     slab_hashes_.resize(static_cast<std::size_t>(counted_.count()));
     TRY(for_each_slab("counting", counted_, {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
       slab_hash(slab.bk) = hash_of(slab);
-      for (int bj = 0; bj < bricks_.rows_y(); ++bj) count_brick_row(slab.masks, bj, slab.bk);
+      for (int bj = 0; bj < bricks_.rows_y(); ++bj) count_brick_row(slab, bj);
       const std::lock_guard lock(mutex);
       if (slab.bk < own_.end) counted_sides_.add(slab.sides);
       return {};
@@ -312,29 +314,24 @@ class DenseExtraction final : private VariantChooser {
   std::uint64_t count_rows() {
     std::atomic<std::uint64_t> left_out{0};
     for_each_brick_row("counting", [&](int bj, int bk) {
-      left_out.fetch_add(count_brick_row(*masks_, bj, bk), std::memory_order_relaxed);
+      left_out.fetch_add(count_brick_row(slab_in_memory(bk), bj), std::memory_order_relaxed);
     });
     return left_out.load();
   }
 
   // Does the same for one row of bricks.
-  std::uint64_t count_brick_row(const DenseMasks& masks, int bj, int bk) {
+  std::uint64_t count_brick_row(const Slab& slab, int bj) {
     std::uint64_t left_out = 0;
-    bricks_.mark_crossed(masks, bj, bk);
-    for_each_row(bj, bk, [&](int j, int k) {
-      const RowCounts counts = count_cells(*drawings_, cell_row(masks, j, k), *this);
+    const SampleChooser<T> chooser = chooser_in(slab);
+    bricks_.mark_crossed(slab.masks, bj, slab.bk);
+    for_each_row(bj, slab.bk, [&](int j, int k) {
+      const RowCounts counts = count_cells(*drawings_, cell_row(slab.masks, j, k), chooser);
       const std::size_t row = rows_.index(j, k);
       std::copy_n(counts.vertices.begin(), directions_, rows_.vertices(row));
       rows_.triangles(row) = counts.cells.triangles;
       left_out += counts.cells.left_out;
     });
     return left_out;
-  }
-
-  // `p` is relative to the region.
-  [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
-    return cell_variant_or_hole(table_, cell_case, rule_, has_holes_,
-                                [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
   // Turns counts into first numbers. Returns the sizes of the whole mesh, also if ranks share it.
@@ -365,29 +362,29 @@ class DenseExtraction final : private VariantChooser {
 
   // Writes the vertices and triangles of a row of bricks to a mesh that begins with vertex and triangle `first`, if the
   // mesh has memory for them.
-  void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const DenseMasks& masks, int bj, int bk) {
-    if (!bricks_.is_row_crossed(bj, bk)) return;
-    if (!mesh.positions.empty()) emit_vertices(mesh, first.vertices, masks, bj, bk);
+  void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const Slab& slab, int bj) {
+    if (!bricks_.is_row_crossed(bj, slab.bk)) return;
+    if (!mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
     if (mesh.triangles.empty()) return;
-    for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, masks, j, k); });
+    for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
   }
 
-  void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const DenseMasks& masks, int bj, int bk) {
+  void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const Slab& slab, int bj) {
     EdgeList edges(directions_, view_.dims.x);
     VertexWriter writer({placement_, rule_, field_.scale}, mesh, 0);
     VertexBatch& batch = writer.batch();
-    for_each_row(bj, bk, [&](int j, int k) {
+    for_each_row(bj, slab.bk, [&](int j, int k) {
       // The rows of a slice have consecutive numbers within a brick row, but not from slice to slice.
       if (j == kBrickRows * bj) writer.continue_at(rows_.vertices(rows_.index(j, k))[0] - first);
       const std::size_t row = rows_.index(j, k);
       if (rows_.vertices(row)[0] == rows_.vertices(row + 1)[0]) return;
-      list_edges(*drawings_, cell_row(masks, j, k), edges);
+      list_edges(*drawings_, cell_row(slab.masks, j, k), edges);
       for (int d = 0; d < directions_; ++d) {
         const int direction = table_.directions[static_cast<std::size_t>(d)];
         for (const std::int32_t* x = edges.begin(d); x != edges.end(d);) {
           const auto room = static_cast<std::ptrdiff_t>(VertexBatch::kCapacity - batch.count);
           const std::int32_t* end = x + std::min(room, edges.end(d) - x);
-          add_edges(batch, std::span(x, end), j, k, direction, writer.wants_gradients());
+          add_edges(slab.whole, batch, std::span(x, end), j, k, direction, writer.wants_gradients());
           x = end;
           writer.flush_if_full();
         }
@@ -396,11 +393,11 @@ class DenseExtraction final : private VariantChooser {
     writer.flush();
   }
 
-  void add_edges(VertexBatch& batch, std::span<const std::int32_t> positions, int j, int k, int direction,
-                 bool gradients) const {
+  void add_edges(const DenseView<T>& whole, VertexBatch& batch, std::span<const std::int32_t> positions, int j, int k,
+                 int direction, bool gradients) const {
     const glm::ivec3 low = region_.min + glm::ivec3(0, j, k);
     const glm::ivec3 step = direction_step(direction);
-    const T* ends[2] = {whole_.row(low.y, low.z) + low.x, whole_.row(low.y + step.y, low.z + step.z) + low.x + step.x};
+    const T* ends[2] = {whole.row(low.y, low.z) + low.x, whole.row(low.y + step.y, low.z + step.z) + low.x + step.x};
     const int first = batch.count;
     int i = first;
     for (const std::int32_t x : positions) {
@@ -418,13 +415,13 @@ class DenseExtraction final : private VariantChooser {
       const glm::ivec3 row = low + end * step;
       for (i = first; i < batch.count; ++i) {
         const glm::dvec3 g =
-            sample_gradient(whole_, {row.x + positions[static_cast<std::size_t>(i - first)], row.y, row.z});
+            sample_gradient(whole, {row.x + positions[static_cast<std::size_t>(i - first)], row.y, row.z});
         for (int axis = 0; axis < 3; ++axis) batch.gradient[end][axis][i] = g[axis];
       }
     }
   }
 
-  void emit_triangles(mesh::Mesh& mesh, std::uint64_t first_triangle, const DenseMasks& masks, int j, int k) {
+  void emit_triangles(mesh::Mesh& mesh, std::uint64_t first_triangle, const Slab& slab, int j, int k) {
     const std::size_t index = rows_.index(j, k);
     if (rows_.triangles(index) == rows_.triangles(index + 1)) return;
     const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
@@ -440,7 +437,8 @@ class DenseExtraction final : private VariantChooser {
                                         : first_numbers(std::integral_constant<int, 7>{});
     const auto room = mesh.triangles.span().subspan(rows_.triangles(index) - first_triangle,
                                                     rows_.triangles(index + 1) - rows_.triangles(index));
-    if (!write_cells(*drawings_, cell_row(masks, j, k), *this, first, room)) samples_changed_ = true;
+    const SampleChooser<T> chooser = chooser_in(slab);
+    if (!write_cells(*drawings_, cell_row(slab.masks, j, k), chooser, first, room)) samples_changed_ = true;
   }
 
   const field::ScalarField& field_;
@@ -449,6 +447,7 @@ class DenseExtraction final : private VariantChooser {
   Ranks*
       ranks_;  // share the volume slab by slab, without masks of all samples; null: this process does the whole volume
   InsideRule rule_;
+  const field::SampleLayers* layers_;  // null if all samples are in memory; else whole_ and view_ have no samples
   DenseView<T> whole_;
   DenseView<T> view_;  // view of the region
   field::IndexBox region_;
@@ -476,9 +475,8 @@ Result<Extraction> extract_dense(const field::ScalarField& field, const field::D
                                  const ExtractOptions& options, const Context& context) {
   const auto region = TRY(dense_region(field, samples, options));
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
-    const DenseView<T> view = dense_view<T>(samples);
     if (Ranks* ranks = options.sink != nullptr ? options.sink->ranks() : nullptr; ranks != nullptr) {
-      DenseExtraction<T> share(field, view, region, std::nullopt, options, context, ranks);
+      DenseExtraction<T> share(field, samples, region, std::nullopt, options, context, ranks);
       auto extraction = extract_surface(field, options, share, context);
       if (!extraction || extraction->taken) return extraction;
       ranks->work_alone("the mesh is small, or the writer, NaN samples or vertices at equal positions need it whole");
@@ -486,10 +484,11 @@ Result<Extraction> extract_dense(const field::ScalarField& field, const field::D
     }
     // Without masks of all samples, each sample is compared twice. Holes need the masks.
     const glm::ivec3 dims(region.dims());
-    const bool by_slabs = DenseMasks::bytes(dims) > context.memory().left() / 2 && options.nan != NanPolicy::hole;
+    const bool is_short = DenseMasks::bytes(dims) > context.memory().left() / 2 && options.nan != NanPolicy::hole;
+    const bool by_slabs = is_short || samples.layers != nullptr;
     std::optional<DenseMasks> masks;
     if (!by_slabs) masks = TRY(make_masks(field, dims, context));
-    DenseExtraction<T> surface(field, view, region, std::move(masks), options, context);
+    DenseExtraction<T> surface(field, samples, region, std::move(masks), options, context);
     return extract_surface(field, options, surface, context);
   });
 }

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -18,8 +19,8 @@ namespace isoextract::extract {
 
 // Calls work(slab, worker) for the slabs 0 to slabs - 1, in parallel. make() returns the buffers of one thread, in a
 // Result; the thread processes one slab after another in them. Uses at most `most_threads` threads, and fewer if a
-// make() after the first fails. A single thread processes the slabs in order. Fails as the first make() does, as `work`
-// does, or with ErrorCode::cancelled.
+// make() after the first fails or throws std::bad_alloc. A single thread processes the slabs in order. Fails as the
+// first make() does, as `work` does, or with ErrorCode::cancelled.
 template <class Make, class Work>
 [[nodiscard]] Result<void> run_slabs(int slabs, int most_threads, const char* stage, const Context& context,
                                      const Make& make, const Work& work) {
@@ -28,9 +29,13 @@ template <class Make, class Work>
   std::vector<std::remove_reference_t<decltype(*first)>> workers;
   workers.push_back(std::move(*first));
   for (const int most = std::min(most_threads, slabs); static_cast<int>(workers.size()) < most;) {
-    auto another = make();
-    if (!another) break;
-    workers.push_back(std::move(*another));
+    try {
+      auto another = make();
+      if (!another) break;
+      workers.push_back(std::move(*another));
+    } catch (const std::bad_alloc&) {
+      break;
+    }
   }
   context.progress().begin(stage, static_cast<std::uint64_t>(slabs));
   FirstError failure;

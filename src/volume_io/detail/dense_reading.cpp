@@ -13,6 +13,7 @@
 #include "base/parallel.hpp"
 #include "volume_io/detail/grid_choice.hpp"
 #include "volume_io/detail/label_ids.hpp"
+#include "volume_io/detail/mapped_layers.hpp"
 #include "volume_io/detail/sample_store.hpp"
 
 namespace isoextract::volume_io {
@@ -71,12 +72,16 @@ Result<bool> read_into(SampleStore& store, const DenseFile& dense, const SampleS
 }
 
 // Maps the samples if possible, else reads them. A mapping needs no reserved memory: the system keeps the pages in use
-// and drops other pages when memory is short.
+// and drops other pages when memory is short. With ReadOptions::by_layers, maps layers if the address space is too
+// small for the whole file and other work.
 Result<field::DenseSamples> load_samples(const files::InputFile& file, const DenseFile& dense,
-                                         const SampleSource& source, bool last, std::optional<double> no_data,
+                                         const SampleSource& source, bool last, const ReadOptions& options,
                                          Notes& notes) {
   const Context& context = file.context();
   if (!dense.x_slowest && dense.wide == Integer64::none) {
+    if (options.by_layers && fills_address_space(source)) {
+      if (auto samples = map_layers(source, dense.type, dense.dims, context, notes)) return std::move(*samples);
+    }
     if (auto mapped = map_samples(source, context)) {
       const auto mapping = std::make_shared<const files::MappedFile>(std::move(*mapped));
       return field::DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
@@ -87,8 +92,8 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
   if (has_trailing_data && last && source.pieces.back().gzip)
     notes.push_back({NoteId::extra_bytes, "the reader skips the bytes after the samples"});
   if (dense.wide != Integer64::none) {
-    TRY(dense.wide == Integer64::i64 ? widen<std::int64_t>(file, dense.dims, store, no_data)
-                                     : widen<std::uint64_t>(file, dense.dims, store, no_data));
+    TRY(dense.wide == Integer64::i64 ? widen<std::int64_t>(file, dense.dims, store, options.no_data)
+                                     : widen<std::uint64_t>(file, dense.dims, store, options.no_data));
   }
   return std::move(store).finish(notes);
 }
@@ -229,7 +234,9 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   const auto load = [&](std::uint64_t component) -> Result<field::DenseSamples> {
     const auto one = TRY(part_of(source, dense, volume, component));
     const bool last = volume + 1 == dense.volumes && component + 1 == dense.components;
-    return load_samples(file, dense, one, last, options.no_data, dense.notes);
+    ReadOptions how = options;
+    how.by_layers = options.by_layers && chosen && !options.no_data;  // lengths and no-data values need all samples
+    return load_samples(file, dense, one, last, how, dense.notes);
   };
   field::LabelIdTable ids;
   const auto load_chosen = [&](std::uint64_t component) -> Result<field::DenseSamples> {

@@ -208,13 +208,6 @@ Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece
   return {};
 }
 
-// Returns whether the samples have the same layout in the file and in memory.
-bool is_mappable(const SampleSource& source) {
-  const SamplePiece& piece = source.pieces.front();
-  return source.pieces.size() == 1 && !piece.packed() && !source.swap_bytes && source.stride == 1 &&
-         piece.offset % source.sample_size == 0;
-}
-
 }  // namespace
 
 Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const Share& run) {
@@ -267,6 +260,12 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
     }
   }
   return extra;
+}
+
+bool is_mappable(const SampleSource& source) {
+  const SamplePiece& piece = source.pieces.front();
+  return source.pieces.size() == 1 && !piece.packed() && !source.swap_bytes && source.stride == 1 &&
+         piece.offset % source.sample_size == 0;
 }
 
 std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context) {

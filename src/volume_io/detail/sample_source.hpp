@@ -60,7 +60,11 @@ struct Share {
 [[nodiscard]] Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what,
                                                  const Context& context);
 
-// Maps samples that need no conversion: one piece, not interleaved or compressed, native byte order, aligned offset.
+// Returns whether the samples have the same layout in the file and in memory: one piece, not interleaved or compressed,
+// native byte order, aligned offset.
+[[nodiscard]] bool is_mappable(const SampleSource& source);
+
+// Maps samples that need no conversion (is_mappable()).
 // Reports their bytes as "reading" at once. Returns nothing if the layout does not fit or the system cannot map them;
 // then call read_samples().
 [[nodiscard]] std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context);

@@ -1,4 +1,10 @@
 // Tests that samples are mapped if their layout in the file fits and read otherwise, with equal results.
+#include <fstream>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "field/sample_layers.hpp"
 #include "files/mapped_file.hpp"
 #include "unit/volume_io/volume_files.hpp"
 
@@ -170,6 +176,80 @@ TEST(MappedFormats, ReportLossOfTruncatedFiles) {
   const auto whole = volume_io::check_mapping_intact(field);
   ASSERT_FALSE(whole);
   EXPECT_EQ(whole.error().code, ErrorCode::input);
+  expect_in(whole.error().message, "became shorter");
+}
+
+// Limits the address space of the process to what it has now and `more` bytes.
+class AddressSpaceLimit {
+ public:
+  explicit AddressSpaceLimit(std::uint64_t more) {
+    ::getrlimit(RLIMIT_AS, &before_);
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlimit limit{pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) + more, before_.rlim_max};
+    ::setrlimit(RLIMIT_AS, &limit);
+  }
+  AddressSpaceLimit(const AddressSpaceLimit&) = delete;
+  AddressSpaceLimit& operator=(const AddressSpaceLimit&) = delete;
+  ~AddressSpaceLimit() { ::setrlimit(RLIMIT_AS, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST(MappedLayers, AreThoseOfTheFile) {
+  const TempFolder folder;
+  const glm::ivec3 dims{1024, 1024, 256};
+  const std::size_t header = 100;
+  write_bytes(folder / "v.raw", std::string(header, 'h'));
+  std::filesystem::resize_file(folder / "v.raw", header + (std::uint64_t{1} << 28U));
+  {
+    std::fstream file(folder / "v.raw", std::ios::in | std::ios::out | std::ios::binary);
+    for (int z = 0; z < dims.z; ++z) {
+      file.seekp(static_cast<std::streamoff>(header) + (static_cast<std::streamoff>(z) << 20) + 77);
+      file.put(static_cast<char>(z));
+    }
+  }
+  volume_io::ReadOptions options = raw_options(field::SampleType::u8, header);
+  options.raw->dims = dims;
+  options.by_layers = true;
+  // Without a limit, the reader maps the whole file.
+  EXPECT_EQ(dense(must_read(folder / "v.raw", options)).layers, nullptr);
+  const AddressSpaceLimit limit(std::uint64_t{1} << 27U);
+  options.by_layers = false;
+  EXPECT_FALSE(volume_io::read_volume((folder / "v.raw").string(), options, with_memory(0)));
+  options.by_layers = true;
+  const Context context;
+  const field::ScalarField field = must_read(folder / "v.raw", options, context);
+  ASSERT_NE(dense(field).layers, nullptr);
+  EXPECT_EQ(dense(field).data, nullptr);
+  EXPECT_FALSE(dense(field).file_backed);
+  EXPECT_LT(context.counters().bytes_read, (std::uint64_t{1} << 28U) + 4096U);
+  ASSERT_FALSE(field.notes.empty());
+  EXPECT_EQ(field.notes.back().id, NoteId::samples_in_windows);
+  {
+    const auto window = dense(field).layers->open(3);
+    ASSERT_TRUE(window);
+    for (const int begin : {0, 253, 100}) {
+      const auto shown = (*window)->move_to(begin, begin + 3);
+      ASSERT_TRUE(shown);
+      for (int z = 0; z < 3; ++z) {
+        EXPECT_EQ(static_cast<const std::uint8_t*>(*shown)[(z << 20) + 77], begin + z);
+        EXPECT_EQ(static_cast<const std::uint8_t*>(*shown)[(z << 20) + 78], 0);
+      }
+    }
+    EXPECT_TRUE(volume_io::check_mapping_intact(field));
+    const auto too_many = dense(field).layers->open(200);
+    ASSERT_FALSE(too_many);
+    EXPECT_EQ(too_many.error().code, ErrorCode::out_of_memory);
+    expect_in(too_many.error().message, "v.raw: mapping 200 layers of samples (200 MiB) failed: the address space of");
+    std::filesystem::resize_file(folder / "v.raw", 10000);
+    const auto cut = (*window)->move_to(1, 2);
+    ASSERT_TRUE(cut);
+    EXPECT_EQ(static_cast<const std::uint8_t*>(*cut)[77], 0);
+  }
+  const auto whole = volume_io::check_mapping_intact(field);
+  ASSERT_FALSE(whole);
   expect_in(whole.error().message, "became shorter");
 }
 
