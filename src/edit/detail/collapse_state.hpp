@@ -63,7 +63,9 @@ struct CollapseState {
   // end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
-  // The patch, by CollapseLog::first, in which the first round had each triangle; kNone: in none.
+  // The number of the first collapse since undo_intersections() looked at all pairs, and the patch, by
+  // CollapseLog::first, in which the first round since then had each triangle; kNone: in none.
+  std::uint32_t first_unchecked = 0;
   std::vector<std::uint32_t> first_patch;
   std::vector<char> tangled;          // 1: an allowed collapse left the triangle in an intersecting pair
   std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
@@ -83,6 +85,10 @@ struct CollapseState {
   // Returns whether the state began with collapsed edges.
   [[nodiscard]] bool has_past() const { return !gone_at_start.empty(); }
   [[nodiscard]] bool has_original(std::uint32_t t) const { return not_original.empty() || not_original[t] == 0; }
+  // Returns whether a collapse changed the triangle since undo_intersections() looked at all pairs.
+  [[nodiscard]] bool is_unchecked(std::uint32_t t) const {
+    return changed_by[t] != kNone && changed_by[t] >= first_unchecked;
+  }
   [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && corners[t] == original[t]; }
   [[nodiscard]] std::size_t count_remaining() const;
   // Bytes for each triangle and each vertex, without the tree.

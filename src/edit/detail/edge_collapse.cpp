@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -25,8 +26,8 @@ class PatchCollapse : private PatchMesh {
         limit_squared_(limits.distance * limits.distance),
         proven_(limits.proven),
         least_triangles_(limits.triangles),
-        left_(patch.size()),
-        guard_(state, patch) {
+        left_(patch.size()) {
+    if (limits.is_guarded) guard_.emplace(state, patch);
     log_.first = first;
     version_.assign(vertices_.size(), 0);
     cheapest_.resize(vertices_.size());
@@ -165,13 +166,15 @@ class PatchCollapse : private PatchMesh {
       prepared_ = to;
     }
     if (!new_are_near()) return;
-    list_changes();
-    if (guard_.allows(around_, changed_)) {
-      guard_.replace(around_, changed_);
-      collapse(v, to);
-    } else {
-      ++log_.refused;
+    if (guard_) {
+      list_changes();
+      if (!guard_->allows(around_, changed_)) {
+        ++log_.refused;
+        return;
+      }
+      guard_->replace(around_, changed_);
     }
+    collapse(v, to);
   }
 
   // Expects ring_ to be the ring of the candidate's vertex.
@@ -469,7 +472,7 @@ class PatchCollapse : private PatchMesh {
   double proven_;
   std::size_t least_triangles_;
   std::size_t left_;
-  IntersectionGuard guard_;
+  std::optional<IntersectionGuard> guard_;  // empty: not guarded
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // counts changes around a vertex; candidates with an older version are void
