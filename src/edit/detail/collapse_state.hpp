@@ -18,6 +18,7 @@
 #include <glm/glm.hpp>
 
 #include "edit/detail/sheet_trees.hpp"
+#include "edit/detail/surface_cover.hpp"
 #include "mesh/triangle_tree.hpp"
 
 namespace isoextract::edit {
@@ -76,6 +77,7 @@ struct CollapseState {
   std::span<const std::int8_t> sides;   // of vertices, as in CollapseStart; empty: all 0
   SheetTrees original_trees;
   std::vector<std::uint32_t> original_slot;  // the slot of each triangle in the tree of its sheet
+  SurfaceCover original_cover;
 
   [[nodiscard]] std::uint32_t sheet(std::uint32_t t) const { return sheets.of(t); }
   [[nodiscard]] bool has_role(std::uint32_t v, VertexRole role) const {
@@ -93,7 +95,7 @@ struct CollapseState {
   [[nodiscard]] std::size_t count_remaining() const;
   // Bytes for each triangle and each vertex, without the tree.
   static constexpr std::uint64_t kTriangleBytes =
-      sizeof(glm::uvec3) + 2 + 4 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
+      sizeof(glm::uvec3) + 2 + 4 * sizeof(std::uint32_t) + sizeof(DistanceBounds) + SurfaceCover::kTriangleBytes;
   static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t);
   static constexpr std::size_t kMostSamples = 6;  // of a triangle: the farthest
 

@@ -251,11 +251,6 @@ class PatchCollapse : private PatchMesh {
                                [&](std::uint32_t w) { return w != to && is_touching(w) && is_curve_edge(ring_, w); });
   }
 
-  // A locked vertex may be the end of several curves.
-  [[nodiscard]] bool is_touching(std::uint32_t v) const {
-    return leaves_[v] > 0 && locked_[v] == 0 && state_.has_role(vertices_[v], VertexRole::touching);
-  }
-
   // Lists in new_ the triangles of v that remain, with `to` instead of v.
   void make_new(std::uint32_t v, std::uint32_t to) {
     new_.clear();
@@ -393,10 +388,12 @@ class PatchCollapse : private PatchMesh {
     // The farthest first: it is the likeliest to be too far.
     std::ranges::sort(measured_, std::greater(), [&](std::uint32_t i) { return near_[i].distance_squared; });
     for (const std::uint32_t i : measured_) {
-      const Corners& t = new_[i].second;
+      const auto& [f, t] = new_[i];
       const std::array<glm::dvec3, 3> corners{places_[t.x] + origin_, places_[t.y] + origin_, places_[t.z] + origin_};
+      const mesh::TriangleTree& tree = state_.original_tree(triangles_[f]);
+      const auto covered = state_.original_cover.bound(corners, tree, sheet(f), near_[i].slot, proven_);
       const mesh::TriangleBound found =
-          mesh::bound_distance(corners, state_.original_tree(triangles_[new_[i].first]), limits, 0, near_[i].slot);
+          covered ? *covered : mesh::bound_distance(corners, tree, limits, 0, near_[i].slot);
       if (!(found.upper <= proven_)) return false;
       near_[i].known = {found.lower, found.upper};
     }

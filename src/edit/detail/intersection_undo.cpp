@@ -119,7 +119,9 @@ class PairsOfPatches {
     if (!box(a).is_unchecked && !box(b).is_unchecked) return;
     if (!box(a).box.meets(box(b).box)) return;
     if (a.level == tree_.depth()) {
-      for (const std::uint32_t t : tree_.numbers_of(a)) look_at(t, tree_.numbers_of(b), found);
+      for (const std::uint32_t t : tree_.numbers_of(a)) {
+        if (box(b).box.meets(box_of(state_, t))) look_at(t, tree_.numbers_of(b), found);
+      }
       return;
     }
     const auto part = [&](std::size_t i) { return [&, i] { between(a.child(i / 2), b.child(i % 2), found); }; };
