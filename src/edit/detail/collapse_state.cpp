@@ -23,7 +23,9 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
       sheets(sheets_of_triangles),
       start(from != nullptr ? from->corners : triangles),
       original_trees(places, triangles, from != nullptr ? from->not_original : gone, sheets_of_triangles),
-      original_slot(original_trees.slots(triangles.size())) {
+      original_slot(original_trees.slots(triangles.size())),
+      original_cover(original_trees, original_slot, triangles, places.size(),
+                     from != nullptr ? from->not_original : gone, sheets_of_triangles) {
   corners.assign(start.begin(), start.end());
   if (from == nullptr) return;
   gone.assign(from->gone.begin(), from->gone.end());

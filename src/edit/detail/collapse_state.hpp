@@ -18,6 +18,7 @@
 #include <glm/glm.hpp>
 
 #include "edit/detail/sheet_trees.hpp"
+#include "edit/detail/surface_cover.hpp"
 #include "mesh/triangle_tree.hpp"
 
 namespace isoextract::edit {
@@ -63,7 +64,9 @@ struct CollapseState {
   // end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
-  // The patch, by CollapseLog::first, in which the first round had each triangle; kNone: in none.
+  // The number of the first collapse since undo_intersections() looked at all pairs, and the patch, by
+  // CollapseLog::first, in which the first round since then had each triangle; kNone: in none.
+  std::uint32_t first_unchecked = 0;
   std::vector<std::uint32_t> first_patch;
   std::vector<char> tangled;          // 1: an allowed collapse left the triangle in an intersecting pair
   std::vector<DistanceBounds> known;  // distance of each changed triangle to the original mesh
@@ -74,6 +77,7 @@ struct CollapseState {
   std::span<const std::int8_t> sides;   // of vertices, as in CollapseStart; empty: all 0
   SheetTrees original_trees;
   std::vector<std::uint32_t> original_slot;  // the slot of each triangle in the tree of its sheet
+  SurfaceCover original_cover;
 
   [[nodiscard]] std::uint32_t sheet(std::uint32_t t) const { return sheets.of(t); }
   [[nodiscard]] bool has_role(std::uint32_t v, VertexRole role) const {
@@ -83,11 +87,15 @@ struct CollapseState {
   // Returns whether the state began with collapsed edges.
   [[nodiscard]] bool has_past() const { return !gone_at_start.empty(); }
   [[nodiscard]] bool has_original(std::uint32_t t) const { return not_original.empty() || not_original[t] == 0; }
+  // Returns whether a collapse changed the triangle since undo_intersections() looked at all pairs.
+  [[nodiscard]] bool is_unchecked(std::uint32_t t) const {
+    return changed_by[t] != kNone && changed_by[t] >= first_unchecked;
+  }
   [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && corners[t] == original[t]; }
   [[nodiscard]] std::size_t count_remaining() const;
   // Bytes for each triangle and each vertex, without the tree.
   static constexpr std::uint64_t kTriangleBytes =
-      sizeof(glm::uvec3) + 2 + 4 * sizeof(std::uint32_t) + sizeof(DistanceBounds);
+      sizeof(glm::uvec3) + 2 + 4 * sizeof(std::uint32_t) + sizeof(DistanceBounds) + SurfaceCover::kTriangleBytes;
   static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t);
   static constexpr std::size_t kMostSamples = 6;  // of a triangle: the farthest
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "base/hash.hpp"
 #include "base/parallel.hpp"
@@ -86,7 +87,7 @@ class DistanceProof {
       if (state_.gone[t] != 0) return;
       if (state_.changed_by[t] == kNone || state_.known[t].is_known()) return;
       const mesh::TriangleBound found =
-          bound(state_.corners[t], state_.original_tree(t), std::array{state_.original_slot[t]});
+          bound(state_.corners[t], state_.original_tree(t), std::array{state_.original_slot[t]}, state_.sheet(t));
       state_.known[t] = {found.lower, found.upper};
       if (!good(found)) wrong[i] = t;
     });
@@ -138,9 +139,11 @@ class DistanceProof {
   }
 
   // Bounds the distance from t to the tree. Rejects a triangle that needs far more parts than there are original
-  // triangles under it: it is close to the limit. `near` holds slots of the tree that may be near t.
+  // triangles under it: it is close to the limit. `near` holds slots of the tree that may be near t. `original_sheet`
+  // is set if the tree is that of an original sheet.
   [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
-                                          std::span<const std::uint32_t> near) const {
+                                          std::span<const std::uint32_t> near,
+                                          std::optional<std::uint32_t> original_sheet = {}) const {
     const auto places = corners(t);
     const double enough_squared = limits_.enough * limits_.enough;
     std::array<std::uint32_t, 3> slots{};  // without duplicates
@@ -154,6 +157,10 @@ class DistanceProof {
       found.upper = std::sqrt(farthest);
       found.slot = slot;
       return found;
+    }
+    if (original_sheet) {
+      const auto covered = state_.original_cover.bound(places, tree, *original_sheet, slots.front(), limits_.enough);
+      if (covered) return *covered;
     }
     mesh::DistanceLimits limits = limits_;
     const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -25,8 +26,8 @@ class PatchCollapse : private PatchMesh {
         limit_squared_(limits.distance * limits.distance),
         proven_(limits.proven),
         least_triangles_(limits.triangles),
-        left_(patch.size()),
-        guard_(state, patch) {
+        left_(patch.size()) {
+    if (limits.is_guarded) guard_.emplace(state, patch);
     log_.first = first;
     version_.assign(vertices_.size(), 0);
     cheapest_.resize(vertices_.size());
@@ -165,13 +166,15 @@ class PatchCollapse : private PatchMesh {
       prepared_ = to;
     }
     if (!new_are_near()) return;
-    list_changes();
-    if (guard_.allows(around_, changed_)) {
-      guard_.replace(around_, changed_);
-      collapse(v, to);
-    } else {
-      ++log_.refused;
+    if (guard_) {
+      list_changes();
+      if (!guard_->allows(around_, changed_)) {
+        ++log_.refused;
+        return;
+      }
+      guard_->replace(around_, changed_);
     }
+    collapse(v, to);
   }
 
   // Expects ring_ to be the ring of the candidate's vertex.
@@ -246,11 +249,6 @@ class PatchCollapse : private PatchMesh {
     if (!state_.has_role(vertices_[v], VertexRole::touching) || is_touching(to)) return true;
     return std::ranges::any_of(ring_.neighbors,
                                [&](std::uint32_t w) { return w != to && is_touching(w) && is_curve_edge(ring_, w); });
-  }
-
-  // A locked vertex may be the end of several curves.
-  [[nodiscard]] bool is_touching(std::uint32_t v) const {
-    return leaves_[v] > 0 && locked_[v] == 0 && state_.has_role(vertices_[v], VertexRole::touching);
   }
 
   // Lists in new_ the triangles of v that remain, with `to` instead of v.
@@ -390,10 +388,12 @@ class PatchCollapse : private PatchMesh {
     // The farthest first: it is the likeliest to be too far.
     std::ranges::sort(measured_, std::greater(), [&](std::uint32_t i) { return near_[i].distance_squared; });
     for (const std::uint32_t i : measured_) {
-      const Corners& t = new_[i].second;
+      const auto& [f, t] = new_[i];
       const std::array<glm::dvec3, 3> corners{places_[t.x] + origin_, places_[t.y] + origin_, places_[t.z] + origin_};
+      const mesh::TriangleTree& tree = state_.original_tree(triangles_[f]);
+      const auto covered = state_.original_cover.bound(corners, tree, sheet(f), near_[i].slot, proven_);
       const mesh::TriangleBound found =
-          mesh::bound_distance(corners, state_.original_tree(triangles_[new_[i].first]), limits, 0, near_[i].slot);
+          covered ? *covered : mesh::bound_distance(corners, tree, limits, 0, near_[i].slot);
       if (!(found.upper <= proven_)) return false;
       near_[i].known = {found.lower, found.upper};
     }
@@ -469,7 +469,7 @@ class PatchCollapse : private PatchMesh {
   double proven_;
   std::size_t least_triangles_;
   std::size_t left_;
-  IntersectionGuard guard_;
+  std::optional<IntersectionGuard> guard_;  // empty: not guarded
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // counts changes around a vertex; candidates with an older version are void

@@ -28,6 +28,9 @@ struct CollapseLimits {
   // Rejects a collapse if a point of a new triangle is farther from the original mesh. Skips the measurement of
   // triangles whose samples are all nearer than half of this limit.
   double proven = std::numeric_limits<double>::infinity();
+  // Rejects a collapse that makes triangles of the patch intersect. Without the guard, undo_intersections() must look
+  // at all pairs before the next round.
+  bool is_guarded = true;
   std::size_t triangles = 0;  // of the patch: stop here, or a few below (collapse_state.hpp: triangles of a collapse)
 };
 

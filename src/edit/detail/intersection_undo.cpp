@@ -51,15 +51,17 @@ bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
          mesh::find_overlap(p, q).meet;
 }
 
-// Finds intersections between triangles of different patches. The patch of a triangle is the one that changed it last;
-// of an unchanged triangle, the one that had it in the first round. The guard has tested all pairs of one patch.
+// Finds intersections with unchecked triangles, of all pairs or between different patches. The patch of an unchecked
+// triangle is the one that changed it last; of any other, the one that had it in the first round since the check.
 class PairsOfPatches {
  public:
-  PairsOfPatches(const CollapseState& state, std::span<const CollapseLog> logs, std::span<mesh::BoxTree::Item> items,
-                 const Context& context)
+  PairsOfPatches(const CollapseState& state, std::span<const CollapseLog> logs, bool skips_patches,
+                 std::span<mesh::BoxTree::Item> items, const Context& context)
       : state_(state), context_(context), tree_(items, [&](std::uint32_t t) { return box_of(state, t); }) {
     boxes_ = Buffer<PatchBox>(tree_.nodes());
-    tree_.fit(boxes_.span(), [&](std::uint32_t t) { return PatchBox{box_of(state, t), patch_of(t, logs)}; });
+    tree_.fit(boxes_.span(), [&](std::uint32_t t) {
+      return PatchBox{box_of(state, t), skips_patches ? patch_of(t, logs) : kSeveral, state.is_unchecked(t)};
+    });
   }
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
@@ -76,14 +78,14 @@ class PairsOfPatches {
   struct PatchBox {
     mesh::FloatBox box;
     std::uint32_t patch;
+    bool is_unchecked;  // some triangle is
     [[nodiscard]] PatchBox with(const PatchBox& other) const {
-      return {box.with(other.box), patch == other.patch ? patch : kSeveral};
+      return {box.with(other.box), patch == other.patch ? patch : kSeveral, is_unchecked || other.is_unchecked};
     }
   };
 
   [[nodiscard]] std::uint32_t patch_of(std::uint32_t t, std::span<const CollapseLog> logs) const {
-    const std::uint32_t collapse = state_.changed_by[t];
-    return collapse == kNone ? state_.first_patch[t] : find_log(collapse, logs).first;
+    return state_.is_unchecked(t) ? find_log(state_.changed_by[t], logs).first : state_.first_patch[t];
   }
 
   [[nodiscard]] const PatchBox& box(const Node& node) const { return boxes_[node.index()]; }
@@ -93,7 +95,7 @@ class PairsOfPatches {
   }
 
   void within(const Node& node, FoundPairs& found) const {
-    if (context_.cancelled() || box(node).patch != kSeveral) return;
+    if (context_.cancelled() || box(node).patch != kSeveral || !box(node).is_unchecked) return;
     if (node.level == tree_.depth()) {
       const auto triangles = tree_.numbers_of(node);
       for (std::size_t i = 0; i < triangles.size(); ++i) look_at(triangles[i], triangles.subspan(i + 1), found);
@@ -114,9 +116,12 @@ class PairsOfPatches {
   // Compares two nodes of one level.
   void between(const Node& a, const Node& b, FoundPairs& found) const {
     if (box(a).patch == box(b).patch && box(a).patch != kSeveral) return;
+    if (!box(a).is_unchecked && !box(b).is_unchecked) return;
     if (!box(a).box.meets(box(b).box)) return;
     if (a.level == tree_.depth()) {
-      for (const std::uint32_t t : tree_.numbers_of(a)) look_at(t, tree_.numbers_of(b), found);
+      for (const std::uint32_t t : tree_.numbers_of(a)) {
+        if (box(b).box.meets(box_of(state_, t))) look_at(t, tree_.numbers_of(b), found);
+      }
       return;
     }
     const auto part = [&](std::size_t i) { return [&, i] { between(a.child(i / 2), b.child(i % 2), found); }; };
@@ -129,7 +134,9 @@ class PairsOfPatches {
 
   void look_at(std::uint32_t t, std::span<const std::uint32_t> others, FoundPairs& found) const {
     const mesh::BoxQuery own(box_of(state_, t));
+    const bool is_unchecked = state_.is_unchecked(t);
     for (const std::uint32_t other : others) {
+      if (!is_unchecked && !state_.is_unchecked(other)) continue;
       if (own.meets(box_of(state_, other)) && is_new_pair(state_, t, other)) found.local().push_back({t, other});
     }
   }
@@ -147,7 +154,8 @@ std::vector<TrianglePair> joined(const FoundPairs& found) {
 }
 
 Result<std::vector<TrianglePair>> find_pairs_of_patches(const CollapseState& state, std::span<const CollapseLog> logs,
-                                                        const std::string& name, const Context& context) {
+                                                        bool skips_patches, const std::string& name,
+                                                        const Context& context) {
   const auto triangles = static_cast<std::size_t>(std::ranges::count(state.gone, 0));
   const auto memory = TRY(context.reserve(intersection_search_bytes(triangles),
                                           name + ": the search for intersections of the simplified mesh"));
@@ -157,7 +165,7 @@ Result<std::vector<TrianglePair>> find_pairs_of_patches(const CollapseState& sta
     if (state.gone[t] == 0) items[count++] = {box_of(state, t).center(), t};
   }
   FoundPairs found;
-  PairsOfPatches(state, logs, items.span(), context).find(found);
+  PairsOfPatches(state, logs, skips_patches, items.span(), context).find(found);
   TRY(context.check());
   return joined(found);
 }
@@ -214,11 +222,13 @@ std::uint64_t intersection_search_bytes(std::uint64_t triangles) {
 }
 
 Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
-                                               std::span<const RestoredTriangle> restored, bool is_first,
+                                               std::span<const RestoredTriangle> restored, UnlikelyPairs skipped,
                                                const std::string& name, const Context& context) {
   UndoneIntersections undone;
   std::vector<TrianglePair> pairs;
-  if (is_first) pairs = TRY(find_pairs_of_patches(state, logs, name, context));
+  if (skipped != UnlikelyPairs::not_restored) {
+    pairs = TRY(find_pairs_of_patches(state, logs, skipped == UnlikelyPairs::of_one_patch, name, context));
+  }
   std::vector<RestoredTriangle> changed(restored.begin(), restored.end());
   for (;;) {
     const auto of_restored = TRY(find_pairs_of(changed, state, context));

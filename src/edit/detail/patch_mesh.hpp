@@ -79,6 +79,11 @@ class PatchMesh {
     return from == nullptr || next == nullptr || sheet(from->triangle) != sheet(next->triangle);
   }
 
+  // A locked vertex may be the end of several curves.
+  [[nodiscard]] bool is_touching(std::uint32_t v) const {
+    return leaves_[v] > 0 && locked_[v] == 0 && state_.has_role(vertices_[v], VertexRole::touching);
+  }
+
   [[nodiscard]] std::uint32_t sheet(std::uint32_t triangle) const { return state_.sheet(triangles_[triangle]); }
 
   // Returns whether an existing edge has one triangle.

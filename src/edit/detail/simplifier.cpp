@@ -102,11 +102,14 @@ bool Simplifier::is_changed() const {
 }
 
 // Returns the number of undone collapses. `restored` lists the triangles restored since the last call or round; then
-// the triangles that this call restored.
-Result<std::uint64_t> Simplifier::undo_new_intersections(std::vector<RestoredTriangle>& restored) {
-  UndoneIntersections undone =
-      TRY(undo_intersections(state_, logs_, restored, !patches_are_checked_, mesh_.name, context_));
+// the triangles that this call restored. `is_guarded`: all rounds since the last call were.
+Result<std::uint64_t> Simplifier::undo_new_intersections(std::vector<RestoredTriangle>& restored, bool is_guarded) {
+  const UnlikelyPairs skipped = patches_are_checked_ ? UnlikelyPairs::not_restored
+                                : is_guarded         ? UnlikelyPairs::of_one_patch
+                                                     : UnlikelyPairs::none;
+  UndoneIntersections undone = TRY(undo_intersections(state_, logs_, restored, skipped, mesh_.name, context_));
   patches_are_checked_ = true;
+  state_.first_unchecked = static_cast<std::uint32_t>(numbers_);
   restored = std::move(undone.restored);
   facts_.untangled_collapses += undone.collapses;
   if (undone.collapses > 0) {
@@ -155,17 +158,27 @@ Result<void> Simplifier::within(double enough) {
   return {};
 }
 
+// Small distances make few triangles intersect. So their first round has no guard, which saves much time, and the next
+// round tries again near the collapses that intersections undo.
 Result<void> Simplifier::sweep(double distance) {
   constexpr double kLargerPatches = 4;
+  constexpr double kMostUnguarded = 1.0 / 300;  // fraction of the patch size
   want_all();
   std::uint64_t work = kSweepWork;
-  for (double size = options_.patch_size;; size *= kLargerPatches) {
+  bool is_guarded = distance > kMostUnguarded * options_.patch_size;
+  for (double size = options_.patch_size;; size *= kLargerPatches, is_guarded = true) {
     const std::uint64_t share = work - work / 4;  // later rounds visit few triangles
     const double least_part =
         static_cast<double>(least_triangles_) / static_cast<double>(std::max<std::size_t>(left_, 1));
-    auto patches = TRY(round(size, {kOfVertices * distance, distance, 0}, {least_part, share}));
+    auto patches = TRY(round(size, {kOfVertices * distance, distance, is_guarded, 0}, {least_part, share}));
     work -= share;
-    if (patches > 1) continue;
+    std::vector<RestoredTriangle> restored;
+    if (!is_guarded) TRY(undo_new_intersections(restored, is_guarded));
+    for (const RestoredTriangle& r : restored) {
+      mark(wanted_, r.corners);
+      mark(wanted_, state_.corners[r.triangle]);
+    }
+    if (patches > 1 || !restored.empty()) continue;
     context_.progress().advance(work);
     return {};
   }
@@ -188,7 +201,7 @@ Result<void> Simplifier::collapse_to_count(double enough) {
   while (patches > kFew && static_cast<double>(left_) > kAlmost * target && distance < farthest) {
     const auto before = static_cast<double>(left_);
     want_all();
-    patches = TRY(round(size, {distance, enough, 0}, {.least_part = target / before}));
+    patches = TRY(round(size, {distance, enough, true, 0}, {.least_part = target / before}));
     distance *= kSteps;
     // Keeps the number of triangles in a patch.
     size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
@@ -212,7 +225,7 @@ double Simplifier::extent() const {
 // Collapses edges of all remaining triangles as one patch, down to options_.triangles.
 Result<void> Simplifier::cheapest(double enough) {
   want_all();
-  TRY(round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, {}));
+  TRY(round(std::numeric_limits<double>::infinity(), {enough, enough, true, options_.triangles}, {}));
   return {};
 }
 
@@ -267,7 +280,8 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
   for_each_index(
       places.size(), [&](std::size_t i) { triangles[i] = places[i].triangle; }, kTriangleGrain);
   lock_patch_borders(triangles, first);
-  if (numbers_ == 0) {
+  if (numbers_ == state_.first_unchecked) {
+    std::ranges::fill(state_.first_patch, kNone);
     for_each_index(patches, [&](std::size_t p) {
       for (std::size_t i = first[p]; i < first[p + 1]; ++i) {
         state_.first_patch[triangles[i]] = static_cast<std::uint32_t>(first[p]);

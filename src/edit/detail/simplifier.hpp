@@ -54,7 +54,7 @@ class Simplifier {
   };
 
   [[nodiscard]] bool is_changed() const;
-  Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored);
+  Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored, bool is_guarded = true);
   Result<void> look(const Result<Proof>& proof);
   [[nodiscard]] std::vector<glm::vec3> place_vertices();
   Result<void> within(double enough);

@@ -78,6 +78,23 @@ TEST(SimplifyIntersections, AddsNone) {
   }
 }
 
+// The distance is small for the size of the patches, so the first round has no guard. The ball has many patches, or
+// one.
+TEST(SimplifyIntersections, AddsNoneAfterRoundWithoutGuard) {
+  const mesh::Mesh noisy = noisy_ball(40);
+  for (const double patch_size : {16.0, 400.0}) {
+    SimplifyOptions options = to_distance(patch_size / 310);
+    options.patch_size = patch_size;
+    const SimplifiedMesh done = simplified_copy(noisy, options);
+    EXPECT_LT(done.mesh.triangles.size(), noisy.triangles.size()) << patch_size;
+    EXPECT_EQ(count_pairs(done.mesh), 0U) << patch_size;
+    EXPECT_GT(done.facts.untangled_collapses, 0U) << patch_size;
+    EXPECT_GT(done.facts.rounds, 1U) << patch_size;
+    EXPECT_LE(done.facts.distance_upper, options.max_distance);
+    test::expect_sound(done.mesh, false);
+  }
+}
+
 TEST(SimplifyIntersections, AddsNoneBetweenPatchesOfThinSheets) {
   // Two shells a twentieth of a voxel apart. Their patches meet in many places.
   const mesh::Mesh outer = test::sphere(40, false);
@@ -145,14 +162,18 @@ TEST(SimplifyIntersections, AddsNoneToPlantedPairs) {
 
 TEST(SimplifyIntersections, IsIndependentOfThreads) {
   const mesh::Mesh noisy = noisy_ball(32);
-  const auto simplified_by = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return simplified_copy(noisy, to_count(noisy.triangles.size() / 6)).mesh;
-  };
-  const mesh::Mesh one = simplified_by(1);
-  const mesh::Mesh several = simplified_by(4);
-  EXPECT_TRUE(std::ranges::equal(one.triangles, several.triangles));
-  EXPECT_TRUE(std::ranges::equal(one.positions, several.positions));
+  SimplifyOptions without_guard = to_distance(0.05);
+  without_guard.patch_size = 16;
+  for (const SimplifyOptions& options : {to_count(noisy.triangles.size() / 6), without_guard}) {
+    const auto simplified_by = [&](std::size_t threads) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      return simplified_copy(noisy, options).mesh;
+    };
+    const mesh::Mesh one = simplified_by(1);
+    const mesh::Mesh several = simplified_by(4);
+    EXPECT_TRUE(std::ranges::equal(one.triangles, several.triangles));
+    EXPECT_TRUE(std::ranges::equal(one.positions, several.positions));
+  }
 }
 
 TEST(SimplifyIntersections, RefusesNoCollapseOnCleanSurface) {
