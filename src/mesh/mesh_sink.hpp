@@ -26,7 +26,8 @@ struct MeshShape {
   // If the parts come in order, triangles use no other vertices but those of their own part, of the next part, and
   // `far_vertices`. False: a triangle may use the vertices of any part.
   bool uses_near_vertices = true;
-  std::vector<std::uint32_t> far_vertices = {};  // vertices that triangles of later parts may use, ascending
+  // Vertices that triangles of later parts may use, ascending. Empty if ranks make the mesh together.
+  std::vector<std::uint32_t> far_vertices = {};
   // Indices of the attributes that have a value that is not finite, ascending.
   std::vector<std::size_t> not_finite_attributes = {};
 };

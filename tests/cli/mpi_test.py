@@ -187,14 +187,22 @@ class VolumeTest(MpiTest):
         self.write_raw("a.raw", (30, 40, 50), lambda x, y, z: x + (y * z) % 7 - 0.5 * ((x * y + z) % 11))
         self.assert_same(3, "b.ply", self.SHARED, "a.raw", "--dims", "30,40,50", "--dtype", "f32", "--iso", "6", "--roi", "2,3,5,28,35,47", "--roi-snap")
 
+    def test_caps_are_shared(self):
+        for ranks in (1, 2, 3, 4):
+            for method in ("mc", "mt"):
+                for name in ("a.ply", "a.glb"):
+                    with self.subTest(ranks=ranks, method=method, name=name):
+                        self.assert_same(ranks, name, self.SHARED, "demo:gyroid?size=100", "--iso", "0.1", "--method", method,
+                                         "--normals", "none", "--cap", "--roi", "-0.95,-0.9,-0.93,0.94,0.8,0.9", "--roi-snap")
+
     def test_more_ranks_than_slabs(self):
         self.assert_same(4, "a.ply", self.SHARED, "demo:gyroid?size=12", "--iso", "0")
+        self.assert_same(4, "b.ply", self.SHARED, "demo:gyroid?size=17", "--iso", "0", "--cap", "--normals", "none")
 
     def test_what_cannot_be_shared_is_done_by_rank_0(self):
         for ranks in (2, 4):
             for name, why, *arguments in (
-                    ("cap.ply", "a cap", "demo:gyroid?size=40", "--iso", "0", "--cap"),
-                    ("mt.ply", "a cap", "demo:gyroid?size=40", "--iso", "0", "--cap", "--method", "mt"),
+                    ("cap.ply", "an option", "demo:gyroid?size=40", "--iso", "0", "--cap", "--normals", "smooth"),
                     ("nets.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "surface-nets"),
                     ("voxels.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "voxels"),
                     ("simple.ply", "an option", "demo:gyroid?size=40", "--iso", "0", "--simplify", "0.1"),

@@ -259,7 +259,6 @@ std::string reason_against_sharing(const ConversionJob& job, const Source& sourc
   if (!has_sink) return "an option or the output needs the whole mesh in one process";
   if (!std::holds_alternative<field::DenseSamples>(source.field.samples)) return "the samples are sparse";
   if (backend != "cpu") return "the GPU extracts the surface";
-  if (job.surface.cap) return "a cap needs the whole boundary";
   if (job.surface.nan == extract::NanPolicy::hole) return "holes around NaN samples need the whole mesh";
   return {};
 }

@@ -119,7 +119,10 @@ class DenseExtraction final : private VariantChooser {
   }
 
   [[nodiscard]] bool uses_near_vertices() const { return true; }
-  [[nodiscard]] bool is_shared() const { return ranks_ != nullptr; }
+  [[nodiscard]] std::optional<RankSlices> rank_slices() const {
+    if (ranks_ == nullptr) return std::nullopt;
+    return RankSlices{ranks_, region_.min.z + slices_below(own_.begin), region_.min.z + slices_below(own_.end)};
+  }
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
   [[nodiscard]] BoundarySides boundary_sides() const { return sides_; }
   [[nodiscard]] bool draws_at_boundary() const {
