@@ -20,6 +20,9 @@ struct RankSlices {
   Ranks* ranks = nullptr;
   int begin = 0;
   int end = 0;
+  // The vertices of the first slice, which triangles of the rank before may use; none for the first rank.
+  std::uint32_t first_shared_vertex = 0;
+  std::uint32_t shared_vertices = 0;
 };
 
 // Returns the samples of the box that this process has: all without `share`, and no sample if it has no slice.

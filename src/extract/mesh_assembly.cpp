@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -194,7 +195,14 @@ Result<void> deliver_part(mesh::MeshSink& sink, const mesh::PartPass& pass, cons
 }
 
 Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface, const BoundaryCap& cap,
-                        const Context& context) {
+                        const std::optional<RankSlices>& share, const Context& context) {
+  std::vector<std::uint32_t>& rim = shape.far_vertices;
+  if (share) {
+    const auto memory = TRY(context.reserve(share->shared_vertices * sizeof(std::uint32_t), "the vertices of a slice"));
+    rim.resize(share->shared_vertices);
+    std::iota(rim.begin(), rim.end(), share->first_shared_vertex);
+    return sink.begin(shape);
+  }
   const auto for_each_reference = [&](const auto& visit) {
     for (const glm::uvec3& triangle : cap.triangles) {
       for (int corner = 0; corner < 3; ++corner) {
@@ -205,7 +213,6 @@ Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshS
   std::uint64_t count = 0;
   for_each_reference([&](std::uint32_t /*vertex*/) { ++count; });
   const auto memory = TRY(context.reserve(count * sizeof(std::uint32_t), "the vertices around a cap"));
-  std::vector<std::uint32_t>& rim = shape.far_vertices;
   rim.reserve(count);
   for_each_reference([&](std::uint32_t vertex) { rim.push_back(vertex); });
   std::ranges::sort(rim);

@@ -74,9 +74,11 @@ void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& c
                                         const MeshSizes& first, const MeshSizes& sizes);
 
 // Calls the sink's begin() with `shape` and, as far_vertices, the vertices of the surface that triangles of the cap
-// use. Returns whether the sink takes the mesh. Fails with ErrorCode::out_of_memory, and as the sink does.
+// use, or with `share` its shared vertices. Returns whether the sink takes the mesh. Fails with
+// ErrorCode::out_of_memory, and as the sink does.
 [[nodiscard]] Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface,
-                                      const BoundaryCap& cap, const Context& context);
+                                      const BoundaryCap& cap, const std::optional<RankSlices>& share,
+                                      const Context& context);
 
 // Hands the cap of `box` to a sink in a pass: as the part that follows the surface, or the share of a rank in several
 // parts. Fails with ErrorCode::out_of_memory, and as the sink does.

@@ -54,8 +54,8 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
   // sink. Fails as the sink does, and as emit(). Called once for each pass of the sink.
   { surface.deliver(sink, pass) } -> std::same_as<Result<void>>;
   { surface.uses_near_vertices() } -> std::same_as<bool>;  // MeshShape::uses_near_vertices, for these parts
-  // Returns the slices of this rank, if other ranks make the other parts at the same time. count() and the facts about
-  // the boundary are those of the whole surface even so. nullopt: this process makes all parts.
+  // Call after count(). Returns the slices of this rank, if other ranks make the other parts at the same time. count()
+  // and the facts about the boundary are those of the whole surface even so. nullopt: this process makes all parts.
   { surface.rank_slices() } -> std::same_as<std::optional<RankSlices>>;
 };
 
@@ -89,8 +89,7 @@ template <SurfacePasses Surface>
                                 .may_be_open = result.stats.meets_boundary && !options.cap,
                                 .distinct_positions = surface.placement().keeps_vertices_apart(),
                                 .uses_near_vertices = surface.uses_near_vertices()};
-    const bool takes = surface.rank_slices() ? TRY(options.sink->begin(shape))
-                                             : TRY(offer_mesh(*options.sink, shape, sizes, cap, context));
+    const bool takes = TRY(offer_mesh(*options.sink, shape, sizes, cap, surface.rank_slices(), context));
     if (!takes) return {};
     for (std::size_t p = 0; p < options.sink->passes().size(); ++p) {
       const mesh::PartPass pass = options.sink->passes()[p];

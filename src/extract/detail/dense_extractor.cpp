@@ -121,7 +121,7 @@ class DenseExtraction final : private VariantChooser {
   [[nodiscard]] bool uses_near_vertices() const { return true; }
   [[nodiscard]] std::optional<RankSlices> rank_slices() const {
     if (ranks_ == nullptr) return std::nullopt;
-    return RankSlices{ranks_, region_.min.z + slices_below(own_.begin), region_.min.z + slices_below(own_.end)};
+    return slices_of_rank(*ranks_, slices_below(own_.begin), slices_below(own_.end), region_.min.z, rows_);
   }
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
   [[nodiscard]] BoundarySides boundary_sides() const { return sides_; }
@@ -449,8 +449,7 @@ class DenseExtraction final : private VariantChooser {
   const field::ScalarField& field_;
   const ExtractOptions& options_;
   const Context& context_;
-  Ranks*
-      ranks_;  // share the volume slab by slab, without masks of all samples; null: this process does the whole volume
+  Ranks* ranks_;  // share the volume slab by slab, without masks of all samples; null: this process does all of it
   InsideRule rule_;
   DenseView<T> whole_;
   DenseView<T> view_;  // view of the region
