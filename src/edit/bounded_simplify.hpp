@@ -52,7 +52,7 @@ struct SimplifyFigures {
   std::uint64_t undone_collapses = 0;  // collapses undone because a triangle was too far away
   // Collapses refused because they would have made triangles intersect; a collapse tried again counts again.
   std::uint64_t refused_collapses = 0;
-  std::uint64_t untangled_collapses = 0;  // collapses undone because triangles of different patches intersected
+  std::uint64_t untangled_collapses = 0;  // collapses undone because triangles intersected afterwards
   int rounds = 0;
   int passes = 0;             // distance measurements, which are repeated after each undo
   std::uint64_t windows = 0;  // parts that were simplified one after the other; 0: the mesh was simplified as a whole

@@ -4,17 +4,22 @@
 // the surface already has on edges in these faces, so the cap is welded to the surface. A square with alternating
 // corners uses the decision of the cell behind it (asymptotic_decider.hpp). For methods with edges across cell faces, a
 // square is split into the same two triangles as in its cell.
+//
+// The vertices and the triangles of a cap come face by face, and in a face row by row. If ranks share the volume, each
+// makes the elements of its slices: a piece of some rows, and other rows as a whole (cap_shares.hpp).
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "extract/asymptotic_decider.hpp"
+#include "extract/cap_shares.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/extractor.hpp"
 #include "field/samples.hpp"
@@ -24,59 +29,55 @@ namespace isoextract::extract {
 struct BoundaryCap {
   std::vector<glm::ivec3> samples;    // positions of the cap vertices, in the order of their numbers
   std::vector<glm::uvec3> triangles;  // vertex numbers; counter-clockwise seen from outside in right-handed index space
+  // Where the samples and triangles are in the whole cap; if this process makes all of it, one run for each.
+  CapPlaces sample_places;
+  CapPlaces triangle_places;
+
+  [[nodiscard]] bool empty() const { return samples.empty() && triangles.empty(); }
 };
 
 namespace detail {
 
-struct BoxFace {
-  int axis;     // the axis normal to the face
-  bool at_max;  // at box.max, otherwise at box.min
-  int u, v;     // the axes in the face; (u, v, outward) is right-handed
-
-  // `face` is 2 * axis, plus 1 at box.max.
-  static BoxFace of(int face) {
-    const int axis = face / 2;
-    const bool at_max = face % 2 != 0;
-    const int next = (axis + 1) % 3;
-    const int after = (axis + 2) % 3;
-    return at_max ? BoxFace{axis, at_max, next, after} : BoxFace{axis, at_max, after, next};
-  }
-};
-
-// Calls visit(face number, box face, sample) face by face. A sample on several faces is visited once for each.
+// Calls visit(face number, box face, sample) face by face for the samples in `part` of the box. A sample on several
+// faces is visited once for each.
 template <class Visit>
-void for_each_boundary_sample(const field::IndexBox& box, const Visit& visit) {
+void for_each_boundary_sample(const field::IndexBox& box, const field::IndexBox& part, const Visit& visit) {
   for (int face = 0; face < 6; ++face) {
     const BoxFace f = BoxFace::of(face);
     glm::ivec3 p;
     p[f.axis] = f.at_max ? box.max[f.axis] : box.min[f.axis];
-    for (p[f.v] = box.min[f.v]; p[f.v] <= box.max[f.v]; ++p[f.v]) {
-      for (p[f.u] = box.min[f.u]; p[f.u] <= box.max[f.u]; ++p[f.u]) visit(face, f, p);
+    if (p[f.axis] < part.min[f.axis] || p[f.axis] > part.max[f.axis]) continue;
+    for (p[f.v] = part.min[f.v]; p[f.v] <= part.max[f.v]; ++p[f.v]) {
+      for (p[f.u] = part.min[f.u]; p[f.u] <= part.max[f.u]; ++p[f.u]) visit(face, f, p);
     }
   }
 }
 
 using Square = std::array<glm::ivec3, 4>;  // four samples, counter-clockwise seen from outside
 
-// Calls visit(box face, square) for every square of the six faces.
+// Calls visit(face number, box face, square) for every square of the six faces whose first corner is in `part`.
 template <class Visit>
-void for_each_boundary_square(const field::IndexBox& box, const Visit& visit) {
-  for_each_boundary_sample(box, [&](int, const BoxFace& f, const glm::ivec3& p) {
+void for_each_boundary_square(const field::IndexBox& box, const field::IndexBox& part, const Visit& visit) {
+  for_each_boundary_sample(box, part, [&](int face, const BoxFace& f, const glm::ivec3& p) {
     if (p[f.u] == box.max[f.u] || p[f.v] == box.max[f.v]) return;
     glm::ivec3 du(0);
     glm::ivec3 dv(0);
     du[f.u] = 1;
     dv[f.v] = 1;
-    visit(f, Square{p, p + du, p + du + dv, p + dv});
+    visit(face, f, Square{p, p + du, p + du + dv, p + dv});
   });
 }
 
-// The vertex number of each sample on the six faces. A sample on several faces is stored with the first of them.
+// The vertex number of each sample on the six faces of `box`, in `part` of it. A sample on several faces is stored with
+// the first of them.
 class CapVertexNumbers {
  public:
-  explicit CapVertexNumbers(const field::IndexBox& box) : box_(box), dims_(box.dims()) {
+  CapVertexNumbers(const field::IndexBox& box, const field::IndexBox& part)
+      : box_(box), min_(part.min), dims_(part.dims()) {
     for (int face = 0; face < 6; ++face) {
       const BoxFace f = BoxFace::of(face);
+      const int plane = f.at_max ? box.max[f.axis] : box.min[f.axis];
+      if (plane < part.min[f.axis] || plane > part.max[f.axis]) continue;
       numbers_[face].resize(static_cast<std::size_t>(dims_[f.u] * dims_[f.v]));
     }
   }
@@ -92,30 +93,34 @@ class CapVertexNumbers {
   std::uint32_t& of(const glm::ivec3& p) {
     const int face = first_face(p);
     const BoxFace f = BoxFace::of(face);
-    return numbers_[face][static_cast<std::size_t>(p[f.u] - box_.min[f.u] + dims_[f.u] * (p[f.v] - box_.min[f.v]))];
+    return numbers_[face][static_cast<std::size_t>(p[f.u] - min_[f.u] + dims_[f.u] * (p[f.v] - min_[f.v]))];
   }
 
  private:
   field::IndexBox box_;
+  glm::ivec3 min_;
   glm::i64vec3 dims_;
   std::array<std::vector<std::uint32_t>, 6> numbers_;
 };
 
 }  // namespace detail
 
-// Returns the cap of `box`. The callbacks take samples by index:
+// Returns the cap of `box`, or the share of one rank in it. The callbacks take samples by index:
 // - inside(p): whether the sample is inside;
 // - edge_vertex(p, direction): the surface vertex on the crossed edge from sample p along the axis bits `direction`;
 // - depth(p): InsideRule::depth of the sample;
 // - missing(p): whether the sample is missing (NaN); squares with a missing corner are left out.
 // Cap vertices are numbered from `first_number`. `whole_squares` is MethodTraits::axis_edges_only; if false, each
-// square is split into two triangles first.
+// square is split into two triangles first. With `share`, all ranks call this function, and it fails as Ranks::gather()
+// does; the callbacks get samples of its slices and of the one behind.
 template <class Inside, class EdgeVertex, class Depth, class Missing>
-BoundaryCap make_boundary_cap(const field::IndexBox& box, bool whole_squares, std::uint32_t first_number,
-                              const Inside& inside, const EdgeVertex& edge_vertex, const Depth& depth,
-                              const Missing& missing) {
+Result<BoundaryCap> make_boundary_cap(const field::IndexBox& box, const std::optional<RankSlices>& share,
+                                      bool whole_squares, std::uint32_t first_number, const Inside& inside,
+                                      const EdgeVertex& edge_vertex, const Depth& depth, const Missing& missing) {
   BoundaryCap cap;
-  detail::CapVertexNumbers numbers(box);
+  const field::IndexBox own = own_part(box, share);
+  const field::IndexBox behind = part_behind(box, share);
+  detail::CapVertexNumbers numbers(box, used_part(box, share));
 
   // Adds the inside part of a polygon of samples. Each run of inside corners, with the crossings before and after it,
   // is a convex polygon. It becomes a fan around the crossing before the run, or around a corner if all corners are
@@ -160,27 +165,43 @@ BoundaryCap make_boundary_cap(const field::IndexBox& box, bool whole_squares, st
     }
   };
 
-  detail::for_each_boundary_sample(box, [&](int face, const detail::BoxFace&, const glm::ivec3& p) {
+  const CapRows rows(box);
+  std::vector<std::uint32_t> counts(rows.count());
+  detail::for_each_boundary_sample(box, own, [&](int face, const BoxFace&, const glm::ivec3& p) {
     if (numbers.first_face(p) != face || !inside(p)) return;
-    numbers.of(p) = first_number + static_cast<std::uint32_t>(cap.samples.size());
+    ++counts[rows.index(face, p)];
     cap.samples.push_back(p);
   });
-  detail::for_each_boundary_square(box, [&](const detail::BoxFace&, const detail::Square& square) {
+  cap.sample_places = TRY(place_in_cap(counts, share));
+  std::vector<std::uint64_t> next = cap.sample_places.first_of_rows;
+  const auto number = [&](int face, const glm::ivec3& p) {
+    numbers.of(p) = first_number + static_cast<std::uint32_t>(next[rows.index(face, p)]++);
+  };
+  for (const glm::ivec3& p : cap.samples) number(numbers.first_face(p), p);
+  // The next rank has these samples, but squares between the ranks use them.
+  detail::for_each_boundary_sample(box, behind, [&](int face, const BoxFace&, const glm::ivec3& p) {
+    if (numbers.first_face(p) == face && inside(p)) number(face, p);
+  });
+
+  std::ranges::fill(counts, 0U);
+  detail::for_each_boundary_square(box, own, [&](int face, const BoxFace&, const detail::Square& square) {
     if (std::any_of(square.begin(), square.end(), missing)) return;
+    const std::size_t before = cap.triangles.size();
     if (whole_squares) {
       fill(square);
     } else {
       fill(std::array{square[0], square[1], square[2]});
       fill(std::array{square[0], square[2], square[3]});
     }
+    counts[rows.index(face, square.front())] += static_cast<std::uint32_t>(cap.triangles.size() - before);
   });
+  cap.triangle_places = TRY(place_in_cap(counts, share));
   return cap;
 }
 
 // Returns whether the cell behind a boundary square has no missing sample (missing(p) is true for none of its eight).
 template <class Missing>
-[[nodiscard]] bool has_complete_cell_behind(const detail::BoxFace& face, const detail::Square& square,
-                                            const Missing& missing) {
+[[nodiscard]] bool has_complete_cell_behind(const BoxFace& face, const detail::Square& square, const Missing& missing) {
   glm::ivec3 inward(0);
   inward[face.axis] = face.at_max ? -1 : 1;
   return std::ranges::none_of(square, [&](const glm::ivec3& p) { return missing(p) || missing(p + inward); });
@@ -191,7 +212,7 @@ template <class Missing>
 template <class Inside, class Missing>
 [[nodiscard]] bool draws_at_boundary(const field::IndexBox& box, const Inside& inside, const Missing& missing) {
   bool found = false;
-  detail::for_each_boundary_square(box, [&](const detail::BoxFace& face, const detail::Square& square) {
+  detail::for_each_boundary_square(box, box, [&](int, const BoxFace& face, const detail::Square& square) {
     if (found) return;
     const auto in = std::ranges::count_if(square, inside);
     found = in != 0 && in != std::ssize(square) && has_complete_cell_behind(face, square, missing);
@@ -207,7 +228,7 @@ template <class Missing>
   glm::ivec3 along(0);
   along[axis] = 1;
   for (int number = 0; number < 6; ++number) {
-    const auto face = detail::BoxFace::of(number);
+    const auto face = BoxFace::of(number);
     if (face.axis == axis || p[face.axis] != (face.at_max ? box.max : box.min)[face.axis]) continue;
     const int other = 3 - axis - face.axis;
     glm::ivec3 beside(0);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -90,7 +91,7 @@ Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSize
 }
 
 MeshSizes with_cap(const MeshSizes& surface, const BoundaryCap& cap) {
-  return {surface.vertices + cap.samples.size(), surface.triangles + cap.triangles.size()};
+  return {surface.vertices + cap.sample_places.all, surface.triangles + cap.triangle_places.all};
 }
 
 Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
@@ -194,7 +195,14 @@ Result<void> deliver_part(mesh::MeshSink& sink, const mesh::PartPass& pass, cons
 }
 
 Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface, const BoundaryCap& cap,
-                        const Context& context) {
+                        const std::optional<RankSlices>& share, const Context& context) {
+  std::vector<std::uint32_t>& rim = shape.far_vertices;
+  if (share) {
+    const auto memory = TRY(context.reserve(share->shared_vertices * sizeof(std::uint32_t), "the vertices of a slice"));
+    rim.resize(share->shared_vertices);
+    std::iota(rim.begin(), rim.end(), share->first_shared_vertex);
+    return sink.begin(shape);
+  }
   const auto for_each_reference = [&](const auto& visit) {
     for (const glm::uvec3& triangle : cap.triangles) {
       for (int corner = 0; corner < 3; ++corner) {
@@ -205,7 +213,6 @@ Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshS
   std::uint64_t count = 0;
   for_each_reference([&](std::uint32_t /*vertex*/) { ++count; });
   const auto memory = TRY(context.reserve(count * sizeof(std::uint32_t), "the vertices around a cap"));
-  std::vector<std::uint32_t>& rim = shape.far_vertices;
   rim.reserve(count);
   for_each_reference([&](std::uint32_t vertex) { rim.push_back(vertex); });
   std::ranges::sort(rim);
@@ -217,12 +224,27 @@ Result<void> deliver_cap(mesh::MeshSink& sink, const mesh::PartPass& pass, const
                          const BoundaryCap& cap, const field::IndexBox& box, const OutputPlacement& placement,
                          const ExtractOptions& options, const Context& context) {
   const ExtractOptions wanted = options_in(pass, options);
-  const MeshSizes sizes{cap.samples.size(), cap.triangles.size()};
-  const auto memory = TRY(context.reserve(array_bytes(sizes, wanted), "the triangles of a cap"));
-  mesh::Mesh part;
-  allocate_mesh(part, {}, cap, wanted);
-  append_cap(part, {}, cap, box, placement);
-  return deliver_part(sink, pass, part, surface, sizes_in(pass, sizes));
+  const auto memory =
+      TRY(context.reserve(array_bytes({cap.samples.size(), cap.triangles.size()}, wanted), "the triangles of a cap"));
+  mesh::Mesh whole;
+  allocate_mesh(whole, {}, cap, wanted);
+  append_cap(whole, {}, cap, box, placement);
+  const std::vector<CapRun>& vertices = cap.sample_places.runs;
+  const std::vector<CapRun>& triangles = cap.triangle_places.runs;
+  MeshSizes done;
+  for (std::size_t run = 0; run < std::max(vertices.size(), triangles.size()); ++run) {
+    const CapRun of_vertices = run < vertices.size() ? vertices[run] : CapRun();
+    const CapRun of_triangles = run < triangles.size() ? triangles[run] : CapRun();
+    const MeshSizes sizes = sizes_in(pass, {of_vertices.count, of_triangles.count});
+    mesh::MeshPart part{surface.vertices + of_vertices.first, {}, {}, surface.triangles + of_triangles.first, {}};
+    if (pass.positions) part.positions = whole.positions.span().subspan(done.vertices, sizes.vertices);
+    if (!whole.normals.empty()) part.normals = whole.normals.span().subspan(done.vertices, sizes.vertices);
+    part.triangles = whole.triangles.span().subspan(done.triangles, sizes.triangles);
+    if (sizes.vertices > 0 || sizes.triangles > 0) TRY(sink.take(part));
+    done.vertices += of_vertices.count;
+    done.triangles += of_triangles.count;
+  }
+  return {};
 }
 
 }  // namespace isoextract::extract

@@ -32,7 +32,7 @@ struct MeshSizes {
 [[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
                                                const ExtractOptions& options, const Context& context);
 
-// Returns the sizes of surface and cap together.
+// Returns the sizes of surface and cap together, with the cap of all ranks.
 [[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BoundaryCap& cap);
 
 // reserve_cap_numbers() reserves memory for the table of vertex numbers that building the cap needs. reserve_cap()
@@ -74,12 +74,14 @@ void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BoundaryCap& c
                                         const MeshSizes& first, const MeshSizes& sizes);
 
 // Calls the sink's begin() with `shape` and, as far_vertices, the vertices of the surface that triangles of the cap
-// use. Returns whether the sink takes the mesh. Fails with ErrorCode::out_of_memory, and as the sink does.
-[[nodiscard]] Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface,
-                                      const BoundaryCap& cap, const Context& context);
-
-// Hands the cap of `box` to a sink in a pass, as the part that follows the surface. Fails with
+// use, or with `share` its shared vertices. Returns whether the sink takes the mesh. Fails with
 // ErrorCode::out_of_memory, and as the sink does.
+[[nodiscard]] Result<bool> offer_mesh(mesh::MeshSink& sink, mesh::MeshShape shape, const MeshSizes& surface,
+                                      const BoundaryCap& cap, const std::optional<RankSlices>& share,
+                                      const Context& context);
+
+// Hands the cap of `box` to a sink in a pass: as the part that follows the surface, or the share of a rank in several
+// parts. Fails with ErrorCode::out_of_memory, and as the sink does.
 [[nodiscard]] Result<void> deliver_cap(mesh::MeshSink& sink, const mesh::PartPass& pass, const MeshSizes& surface,
                                        const BoundaryCap& cap, const field::IndexBox& box,
                                        const OutputPlacement& placement, const ExtractOptions& options,

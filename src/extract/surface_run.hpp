@@ -54,10 +54,20 @@ concept PartwisePasses = SurfacePasses<S> && requires(S& surface, mesh::MeshSink
   // sink. Fails as the sink does, and as emit(). Called once for each pass of the sink.
   { surface.deliver(sink, pass) } -> std::same_as<Result<void>>;
   { surface.uses_near_vertices() } -> std::same_as<bool>;  // MeshShape::uses_near_vertices, for these parts
-  // Returns whether this is only the part of one rank: other ranks make the other parts at the same time. count() and
-  // the facts about the boundary are those of the whole surface even so.
-  { surface.is_shared() } -> std::same_as<bool>;
+  // Call after count(). Returns the slices of this rank, if other ranks make the other parts at the same time. count()
+  // and the facts about the boundary are those of the whole surface even so. nullopt: this process makes all parts.
+  { surface.rank_slices() } -> std::same_as<std::optional<RankSlices>>;
 };
+
+// Returns the slices of this rank; nullopt if this process makes the whole surface.
+template <SurfacePasses Surface>
+[[nodiscard]] std::optional<RankSlices> rank_slices_of(const Surface& surface) {
+  if constexpr (PartwisePasses<Surface>) {
+    return surface.rank_slices();
+  } else {
+    return std::nullopt;
+  }
+}
 
 // Offers the mesh to the sink of `options`. If the sink takes it, sets Extraction::taken and delivers the mesh and its
 // cap. Does nothing if the surface without its cap has no triangles, or with edge keys. Does nothing either if the
@@ -79,13 +89,13 @@ template <SurfacePasses Surface>
                                 .may_be_open = result.stats.meets_boundary && !options.cap,
                                 .distinct_positions = surface.placement().keeps_vertices_apart(),
                                 .uses_near_vertices = surface.uses_near_vertices()};
-    const bool takes = TRY(offer_mesh(*options.sink, shape, sizes, cap, context));
+    const bool takes = TRY(offer_mesh(*options.sink, shape, sizes, cap, surface.rank_slices(), context));
     if (!takes) return {};
     for (std::size_t p = 0; p < options.sink->passes().size(); ++p) {
       const mesh::PartPass pass = options.sink->passes()[p];
       TRY(options.sink->begin_pass(p));
       TRY(surface.deliver(*options.sink, pass));
-      if (!cap.triangles.empty()) {
+      if (!cap.empty()) {
         TRY(deliver_cap(*options.sink, pass, sizes, cap, *box, surface.placement(), options, context));
       }
       TRY(options.sink->end_pass());
@@ -126,15 +136,16 @@ template <SurfacePasses Surface>
         sides.inside && sides.outside && (!surface.has_holes() || surface.draws_at_boundary());
   }
   const bool capped = box && options.cap;
+  const std::optional<RankSlices> share = rank_slices_of(surface);
   if (capped) {
-    auto numbers = TRY(reserve_cap_numbers(field, *box, context));
+    auto numbers = TRY(reserve_cap_numbers(field, used_part(*box, share), context));
     const InsideRule rule{field.kind, options.iso};
-    cap = make_boundary_cap(
-        *box, method_info(options.method).traits.axis_edges_only, static_cast<std::uint32_t>(sizes.vertices),
+    cap = TRY(make_boundary_cap(
+        *box, share, method_info(options.method).traits.axis_edges_only, static_cast<std::uint32_t>(sizes.vertices),
         [&](const glm::ivec3& p) { return surface.inside(p); },
         [&](const glm::ivec3& p, int direction) { return surface.edge_vertex(p, direction); },
         [&](const glm::ivec3& p) { return rule.depth(surface.value(p)); },
-        [&](const glm::ivec3& p) { return surface.has_holes() && std::isnan(surface.value(p)); });
+        [&](const glm::ivec3& p) { return surface.has_holes() && std::isnan(surface.value(p)); }));
     numbers.release();
     cap_memory = TRY(reserve_cap(field, cap, context));
     TRY(check_vertex_count(field, with_cap(sizes, cap)));
@@ -143,9 +154,7 @@ template <SurfacePasses Surface>
 
   watch.restart();
   TRY(offer_to_sink(options, surface, sizes, cap, box, context, result));
-  bool is_part = false;
-  if constexpr (PartwisePasses<Surface>) is_part = surface.is_shared();
-  if (result.taken || is_part) {
+  if (result.taken || share) {
     result.stats.emit += watch.elapsed();
     return result;
   }

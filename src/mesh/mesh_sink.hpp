@@ -26,7 +26,9 @@ struct MeshShape {
   // If the parts come in order, triangles use no other vertices but those of their own part, of the next part, and
   // `far_vertices`. False: a triangle may use the vertices of any part.
   bool uses_near_vertices = true;
-  std::vector<std::uint32_t> far_vertices = {};  // vertices that triangles of later parts may use, ascending
+  // Vertices that triangles of later parts may use, ascending. If ranks make the mesh together: the consecutive first
+  // vertices of this rank, which triangles of the rank before may use.
+  std::vector<std::uint32_t> far_vertices = {};
   // Indices of the attributes that have a value that is not finite, ascending.
   std::vector<std::size_t> not_finite_attributes = {};
 };
@@ -70,14 +72,14 @@ class MeshSink {
   virtual ~MeshSink() = default;
 
   // Returns the ranks that make the mesh together; null if this process makes all of it. All of them then call begin()
-  // with the same shape, and each delivers some of the parts. If the sinks decline, rank 0 makes the mesh alone.
+  // with the same shape but for the far vertices, and each delivers some of the parts. If the sinks decline, rank 0
+  // makes the mesh alone.
   [[nodiscard]] virtual Ranks* ranks() const { return nullptr; }
   // Prepares for a mesh of this shape. Call once, before the first part. Returns false if the sink declines the mesh:
   // the caller then makes the whole mesh in memory.
   [[nodiscard]] virtual Result<bool> begin(const MeshShape& shape) = 0;
   // Returns the passes in which the sink takes the parts; the mesh is made once for each. Call after begin(), and again
-  // after each end_pass(), which may have added passes. Only a sink without ranks may have more than one pass, or one
-  // in order.
+  // after each end_pass(), which may have added passes.
   [[nodiscard]] virtual std::vector<PartPass> passes() const { return {PartPass()}; }
   // Called before the parts of each pass, with its index in passes().
   [[nodiscard]] virtual Result<void> begin_pass(std::size_t /*pass*/) { return {}; }

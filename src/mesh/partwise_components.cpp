@@ -8,10 +8,12 @@
 #include <fmt/format.h>
 
 #include "base/buffer.hpp"
+#include "base/packed_values.hpp"
 #include "base/parallel.hpp"
 #include "mesh/components.hpp"
 #include "mesh/detail/linked_parts.hpp"
 #include "mesh/detail/part_vertices.hpp"
+#include "mesh/detail/rank_turns.hpp"
 
 namespace isoextract::mesh {
 namespace {
@@ -32,7 +34,8 @@ class PartwiseComponents::State {
   State(std::string name, std::string what, const Context& context)
       : name_(std::move(name)), what_(std::move(what)), context_(context) {}
 
-  Result<void> begin(const MeshShape& shape) {
+  Result<void> begin(const MeshShape& shape, Ranks* ranks) {
+    ranks_ = ranks;
     const std::uint64_t bytes_of_far = 2 * sizeof(std::uint32_t) + sizeof(glm::vec3);
     memory_ = TRY(context_.reserve(shape.far_vertices.size() * bytes_of_far, what_));
     far_ = shape.far_vertices;
@@ -48,7 +51,7 @@ class PartwiseComponents::State {
     return parts_->add(vertices, part.first_vertex, Components(vertices.triangles(), vertices.size()));
   }
 
-  void number() { parts_->number(); }
+  Result<void> number() { return parts_->number(ranks_); }
   [[nodiscard]] const LinkedParts& parts() const { return *parts_; }
 
   Result<void> take(const MeshPart& part, const Visit& visit) {
@@ -71,7 +74,9 @@ class PartwiseComponents::State {
   }
 
   Result<void> finish(const Visit& visit) {
-    TRY(show_waiting({}, visit));
+    Reservation memory;
+    const std::vector<glm::vec3> next = TRY(positions_of_next_rank(memory));
+    TRY(show_waiting(next, visit));
     positions_.clear();
     triangles_.clear();
     first_vertex_ = first_triangle_ = 0;
@@ -88,6 +93,23 @@ class PartwiseComponents::State {
          v != far_.end() && *v < first_vertex_ + positions_.size(); ++v) {
       body(static_cast<std::size_t>(v - far_.begin()), static_cast<std::size_t>(*v - first_vertex_));
     }
+  }
+
+  // Returns the positions of the vertices of the next rank that the waiting part may use; empty without ranks.
+  Result<std::vector<glm::vec3>> positions_of_next_rank(Reservation& memory) {
+    std::vector<glm::vec3> next;
+    if (ranks_ == nullptr) return next;
+    const std::uint64_t own_end = first_vertex_ + positions_.size();
+    const std::uint64_t first_far = far_.empty() ? 0 : far_.front();
+    TRY(for_each_rank(*ranks_, Packer().put(first_far).put(bytes_of(far_positions_)).take(),
+                      [&](int rank, std::string_view bytes) -> Result<void> {
+                        Unpacker from(bytes);
+                        if (rank <= ranks_->rank() || from.get<std::uint64_t>() != own_end || !next.empty()) return {};
+                        memory = TRY(context_.reserve(2 * bytes.size(), what_));
+                        next = values_of<glm::vec3>(from.get<std::string>());
+                        return {};
+                      }));
+    return next;
   }
 
   Result<void> show_waiting(std::span<const glm::vec3> next, const Visit& visit) {
@@ -156,6 +178,7 @@ class PartwiseComponents::State {
   std::string name_;
   std::string what_;
   Context context_;
+  Ranks* ranks_ = nullptr;
   Reservation memory_;  // for the far vertices
   std::vector<std::uint32_t> far_;
   std::vector<glm::vec3> far_positions_;
@@ -177,9 +200,9 @@ PartwiseComponents::PartwiseComponents(std::string name, std::string what, const
     : state_(std::make_unique<State>(std::move(name), std::move(what), context)) {}
 PartwiseComponents::~PartwiseComponents() = default;
 
-Result<void> PartwiseComponents::begin(const MeshShape& shape) { return state_->begin(shape); }
+Result<void> PartwiseComponents::begin(const MeshShape& shape, Ranks* ranks) { return state_->begin(shape, ranks); }
 Result<void> PartwiseComponents::link(const MeshPart& part) { return state_->link(part); }
-void PartwiseComponents::number() { state_->number(); }
+Result<void> PartwiseComponents::number() { return state_->number(); }
 std::uint32_t PartwiseComponents::count() const { return state_->parts().count(); }
 std::uint32_t PartwiseComponents::of_far(std::size_t index) const { return state_->parts().of_far(index); }
 Result<void> PartwiseComponents::take(const MeshPart& part, const Visit& visit) { return state_->take(part, visit); }

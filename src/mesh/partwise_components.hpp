@@ -14,6 +14,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/ranks.hpp"
 #include "mesh/mesh_sink.hpp"
 
 namespace isoextract::mesh {
@@ -51,11 +52,13 @@ class PartwiseComponents {
   ~PartwiseComponents();
 
   // All functions may fail with ErrorCode::out_of_memory, and throw std::bad_alloc.
-  [[nodiscard]] Result<void> begin(const MeshShape& shape);
+  // If `ranks` share the mesh, each takes its parts, and all call begin(), number() and finish(), which then also fail
+  // as Ranks::gather() does. `ranks` may be null.
+  [[nodiscard]] Result<void> begin(const MeshShape& shape, Ranks* ranks);
   // Takes the parts of the first pass in order, with triangles.
   [[nodiscard]] Result<void> link(const MeshPart& part);
   // Ends the first pass: numbers the components in the order of their first vertices.
-  void number();
+  [[nodiscard]] Result<void> number();
 
   [[nodiscard]] std::uint32_t count() const;
   // Returns the component of the far vertex with this index; Components::kNone if it has no triangle.

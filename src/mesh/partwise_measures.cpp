@@ -12,8 +12,11 @@
 #include <tbb/task_arena.h>
 
 #include "base/allocation_error.hpp"
+#include "base/packed_values.hpp"
 #include "base/parallel.hpp"
 #include "mesh/buckets.hpp"
+#include "mesh/detail/rank_turns.hpp"
+#include "mesh/detail/sums_of_parts.hpp"
 #include "mesh/detail/topology_part.hpp"
 #include "mesh/detail/triangle_sums.hpp"
 
@@ -22,49 +25,11 @@ namespace {
 
 constexpr std::size_t kStarsTogether = 1 << 10;
 
-// Appends the ends of the ranges into which reduce_ranges() splits [begin, end).
-void add_range_ends(std::uint64_t begin, std::uint64_t end, std::vector<std::uint64_t>& ends) {
-  if (end - begin <= kSizeGrain) {
-    ends.push_back(end);
-    return;
-  }
-  const std::uint64_t middle = begin + (end - begin) / 2;
-  add_range_ends(begin, middle, ends);
-  add_range_ends(middle, end, ends);
-}
-
-// Joins the sums of these ranges as reduce_ranges() does.
-MeshSize join_ranges(std::uint64_t begin, std::uint64_t end, std::span<const MeshSize>& sums) {
-  if (end - begin <= kSizeGrain) {
-    const MeshSize sum = sums.front();
-    sums = sums.subspan(1);
-    return sum;
-  }
-  const std::uint64_t middle = begin + (end - begin) / 2;
-  const MeshSize earlier = join_ranges(begin, middle, sums);
-  return joined(earlier, join_ranges(middle, end, sums));
-}
-
-// Triangles that one thread sums: a range of reduce_ranges() or a chunk, or a piece of one that began or ends in
-// another part. `begin` and `end` are numbers in the part.
-struct Piece {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-  bool is_last = false;  // of its range or chunk
+// The counts of one component that a rank found. `counts.euler` is the number of vertices.
+struct CountsOfComponent {
+  std::uint32_t component = 0;
+  Topology counts;
 };
-
-// Splits `count` triangles from number `first` on. next_end(t) returns the end of the range that contains triangle t.
-template <class NextEnd>
-std::vector<Piece> split(std::uint64_t first, std::uint64_t count, const NextEnd& next_end) {
-  std::vector<Piece> pieces;
-  for (std::uint64_t begin = 0; begin < count;) {
-    const std::uint64_t range_end = next_end(first + begin) - first;
-    const std::uint64_t end = std::min(range_end, count);
-    pieces.push_back({begin, end, end == range_end});
-    begin = end;
-  }
-  return pieces;
-}
 
 // Returns step(), or ErrorCode::out_of_memory if it throws std::bad_alloc.
 template <class Step>
@@ -80,12 +45,15 @@ auto guarded(const std::string& what, const Step& step) -> decltype(step()) {
 
 class PartwiseMeasures::State {
  public:
-  State(const std::string& name, const Context& context, const glm::dmat3& to_metric, LookAtPart look_at)
+  State(const std::string& name, const Context& context, const glm::dmat3& to_metric, LookAtPart look_at, Ranks* ranks)
       : what_(name + ": its figures"),
         context_(context),
         to_metric_(to_metric),
         look_at_(std::move(look_at)),
+        ranks_(ranks),
         parts_(name, what_, context) {}
+
+  [[nodiscard]] Ranks* ranks() const { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
 
   [[nodiscard]] PartwiseComponents& components() { return parts_; }
 
@@ -94,20 +62,20 @@ class PartwiseMeasures::State {
   Result<void> begin(const MeshShape& shape) {
     memory_ = TRY(context_.reserve(shape.far_vertices.size() * sizeof(std::uint32_t), what_));
     shape_ = shape;
-    add_range_ends(0, shape.triangles, size_ends_);
-    return parts_.begin(shape);
+    sums_.emplace(shape.triangles, ranks() != nullptr, what_, context_);
+    return parts_.begin(shape, ranks());
   }
 
   Result<void> take(const MeshPart& part) {
     if (!is_summing_) return parts_.link(part);
-    if (!space_.has_value() && !part.positions.empty()) set_apex(part.positions.front());
+    if (!space_.has_value() && !part.positions.empty()) TRY(set_apex(part.first_vertex, part.positions.front()));
     bounds_.add(part.positions);
     return parts_.take(part, sum_);
   }
 
   Result<void> begin_sums() {
     is_summing_ = true;
-    parts_.number();
+    TRY(parts_.number());
     const std::uint64_t count = parts_.count();
     const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
     list_memory_ = TRY(context_.reserve(count * sizeof(ComponentFacts), what_));
@@ -118,16 +86,18 @@ class PartwiseMeasures::State {
   }
 
   Result<MeshMeasures> finish() {
+    Ranks* const sharing = ranks();
+    if (sharing != nullptr && !space_) TRY(set_apex(kNoVertex, {}));  // other ranks wait for it
     TRY(parts_.finish(sum_));
+    if (sharing != nullptr) TRY(take_triangles_of_rank_before(*sharing));
     TRY(look_at_far_vertices());
-    if (!open_chunk_.empty()) add_chunk(facts_, open_chunk_, shape_.origin);
-    MeshMeasures all;
-    std::span<const MeshSize> sizes = sizes_;
-    if (shape_.triangles > 0) all.size = join_ranges(0, shape_.triangles, sizes);
-    const LocalBounds local = shape_.vertices > 0 ? bounds_.get() : LocalBounds();
-    all.bounds = {shape_.origin + glm::dvec3(local.min), shape_.origin + glm::dvec3(local.max)};
     std::vector<Topology> topology(std::max<std::size_t>(facts_.size(), 1));
     for (const TopologyPart& star : *stars_) star.add_to(topology);
+    if (sharing != nullptr) TRY(join_ranks(*sharing, topology));
+    MeshMeasures all;
+    all.size = sums_->finish(shape_.origin, facts_);
+    const LocalBounds local = shape_.vertices > 0 ? bounds_.get() : LocalBounds();
+    all.bounds = {shape_.origin + glm::dvec3(local.min), shape_.origin + glm::dvec3(local.max)};
     add_up(topology, all.topology);
     stars_.reset();
     star_memory_.release();
@@ -137,56 +107,82 @@ class PartwiseMeasures::State {
   }
 
  private:
-  void set_apex(const glm::vec3& apex) {
+  static constexpr std::uint64_t kNoVertex = ~std::uint64_t{0};
+
+  // Sets the space of the sums. The apex is the first vertex of the mesh; if ranks share it, the first one of any rank.
+  Result<void> set_apex(std::uint64_t vertex, glm::vec3 apex) {
+    if (Ranks* const sharing = ranks(); sharing != nullptr) {
+      for (const std::string& told : TRY(sharing->gather(Packer().put(vertex).put(apex).take()))) {
+        Unpacker from(told);
+        const auto other = from.get<std::uint64_t>();
+        if (other >= vertex) continue;
+        vertex = other;
+        apex = from.get<glm::vec3>();
+      }
+    }
     space_ = SumSpace{glm::dvec3(apex), to_metric_, glm::determinant(to_metric_) < 0 ? -1.0 : 1.0};
+    return {};
+  }
+
+  // Adds the triangles of other ranks at the far vertices, which are vertices of this rank.
+  Result<void> take_triangles_of_rank_before(Ranks& ranks) {
+    const std::vector<std::uint32_t>& far = shape_.far_vertices;
+    std::vector<glm::uvec3> found;
+    TRY(for_each_rank(ranks, bytes_of(shared_triangles_), [&](int rank, std::string_view bytes) -> Result<void> {
+      if (rank >= ranks.rank() || far.empty()) return {};
+      const auto memory = TRY(context_.reserve(bytes.size(), what_));
+      for (const glm::uvec3& t : values_of<glm::uvec3>(bytes)) {
+        if (std::max({t.x, t.y, t.z}) >= far.front() && std::min({t.x, t.y, t.z}) <= far.back()) found.push_back(t);
+      }
+      memory_.take(TRY(context_.reserve(found.size() * sizeof(glm::uvec3), what_)));
+      return {};
+    }));
+    far_triangles_.insert(far_triangles_.begin(), found.begin(), found.end());
+    return {};
+  }
+
+  // Replaces the figures of this rank by those of all.
+  Result<void> join_ranks(Ranks& ranks, std::vector<Topology>& topology) {
+    SumsOfParts sums(shape_.triangles, true, what_, context_);
+    TRY(for_each_rank(ranks, sums_->packed(),
+                      [&](int, std::string_view bytes) { return sums.append(bytes, *space_, shape_.origin, facts_); }));
+    sums_.emplace(std::move(sums));
+
+    GrowingBounds bounds;
+    for (const std::string& told : TRY(ranks.gather(Packer().put(bounds_).take()))) {
+      bounds.add(Unpacker(told).get<GrowingBounds>());
+    }
+    bounds_ = bounds;
+
+    std::vector<CountsOfComponent> own;
+    for (std::uint32_t c = 0; c < topology.size(); ++c) {
+      CountsOfComponent one{c, std::exchange(topology[c], {})};
+      if (c < facts_.size()) one.counts.euler = std::exchange(facts_[c].topology.euler, 0);
+      if (one.counts.edges > 0 || one.counts.unused_vertices > 0 || one.counts.euler > 0) own.push_back(one);
+    }
+    const auto memory = TRY(context_.reserve(own.size() * sizeof(CountsOfComponent), what_));
+    return for_each_rank(ranks, bytes_of(own), [&](int, std::string_view bytes) -> Result<void> {
+      const auto more = TRY(context_.reserve(bytes.size(), what_));
+      for (const CountsOfComponent& one : values_of<CountsOfComponent>(bytes)) {
+        add_counts(one.counts, topology[one.component]);
+        if (one.component < facts_.size()) facts_[one.component].topology.euler += one.counts.euler;
+      }
+      return {};
+    });
   }
 
   Result<void> sum(const LocalPart& part) {
     const auto memory = TRY(context_.reserve(
         Buckets<Corner>::bytes(3 * (shared_triangles_.size() + part.numbered.size()), part.own_positions.size()),
         what_));
-    add_sums(part);
+    TRY(sums_->add(part, *space_, shape_.origin, facts_));
     TRY(look_at_vertices(part));
     TRY(keep_for_later_parts(part));
     return look_at_ ? look_at_(part) : Result<void>();
   }
 
-  void add_sums(const LocalPart& part) {
-    const std::span<const glm::uvec3> triangles = part.triangles;
-    const auto of = [&](const Piece& piece) { return triangles.subspan(piece.begin, piece.end - piece.begin); };
-
-    const auto ranges = split(part.first_triangle, triangles.size(),
-                              [&](std::uint64_t t) { return *std::ranges::upper_bound(size_ends_, t); });
-    std::vector<MeshSize> sizes(ranges.size());
-    if (!sizes.empty()) sizes.front() = std::exchange(open_size_, {});
-    for_each_index(ranges.size(), [&](std::size_t r) {
-      sizes[r] = with_sizes(sizes[r], part.positions, of(ranges[r]), space_->apex);
-    });
-    for (std::size_t r = 0; r < ranges.size(); ++r) {
-      if (ranges[r].is_last)
-        sizes_.push_back(sizes[r]);
-      else
-        open_size_ = sizes[r];
-    }
-
-    const auto chunks = split(part.first_triangle, triangles.size(),
-                              [](std::uint64_t t) { return (t / kComponentChunk + 1) * kComponentChunk; });
-    std::vector<std::vector<ComponentSum>> sums(chunks.size());
-    if (!sums.empty()) sums.front() = std::exchange(open_chunk_, {});
-    for_each_index(chunks.size(), [&](std::size_t c) {
-      add_triangles(sums[c], part.positions, of(chunks[c]), *space_,
-                    [&](std::uint32_t vertex) { return part.components[vertex]; });
-    });
-    for (std::size_t c = 0; c < chunks.size(); ++c) {
-      if (chunks[c].is_last)
-        add_chunk(facts_, sums[c], shape_.origin);
-      else
-        open_chunk_ = std::move(sums[c]);
-    }
-  }
-
   // Looks at the vertices of the part, whose triangles are all in this part or in the part before it. Skips far
-  // vertices, because triangles of the cap use them too.
+  // vertices, because triangles of the cap or of another rank use them too.
   Result<void> look_at_vertices(const LocalPart& part) {
     const std::size_t count = part.own_positions.size();
     const std::vector<bool> is_far = far_marks(part, count);
@@ -300,17 +296,15 @@ class PartwiseMeasures::State {
   Context context_;
   glm::dmat3 to_metric_;
   LookAtPart look_at_;
+  Ranks* ranks_;
   MeshShape shape_;
   bool is_summing_ = false;  // in the second pass
   PartwiseComponents parts_;
   PartwiseComponents::Visit sum_ = [this](const LocalPart& part) { return sum(part); };
 
-  std::vector<std::uint64_t> size_ends_;  // of the ranges of reduce_ranges()
-  std::vector<MeshSize> sizes_;           // of completed ranges
-  MeshSize open_size_;                    // of the range that continues in the next part
-  std::vector<ComponentSum> open_chunk_;  // of the chunk that continues in the next part
-  std::vector<ComponentFacts> facts_;     // `euler` counts vertices until finish()
-  Reservation list_memory_;               // for the facts
+  std::optional<SumsOfParts> sums_;
+  std::vector<ComponentFacts> facts_;  // `euler` counts vertices until finish()
+  Reservation list_memory_;            // for the facts
   GrowingBounds bounds_;
   std::optional<SumSpace> space_;
 
@@ -323,10 +317,14 @@ class PartwiseMeasures::State {
 
 PartwiseMeasures::PartwiseMeasures(const std::string& name, const Context& context, const glm::dmat3& to_metric,
                                    LookAtPart look_at)
-    : state_(std::make_unique<State>(name, context, to_metric, std::move(look_at))) {}
+    : state_(std::make_unique<State>(name, context, to_metric, std::move(look_at), nullptr)) {}
+PartwiseMeasures::PartwiseMeasures(const std::string& name, const Context& context, Ranks* ranks)
+    : state_(std::make_unique<State>(name, context, glm::dmat3(1.0), LookAtPart(), ranks)) {}
 PartwiseMeasures::~PartwiseMeasures() = default;
 
 PartwiseComponents& PartwiseMeasures::components() { return state_->components(); }
+
+Ranks* PartwiseMeasures::ranks() const { return state_->ranks(); }
 
 Result<bool> PartwiseMeasures::begin(const MeshShape& shape) {
   return guarded(state_->what(), [&]() -> Result<bool> {

@@ -1,6 +1,7 @@
 // Measures a mesh while it is made part by part, with the result of measure_mesh(). The mesh is made twice for it: the
 // first pass finds which components of the parts belong together, the second one sums for each component. At a time,
-// only two parts are in memory, the vertices to which a cap refers, and some bytes for each component.
+// only two parts are in memory, the vertices to which a cap refers, and some bytes for each component. If ranks share
+// the mesh, each measures its parts, and all get the same result, that of one process.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +13,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/ranks.hpp"
 #include "mesh/mesh_measures.hpp"
 #include "mesh/mesh_sink.hpp"
 #include "mesh/partwise_components.hpp"
@@ -27,12 +29,16 @@ class PartwiseMeasures final : public MeshSink {
   // maps to; those of the whole mesh are not.
   PartwiseMeasures(const std::string& name, const Context& context, const glm::dmat3& to_metric = glm::dmat3(1.0),
                    LookAtPart look_at = {});
+  // The mesh must have no cap. `ranks` may be null; ignored if they do not share the task at begin().
+  PartwiseMeasures(const std::string& name, const Context& context, Ranks* ranks);
   ~PartwiseMeasures() override;
 
+  [[nodiscard]] Ranks* ranks() const override;
   Result<bool> begin(const MeshShape& shape) override;
   [[nodiscard]] std::vector<PartPass> passes() const override;
   // All functions may fail with ErrorCode::out_of_memory. take() in the second pass, and finish(), also fail with
-  // ErrorCode::input if the mesh of this pass differs from that of the first pass.
+  // ErrorCode::input if the mesh of this pass differs from that of the first pass. With ranks, all fail as
+  // Ranks::gather() does, too.
   [[nodiscard]] Result<void> begin_pass(std::size_t pass) override;
   Result<void> take(const MeshPart& part) override;
   // Call once, after the last part.

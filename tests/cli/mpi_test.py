@@ -187,14 +187,71 @@ class VolumeTest(MpiTest):
         self.write_raw("a.raw", (30, 40, 50), lambda x, y, z: x + (y * z) % 7 - 0.5 * ((x * y + z) % 11))
         self.assert_same(3, "b.ply", self.SHARED, "a.raw", "--dims", "30,40,50", "--dtype", "f32", "--iso", "6", "--roi", "2,3,5,28,35,47", "--roi-snap")
 
+    def test_caps_are_shared(self):
+        for ranks in (1, 2, 3, 4):
+            for method in ("mc", "mt"):
+                for name in ("a.ply", "a.glb"):
+                    with self.subTest(ranks=ranks, method=method, name=name):
+                        self.assert_same(ranks, name, self.SHARED, "demo:gyroid?size=100", "--iso", "0.1", "--method", method,
+                                         "--normals", "none", "--cap", "--roi", "-0.95,-0.9,-0.93,0.94,0.8,0.9", "--roi-snap")
+
+    def figures_of(self, name):
+        """All of a report but times, memory, threads, names and notes."""
+        def figures(value):
+            if isinstance(value, dict):
+                return {key: figures(part) for key, part in value.items()
+                        if key not in ("arguments", "notes", "path", "file", "total") and not re.search("memory|seconds|threads", key)}
+            return [figures(part) for part in value] if isinstance(value, list) else value
+
+        return figures(json.loads((self.folder / name).read_text()))
+
+    def assert_same_report(self, ranks, name, told, *arguments):
+        self.convert(*arguments, "-o", name, "--report", "one.json")
+        one = (self.folder / name).read_bytes()
+        run = self.assert_done(self.run_ranks(ranks, *arguments, "-o", name, "--report", "many.json"))
+        self.assertIn(told if ranks > 1 else "", run.err)
+        self.assertEqual((self.folder / name).read_bytes(), one)
+        expected = self.figures_of("one.json")
+        self.assertGreater(json.dumps(expected).count("euler"), 0)
+        self.assertEqual(self.figures_of("many.json"), expected)
+
+    def test_reports_are_shared(self):
+        for ranks in (1, 2, 3, 4):
+            for method, name in (("mc", "a.ply"), ("mt", "a.glb")):
+                with self.subTest(ranks=ranks, method=method, name=name):
+                    self.assert_same_report(ranks, name, self.SHARED, "demo:gyroid?size=100", "--iso", "0.1", "--method", method)
+        self.assert_same_report(4, "b.ply", self.SHARED, "demo:gyroid?size=17", "--iso", "0")
+        self.assert_same_report(3, "c.ply", self.ALONE + "an option", "demo:gyroid?size=40", "--iso", "0", "--cap")
+        self.assert_same_report(3, "d.glb", self.ALONE + "the mesh is small", "demo:gyroid?size=20", "--iso", "0")
+
+    def test_many_components_of_samples_in_a_file(self):
+        def value(x, y, z):
+            return (x * 7919 + y * 104729 + z * 1299709 + x * y * z * 31) % 97 - 70.5
+
+        self.write_raw("a.raw", (30, 21, 44), value)
+        arguments = ["a.raw", "--dims", "30,21,44", "--dtype", "f32", "--iso", "0"]
+        for ranks in (2, 3, 4):
+            self.assert_same_report(ranks, "a.ply", self.SHARED, *arguments)
+        self.assert_same_report(2, "b.ply", self.SHARED, *arguments, "--memory-limit", "64M", "--require", "manifold")
+
+    def test_requirements_are_shared(self):
+        arguments = ["demo:gyroid?size=60", "--iso", "0.1", "-o", "a.ply"]
+        for requirement in ("closed", "oriented,no-unused-vertices"):
+            one = self.run_program(*arguments, "--require", requirement)
+            (self.folder / "a.ply").unlink(missing_ok=True)
+            many = self.run_ranks(3, *arguments, "--require", requirement)
+            self.assertEqual(many.code, one.code, many.err)
+            self.assertEqual(many.err.count("isoextract: error:"), 0 if one.code == 0 else 1, many.err)
+            self.assertEqual(self.files(), ["a.ply"] if one.code == 0 else [])
+
     def test_more_ranks_than_slabs(self):
         self.assert_same(4, "a.ply", self.SHARED, "demo:gyroid?size=12", "--iso", "0")
+        self.assert_same(4, "b.ply", self.SHARED, "demo:gyroid?size=17", "--iso", "0", "--cap", "--normals", "none")
 
     def test_what_cannot_be_shared_is_done_by_rank_0(self):
         for ranks in (2, 4):
             for name, why, *arguments in (
-                    ("cap.ply", "a cap", "demo:gyroid?size=40", "--iso", "0", "--cap"),
-                    ("mt.ply", "a cap", "demo:gyroid?size=40", "--iso", "0", "--cap", "--method", "mt"),
+                    ("cap.ply", "an option", "demo:gyroid?size=40", "--iso", "0", "--cap", "--normals", "smooth"),
                     ("nets.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "surface-nets"),
                     ("voxels.ply", "only mc and mt", "demo:gyroid?size=40", "--iso", "0", "--method", "voxels"),
                     ("simple.ply", "an option", "demo:gyroid?size=40", "--iso", "0", "--simplify", "0.1"),

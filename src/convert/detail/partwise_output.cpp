@@ -235,15 +235,19 @@ std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const
     return require_of_parts(measures, id, stage);
   };
   PartwiseOutput::Work work;
-  if (stage.facts.recorded || !job.edits.require.empty()) {
-    work.measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context);
+  const bool is_measured = stage.facts.recorded || !job.edits.require.empty();
+  // Ranks cannot measure the triangles of a cap, which are far apart.
+  if (job.edits.pieces.drops() || stage.source.attributes || job.error || (is_measured && job.surface.cap)) {
+    ranks = nullptr;
+  }
+  if (is_measured) {
+    work.measures = std::make_unique<mesh::PartwiseMeasures>(stage.source.field.name, stage.context, ranks);
   }
   if (job.edits.pieces.drops()) {
     work.bodies = std::make_unique<edit::PartwiseBodies>(stage.source.field.name,
                                                          body_selection(job.edits.pieces, stage.source), stage.context);
   }
   if (stage.source.attributes) work.attributes = std::make_unique<PartwiseAttributes>(stage);
-  if (work.any() || job.error) ranks = nullptr;
   const PartwiseOutput::Needs needs{needs_distinct_positions(job),
                                     work.measures != nullptr || work.bodies != nullptr || needs_triangle_corners(job)};
   return std::make_unique<PartwiseOutput>(writer, PartwiseOutput::Hooks{make_head, accept}, ranks, needs,
@@ -271,7 +275,6 @@ std::string reason_against_sharing(const ConversionJob& job, const Source& sourc
   if (!has_sink) return "an option or the output needs the whole mesh in one process";
   if (!std::holds_alternative<field::DenseSamples>(source.field.samples)) return "the samples are sparse";
   if (backend != "cpu") return "the GPU extracts the surface";
-  if (job.surface.cap) return "a cap needs the whole boundary";
   if (job.surface.nan == extract::NanPolicy::hole) return "holes around NaN samples need the whole mesh";
   return {};
 }

@@ -42,12 +42,10 @@ class PartwiseOutput final : public mesh::MeshSink {
     std::unique_ptr<edit::PartwiseBodies> bodies;
     std::unique_ptr<PartwiseAttributes> attributes;
     std::unique_ptr<mesh::PartwiseMeasures> measures;
-
-    [[nodiscard]] bool any() const { return bodies != nullptr || attributes != nullptr || measures != nullptr; }
   };
-  // The writer must outlive this object. With any work, `ranks` must be null. With `work.bodies`, the output declines
-  // meshes that the memory holds as a whole (holds_whole_selection()). Without `work.attributes`, it collects a
-  // remaining mesh that the writer does not take in parts.
+  // The writer must outlive this object. With work but measures that have the ranks, `ranks` must be null. With
+  // `work.bodies`, the output declines meshes that the memory holds as a whole (holds_whole_selection()). Without
+  // `work.attributes`, it collects a remaining mesh that the writer does not take in parts.
   PartwiseOutput(mesh_io::MeshWriter& writer, Hooks hooks, Ranks* ranks, Needs needs, Work work, const Context& context)
       : writer_(writer),
         hooks_(std::move(hooks)),
@@ -142,7 +140,7 @@ void add_partwise_hint(Error& error);
 // Returns a sink that writes a surface as the only mesh of the writer's file. Returns null if a stage of the job needs
 // the whole mesh, or if the job writes no mesh file. The sink measures the mesh if stage.facts.recorded is set or the
 // job has requirements, and fails with ErrorCode::verification if the mesh does not meet these. `ranks` write the file
-// together; may be null; ignored if the sink does other work with the parts, too. `stage` and the writer must outlive
+// together; may be null; ignored if they cannot share the other work on the parts. `stage` and the writer must outlive
 // the sink.
 [[nodiscard]] std::unique_ptr<PartwiseOutput> partwise_output(const StageContext& stage, const SurfaceId& id,
                                                               mesh_io::MeshWriter& writer, Ranks* ranks);

@@ -300,8 +300,8 @@ void add_sentences(StageReport& report, const SimplifyChoice& choice, const Simp
   const edit::SimplifyFigures& facts = result.facts;
   report.did = "simplified";
   report.details.push_back(
-      fmt::format("{} over {}; {} of {} undone in {}, {} because triangles of different patches "
-                  "intersected; {} refused because triangles would have intersected; {:.2f} s of processor time",
+      fmt::format("{} over {}; {} of {} undone in {}, {} because triangles intersected "
+                  "afterwards; {} refused because triangles would have intersected; {:.2f} s of processor time",
                   counted(facts.rounds, "round"), counted(facts.patches, "patch", "patches"),
                   facts.undone_collapses + facts.untangled_collapses, counted(facts.collapses, "collapse"),
                   counted(facts.passes, "pass", "passes"), facts.untangled_collapses,

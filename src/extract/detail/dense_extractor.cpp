@@ -17,6 +17,7 @@
 #include "extract/detail/brick_flags.hpp"
 #include "extract/detail/cell_rows.hpp"
 #include "extract/detail/cell_streams.hpp"
+#include "extract/detail/row_ends.hpp"
 #include "extract/detail/row_table.hpp"
 #include "extract/detail/sample_chooser.hpp"
 #include "extract/detail/sample_gradient.hpp"
@@ -55,7 +56,8 @@ class DenseExtraction final {
         counted_{own_.begin,
                  own_.count() == 0 ? own_.end : std::min(own_.end + 1, BrickFlags::count_slabs(view_.dims))},
         bricks_(view_.dims, counted_),
-        rows_(view_.dims.y, directions_, slices_below(own_.begin), slices_below(counted_.end)) {}
+        rows_(view_.dims.y, directions_, slices_below(own_.begin), slices_below(counted_.end)),
+        row_ends_(view_.dims, slices_below(own_.begin), slices_below(counted_.end), options.cap && !masks_) {}
 
   [[nodiscard]] const OutputPlacement& placement() const { return placement_; }
 
@@ -72,11 +74,12 @@ class DenseExtraction final {
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
     rows_memory_ =
-        TRY(context_.reserve(bricks_.bytes() + rows_.bytes(),
+        TRY(context_.reserve(bricks_.bytes() + rows_.bytes() + row_ends_.bytes(),
                              fmt::format("{}: the table of its {} rows of samples", field_.source, rows_.rows())));
     bricks_.allocate();
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
     rows_.allocate();
+    row_ends_.allocate();
     if (masks_) {
       stats.hole_cells = count_rows();
     } else {
@@ -108,7 +111,7 @@ class DenseExtraction final {
       room.sizes = {std::max(room.sizes.vertices, sizes.vertices), std::max(room.sizes.triangles, sizes.triangles)};
     }
     TRY(for_each_slab("extracting", own_, room, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
-      const MeshSizes first = below_slab(slab.bk);
+      const MeshSizes first = rows_.numbers_at(slices_below(slab.bk));
       const MeshSizes sizes = sizes_in(pass, slab_sizes(slab.bk));
       if (sizes.vertices == 0 && sizes.triangles == 0) return {};
       if (!is_as_counted(slab)) return check_samples();
@@ -121,7 +124,10 @@ class DenseExtraction final {
   }
 
   [[nodiscard]] bool uses_near_vertices() const { return true; }
-  [[nodiscard]] bool is_shared() const { return ranks_ != nullptr; }
+  [[nodiscard]] std::optional<RankSlices> rank_slices() const {
+    if (ranks_ == nullptr) return std::nullopt;
+    return slices_of_rank(*ranks_, slices_below(own_.begin), slices_below(own_.end), region_.min.z, rows_);
+  }
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
   [[nodiscard]] BoundarySides boundary_sides() const { return sides_; }
   [[nodiscard]] bool draws_at_boundary() const {
@@ -131,7 +137,8 @@ class DenseExtraction final {
   }
   [[nodiscard]] bool has_holes() const { return has_holes_; }
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
-    return masks_ ? masks_->inside(p - region_.min) : rule_(value(p));
+    if (masks_) return masks_->inside(p - region_.min);
+    return row_ends_.knows(p - region_.min) ? row_ends_.inside(p - region_.min) : rule_(value(p));
   }
   [[nodiscard]] double value(const glm::ivec3& p) const {
     return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
@@ -330,6 +337,7 @@ class DenseExtraction final {
       std::copy_n(counts.vertices.begin(), directions_, rows_.vertices(row));
       rows_.triangles(row) = counts.cells.triangles;
       left_out += counts.cells.left_out;
+      row_ends_.mark(masks, j, k);
     });
     return left_out;
   }
@@ -349,14 +357,9 @@ class DenseExtraction final {
     return counts.all.sizes;
   }
 
-  [[nodiscard]] MeshSizes below_slab(int bk) const {
-    const std::size_t row = rows_.index(0, slices_below(bk));
-    return {rows_.vertices(row)[0], rows_.triangles(row)};
-  }
-
   [[nodiscard]] MeshSizes slab_sizes(int bk) const {
-    const MeshSizes first = below_slab(bk);
-    const MeshSizes end = below_slab(bk + 1);
+    const MeshSizes first = rows_.numbers_at(slices_below(bk));
+    const MeshSizes end = rows_.numbers_at(slices_below(bk + 1));
     return {end.vertices - first.vertices, end.triangles - first.triangles};
   }
 
@@ -444,8 +447,7 @@ class DenseExtraction final {
   const field::ScalarField& field_;
   const ExtractOptions& options_;
   const Context& context_;
-  Ranks*
-      ranks_;  // share the volume slab by slab, without masks of all samples; null: this process does the whole volume
+  Ranks* ranks_;  // share the volume slab by slab, without masks of all samples; null: this process does all of it
   InsideRule rule_;
   const field::SampleLayers* layers_;  // null if all samples are in memory; else whole_ and view_ have no samples
   DenseView<T> whole_;
@@ -467,6 +469,7 @@ class DenseExtraction final {
   std::optional<CellDrawings> drawings_;
   Reservation rows_memory_;  // for the bricks and the table below
   RowTable rows_;
+  RowEnds row_ends_;  // if a cap needs them
 };
 
 }  // namespace

@@ -82,6 +82,13 @@ class RowTable {
     triangles_[rows()] = first.triangles + below_.back().triangles;
   }
 
+  // Returns the numbers of the first vertex and triangle behind the slices before slice `k`, which may be the end. Call
+  // after place().
+  [[nodiscard]] MeshSizes numbers_at(int k) const {
+    const std::size_t row = index(0, k);
+    return {vertices(row)[0], triangles(row)};
+  }
+
  private:
   std::size_t rows_;
   std::size_t directions_;

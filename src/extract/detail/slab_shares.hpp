@@ -9,6 +9,7 @@
 #include "base/packed_values.hpp"
 #include "base/ranks.hpp"
 #include "extract/dense_masks.hpp"
+#include "extract/detail/row_table.hpp"
 #include "extract/mesh_assembly.hpp"
 
 namespace isoextract::extract {
@@ -25,6 +26,16 @@ struct SlabRange {
   if (ranks == nullptr) return {0, slabs};
   const auto part = [&](int rank) { return static_cast<int>(static_cast<std::int64_t>(slabs) * rank / ranks->size()); };
   return {part(ranks->rank()), part(ranks->rank() + 1)};
+}
+
+// Returns the slices [begin, end) of a rank, and its vertices that the rank before uses. The region of the field, whose
+// rows have been placed, begins with slice `first` of the field.
+[[nodiscard]] inline RankSlices slices_of_rank(Ranks& ranks, int begin, int end, int first, const RowTable& rows) {
+  RankSlices slices{&ranks, first + begin, first + end};
+  if (begin == 0 || begin == end) return slices;
+  slices.first_shared_vertex = rows.vertices(rows.index(0, begin))[0];
+  slices.shared_vertices = rows.vertices(rows.index(0, begin + 1))[0] - slices.first_shared_vertex;
+  return slices;
 }
 
 // The counts of one rank, or the sum over several ranks.

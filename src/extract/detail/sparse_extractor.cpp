@@ -140,7 +140,7 @@ class SparseExtraction final : private VariantChooser {
 
   // Sites without a stored block come last, so a triangle there may use the vertices of any layer.
   [[nodiscard]] bool uses_near_vertices() const { return sites_.stored() == sites_.origins().size(); }
-  [[nodiscard]] bool is_shared() const { return false; }
+  [[nodiscard]] std::optional<RankSlices> rank_slices() const { return std::nullopt; }
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return sparse_cap_box(region_, options_); }
   [[nodiscard]] BoundarySides boundary_sides() const { return sites_.boundary_sides(); }
   [[nodiscard]] bool draws_at_boundary() const { return sites_.draws_at_boundary(); }

@@ -10,6 +10,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/ranks.hpp"
 #include "mesh/components.hpp"
 #include "mesh/detail/part_vertices.hpp"
 
@@ -25,8 +26,10 @@ class LinkedParts {
   // Adds the next part that has triangles, in the order of the parts; `own` are its components. Fails with
   // ErrorCode::out_of_memory. Throws std::bad_alloc.
   [[nodiscard]] Result<void> add(const PartVertices& vertices, std::uint64_t first_vertex, const Components& own);
-  // Numbers the components in the order of their first vertices. Call once, after the last part.
-  void number();
+  // Numbers the components in the order of their first vertices. Call once, after the last part. If `ranks` share the
+  // mesh, all of them call it; the far vertices of each are those that parts of the rank before may use, too. It then
+  // fails with ErrorCode::out_of_memory, and as Ranks::gather() does. `ranks` may be null.
+  [[nodiscard]] Result<void> number(Ranks* ranks);
 
   // Call these after number().
   //
@@ -42,6 +45,21 @@ class LinkedParts {
   [[nodiscard]] std::uint32_t of_far(std::size_t index) const { return far_sets_[index]; }
 
  private:
+  // A component of a rank's parts: their number among those of all ranks, in the order of the ranks.
+  struct Joint {
+    std::uint32_t a;
+    std::uint32_t b;
+    friend bool operator==(const Joint&, const Joint&) = default;
+  };
+
+  // Replaces each set by its number among the roots, in the order of their first vertices. Returns these vertices.
+  [[nodiscard]] std::vector<std::uint32_t> number_own();
+  // Joins the components of all ranks; `firsts` are the first vertices of those of this rank.
+  [[nodiscard]] Result<void> number_all(const std::vector<std::uint32_t>& firsts, Ranks& ranks);
+  // Returns the components of other ranks at the far vertices, and adds those that this rank joins to its own.
+  [[nodiscard]] Result<std::vector<Joint>> join_far(std::span<const std::uint32_t> offsets, std::uint32_t end,
+                                                    Ranks& ranks);
+
   std::span<const std::uint32_t> far_;
   std::string what_;
   Context context_;

@@ -13,6 +13,7 @@
 #include "mesh/partwise_measures.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
+#include "support/thread_ranks.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -97,6 +98,25 @@ class Assembler final : public mesh::MeshSink {
   std::uint64_t triangles_ = 0;
 };
 
+// The sink of one rank. Passes its parts on to a sink of all ranks.
+class RankSink final : public mesh::MeshSink {
+ public:
+  RankSink(Ranks& ranks, Assembler& all) : ranks_(ranks), all_(all) {}
+
+  [[nodiscard]] Ranks* ranks() const override { return &ranks_; }
+  Result<bool> begin(const mesh::MeshShape& shape) override {
+    EXPECT_EQ(shape.vertices, all_.shape()->vertices);
+    EXPECT_EQ(shape.triangles, all_.shape()->triangles);
+    EXPECT_EQ(shape.may_be_open, all_.shape()->may_be_open);
+    return true;
+  }
+  Result<void> take(const mesh::MeshPart& part) override { return all_.take(part); }
+
+ private:
+  Ranks& ranks_;
+  Assembler& all_;
+};
+
 // Noise, with outside samples at the lowest and highest faces: all crossed edges begin in stored blocks.
 field::ScalarField noise_in_blocks() {
   const field::ScalarField noise = test::random_field<float>({40, 48, 56}, 12, 1000);
@@ -136,6 +156,34 @@ TEST_P(Partwise, GivesSameMesh) {
         EXPECT_TRUE(test::same_bytes(sink.mesh.positions, whole.mesh.positions));
         EXPECT_TRUE(test::same_bytes(sink.mesh.normals, whole.mesh.normals));
         EXPECT_TRUE(test::same_bytes(sink.mesh.triangles, whole.mesh.triangles));
+      }
+    }
+  }
+}
+
+// Ranks have one slab each, unequally many slabs, or none. The last slab may be one slice.
+TEST_P(Partwise, GivesSameMeshFromRanks) {
+  for (const int slices : {9, 13, 17, 19, 40}) {
+    const field::ScalarField field = test::random_field<float>({70, 21, slices}, 3, 1000);
+    for (const bool cap : {false, true}) {
+      for (const auto& region :
+           {std::optional<field::IndexBox>(), std::optional(field::IndexBox{{3, 1, 2}, {60, 20, slices - 2}})}) {
+        ExtractOptions options = test::options_of(GetParam(), 500, cap);
+        options.region = region;
+        const Extraction whole = test::extract(field, options);
+        mesh::MeshShape shape = mesh::shape_of(whole.mesh);
+        shape.may_be_open = !cap;
+        Assembler all;
+        ASSERT_TRUE(all.begin(shape));
+        test::run_ranks([&](Ranks& ranks) {
+          RankSink sink(ranks, all);
+          ExtractOptions of_rank = options;
+          of_rank.sink = &sink;
+          EXPECT_TRUE(test::extract(field, of_rank).taken);
+        });
+        EXPECT_TRUE(all.is_complete());
+        EXPECT_TRUE(test::same_bytes(all.mesh.positions, whole.mesh.positions));
+        EXPECT_TRUE(test::same_bytes(all.mesh.triangles, whole.mesh.triangles));
       }
     }
   }
@@ -240,6 +288,43 @@ TEST_P(Partwise, MeasuresLikeTheWholeMesh) {
       ASSERT_TRUE(measures) << measures.error().message;
       expect_equal(*measures, *expected);
     }
+  }
+}
+
+void expect_ranks_measure(const field::ScalarField& field, const ExtractOptions& options) {
+  const auto expected = mesh::measure_mesh(test::extract(field, options).mesh, Context());
+  ASSERT_TRUE(expected);
+  test::run_ranks([&](Ranks& ranks) {
+    mesh::PartwiseMeasures sink("a mesh", Context(), &ranks);
+    ExtractOptions of_rank = options;
+    of_rank.sink = &sink;
+    ASSERT_TRUE(test::extract(field, of_rank).taken);
+    const auto measures = sink.finish();
+    ASSERT_TRUE(measures) << measures.error().message;
+    expect_equal(*measures, *expected);
+  });
+}
+
+// Components reach through several ranks, and sums of triangles begin and end in them.
+TEST_P(Partwise, MeasuresLikeTheWholeMeshOnRanks) {
+  for (const double iso : {500, 950}) {
+    expect_ranks_measure(test::random_field<float>({64, 41, 45}, 9, 1000), test::options_of(GetParam(), iso));
+  }
+  // All triangles are in one range of the sums; the last rank has one slice, or the second one has none.
+  for (const int slices : {9, 13, 17, 19, 25, 33}) {
+    expect_ranks_measure(test::random_field<float>({20, 9, slices}, 9, 1000), test::options_of(GetParam(), 500));
+  }
+}
+
+// Samples are inside only between two slices: the first or the last rank, or both, make no triangles.
+TEST_P(Partwise, MeasuresOnRanksWithoutTriangles) {
+  const field::ScalarField noise = test::random_field<float>({40, 21, 48}, 9, 1000);
+  const auto* values = static_cast<const float*>(std::get<field::DenseSamples>(noise.samples).data);
+  for (const auto& [begin, end] : {std::pair(0, 3), {20, 26}, {40, 47}, {14, 18}, {15, 33}, {16, 16}, {31, 32}}) {
+    const auto field = test::dense_field<float>({40, 21, 48}, [&](int i, int j, int k) {
+      return k >= begin && k <= end ? values[i + 40 * (j + 21 * k)] : -1.0F;
+    });
+    expect_ranks_measure(field, test::options_of(GetParam(), 500));
   }
 }
 
