@@ -178,11 +178,11 @@ constexpr std::array kGuide{
     NoteGuide{voxel_size,
               "The sides of the data box are not multiples of the voxel size; the note says which size the grid has.",
               "If the size has to be exact, give one that divides the sides."},
-    NoteGuide{
-        voxels_in_files,
-        "The memory limit does not hold the voxels of labels and the points of surface nets. So the program put them "
-        "into temporary files, which have no names. The system frees them when the program ends.",
-        "Raise --memory-limit, or set the environment variable TMPDIR to a folder on a fast disk."},
+    NoteGuide{voxels_in_files,
+              "The voxels of labels and the points of surface nets take much of the memory limit. So the program put "
+              "them into "
+              "temporary files, which have no names. The system frees them when the program ends.",
+              "Raise --memory-limit, or set the environment variable TMPDIR to a folder on a fast disk."},
     // Surfaces
     NoteGuide{backend,
               "The note says whether the CPU or the GPU does the work, and why. 'isoextract stability' says which "

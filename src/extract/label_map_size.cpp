@@ -30,6 +30,7 @@ constexpr std::size_t kMostChunks = 8192;  // to count
 // Sums over a part of the chunks.
 struct Counts {
   std::uint64_t parts = 0;    // labels of a chunk, summed over the chunks
+  std::uint64_t mixed = 0;    // those in chunks that have other labels, too, or none in some voxels
   std::uint64_t chunks = 0;   // chunks with points
   std::uint64_t points = 0;   // voxel corners between different labels
   std::uint64_t corners = 0;  // points that are corners of merged faces
@@ -38,6 +39,7 @@ struct Counts {
 
   void add(const Counts& more) {
     parts += more.parts;
+    mixed += more.mixed;
     chunks += more.chunks;
     points += more.points;
     corners += more.corners;
@@ -78,21 +80,24 @@ class LabelWindow {
     }
   }
 
-  // Returns the number of different labels in the chunk.
-  [[nodiscard]] std::size_t count_labels() const {
+  // Counts the different labels in the chunk.
+  void count_labels(Counts& counts) const {
     std::vector<std::int64_t> found;
     std::int64_t last = kNone;
+    bool is_mixed = false;
     for (int z = 1; z <= kVoxelChunk.z; ++z) {
       for (int y = 1; y <= kVoxelChunk.y; ++y) {
         for (std::size_t place = place_of(1, y, z); place < place_of(kVoxelChunk.x + 1, y, z); ++place) {
           const std::int64_t label = labels_[place];
+          is_mixed |= label != labels_[place_of(1, 1, 1)];
           if (label == last || label == kNone) continue;
           last = label;
           if (std::ranges::find(found, label) == found.end()) found.push_back(label);
         }
       }
     }
-    return found.size();
+    counts.parts += found.size();
+    if (is_mixed) counts.mixed += found.size();
   }
 
   // Counts the corners and faces at the lower sides of the chunk's voxels.
@@ -235,7 +240,7 @@ Counts count_chunks(const ChunkSample& sample, const LabelFilter& filter, const 
         for (std::size_t n = begin; n < end && !context.cancelled(); ++n) {
           const LabelWindow window(sample.origins[n], filter, rows);
           window.count(counts);
-          counts.parts += window.count_labels();
+          window.count_labels(counts);
         }
         return counts;
       },
@@ -332,8 +337,8 @@ Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const E
   const bool has_all_points = nets || options.voxel_faces == VoxelFaces::plain || counts.points == 0;
   const double share = has_all_points ? 1 : static_cast<double>(counts.corners) / static_cast<double>(counts.points);
   size.making_bytes = making_bytes(size, parts, share);
-  const std::uint64_t bits = parts * sizeof(ChunkBits);
-  const std::uint64_t most_bits = LabelBits::most_in_memory(context);
+  const std::uint64_t bits = scaled(counts.mixed, scale) * sizeof(ChunkBits);
+  const std::uint64_t most_bits = LabelBits::most_in_memory(context, nets);
   size.voxel_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t)) + std::min(bits, most_bits);
   size.kept_bytes = size.finding_bytes = size.voxel_bytes;
   if (!nets) return size;
@@ -341,13 +346,12 @@ Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const E
   const std::uint64_t points = scaled(counts.points, scale);
   const std::uint64_t faces = scaled(counts.faces, scale);
   const std::uint64_t rounds = options.relaxations;
-  const std::uint64_t making = NetPoints::making_bytes(points, faces, chunks, rounds);
-  if (bits > most_bits || NetMemory::prefers_files(making, context)) {
+  if (bits > most_bits || NetPoints::prefers_files(points, faces, chunks, rounds, context)) {
     size.finding_bytes +=
         LabelChunks::bytes(parts) + NetPoints::list_bytes(chunks, rounds) + NetMemory::run_bytes(context);
     size.kept_bytes += NetPoints::list_bytes(chunks, 0);
   } else {
-    size.finding_bytes += LabelChunks::bytes(parts) + making;
+    size.finding_bytes += LabelChunks::bytes(parts) + NetPoints::making_bytes(points, faces, chunks, rounds);
     size.kept_bytes += NetPoints::bytes(points, chunks);
   }
   return size;

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/pages.hpp"
 #include "base/parallel.hpp"
 #include "extract/dense_input.hpp"
@@ -129,8 +130,13 @@ class LayerReleases {
 
 struct LabelVoxels::Found {
   Found(const Context& context, std::string text, const field::IndexBox& within, const OutputPlacement& placement,
-        LabelIds table)
-      : what(std::move(text)), arrays(context, what), ids(std::move(table)), region(within), frame(placement) {}
+        LabelIds table, bool nets)
+      : what(std::move(text)),
+        arrays(context, what),
+        bits(arrays, nets),
+        ids(std::move(table)),
+        region(within),
+        frame(placement) {}
 
   // A label, and the index of its first part; the parts up to the next label's first part belong to it.
   struct Entry {
@@ -140,7 +146,7 @@ struct LabelVoxels::Found {
 
   std::string what;  // starts error messages
   NetMemory arrays;
-  LabelBits bits{arrays};
+  LabelBits bits;
   LabelIds ids;
   std::vector<std::int64_t> labels;  // ids, like those of FoundLabel
   Notes notes;
@@ -241,7 +247,7 @@ struct LabelVoxels::Found {
     }
     std::uint64_t count = 0;
     for (const LabelPartList& task : tasks) {
-      if (task.error()) return tl::unexpected(*task.error());
+      if (task.error()) return tl::unexpected(bits.explain(*task.error()));
       count += task.size();
     }
     auto held = TRY(context.reserve(count * 2 * sizeof(std::uintptr_t), what));
@@ -362,9 +368,9 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   const SparseBounds bounds = TRY(label_bounds(field, options));
   const field::IndexBox& region = bounds.region;
   const OutputPlacement frame = voxel_placement(field, options, bounds.stored, options.region ? region : bounds.stored);
-  auto found = std::make_shared<Found>(context, field.source + ": the voxels with labels", region, frame,
-                                       LabelIds(field.label_ids));
   const bool nets = options.method == Method::surface_nets;
+  auto found = std::make_shared<Found>(context, field.source + ": the voxels with labels", region, frame,
+                                       LabelIds(field.label_ids), nets);
   found->filter.emplace(choice, nets, label_around(sparse), found->ids);
   found->nan = options.nan;
   if (dense != nullptr) {
@@ -384,9 +390,18 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
                      field.source, found->stats.nan_samples > 0 ? " except NaN" : "",
                      field::sample_type_name(field.type()))});
   }
-  found->stats.most_in_files = found->arrays.most_in_files();
+  if (const std::uint64_t bytes = found->arrays.most_in_files(); bytes > 0) {
+    found->notes.push_back(note_of_files(bytes));
+  }
   found->stats.classify = watch.elapsed();
   return LabelVoxels(std::move(found));
+}
+
+Note note_of_files(std::uint64_t bytes) {
+  return {NoteId::voxels_in_files,
+          fmt::format("memory is short for the {} of voxels and points of the net, so they are in "
+                      "temporary files",
+                      format_byte_size(bytes))};
 }
 
 const std::vector<std::int64_t>& LabelVoxels::labels() const { return found_->labels; }
@@ -408,7 +423,6 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
     stats.classify = {};
     stats.samples_classified = 0;
     stats.nan_samples = 0;
-    stats.most_in_files = 0;
   }
   if (entry == nullptr) return Extraction{{}, stats};
   const std::span<const LabelPart* const> parts = found_->parts_of(*entry);
@@ -423,7 +437,9 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(memory));
   auto extraction = TRY(mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,
                                     found_->net ? &*found_->net : nullptr));
-  found_->arrays.leave();
+  // An access to a file brings 64 KiB around it into memory: to the bits, and to three arrays of the net.
+  constexpr std::uint64_t kUsedPerChunk = 4 * (std::uint64_t{64} << 10U);
+  found_->arrays.leave_after(kUsedPerChunk * parts.size());
   TRY(found_->arrays.check());
   return extraction;
 }

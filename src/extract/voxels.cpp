@@ -88,6 +88,7 @@ Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelCh
   with_net.count += watch.elapsed();
   with_net.most_in_files = arrays.most_in_files();
   auto extraction = TRY(mesh_voxels(field, voxels, base, placement, options, with_net, context, &net));
+  arrays.leave();
   TRY(arrays.check());
   return extraction;
 }

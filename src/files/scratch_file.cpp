@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <mutex>
 #include <system_error>
 #include <utility>
 
@@ -25,6 +26,11 @@ bool is_in_memory(int descriptor) {
   struct statfs about {};
   if (::fstatfs(descriptor, &about) != 0) return false;
   return about.f_type == TMPFS_MAGIC || about.f_type == RAMFS_MAGIC;
+}
+
+bool is_on_overlay(int descriptor) {
+  struct statfs about {};
+  return ::fstatfs(descriptor, &about) == 0 && about.f_type == OVERLAYFS_SUPER_MAGIC;
 }
 
 // Takes the disk space and maps the file. Returns why that failed; "" if it did not.
@@ -71,12 +77,14 @@ ScratchFile::ScratchFile(std::span<std::byte> pages, int descriptor)
     : pages_(pages.data()),
       length_(pages.size()),
       descriptor_(descriptor),
+      is_layered_(is_on_overlay(descriptor)),
       range_(detail::watch_range(pages.data(), pages.size())) {}
 
 ScratchFile::ScratchFile(ScratchFile&& other) noexcept
     : pages_(other.pages_),
       length_(std::exchange(other.length_, 0)),
       descriptor_(other.descriptor_),
+      is_layered_(other.is_layered_),
       range_(other.range_) {}
 
 ScratchFile::~ScratchFile() {
@@ -89,11 +97,14 @@ ScratchFile::~ScratchFile() {
 void ScratchFile::protect() { static_cast<void>(::mprotect(pages_, length_, PROT_READ)); }
 
 bool ScratchFile::lost() const {
-  // The kernel drops a page that it cannot write, and reads zeros from then on. It records the error before that, and
-  // tells it once, for the whole file, so it is enough to wait for the first page.
-  if (::sync_file_range(descriptor_, 0, 1, SYNC_FILE_RANGE_WAIT_BEFORE) != 0 && errno != ENOSYS && errno != EINVAL) {
-    range_->lost.store(true, std::memory_order_release);
-  }
+  // The kernel drops a page that it cannot write, and reads zeros or older data from then on. It records the error
+  // before that, and tells it once, for the whole file, so it is enough to wait for the first page. On overlayfs, only
+  // the mapping leads to the file that has the error.
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  const int failed =
+      is_layered_ ? ::msync(pages_, 1, MS_SYNC) : ::sync_file_range(descriptor_, 0, 1, SYNC_FILE_RANGE_WAIT_BEFORE);
+  if (failed != 0 && errno != ENOSYS && errno != EINVAL) range_->lost.store(true, std::memory_order_release);
   return range_->lost.load(std::memory_order_acquire);
 }
 

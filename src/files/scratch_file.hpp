@@ -42,6 +42,7 @@ class ScratchFile {
   std::byte* pages_ = nullptr;
   std::size_t length_ = 0;  // 0 after a move
   int descriptor_ = -1;
+  bool is_layered_ = false;  // on overlayfs, as in containers
   detail::MappedRange* range_ = nullptr;
 };
 

@@ -1,5 +1,6 @@
 #include "files/work_memory.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,10 +12,14 @@ namespace isoextract::files {
 
 Result<WorkMemory> WorkMemory::make(std::uint64_t bytes, const FileUse& use, const Context& context,
                                     const std::string& what) {
+  std::string reason;
   if (use.prefers_file && bytes >= use.least_bytes) {
-    if (auto file = ScratchFile::make(bytes)) return WorkMemory(std::move(*file));
+    auto file = ScratchFile::make(bytes);
+    if (file) return WorkMemory(std::move(*file));
+    reason = std::move(file.error());
   }
   auto reserved = context.reserve(bytes, what);
+  if (!reserved && !reason.empty()) return refuse(bytes, use, std::move(reserved.error()), reason);
   if (!reserved) return make_in_file(bytes, use, std::move(reserved.error()));
   return WorkMemory(
       ReservedBuffer<std::byte>{Buffer<std::byte>(static_cast<std::size_t>(bytes)), std::move(*reserved)});
@@ -24,10 +29,15 @@ Result<WorkMemory> WorkMemory::make_in_file(std::uint64_t bytes, const FileUse& 
   if (bytes < use.least_bytes) return tl::unexpected(std::move(refusal));
   auto file = ScratchFile::make(bytes);
   if (file) return WorkMemory(std::move(*file));
-  refusal.message += fmt::format("; {}", file.error());
+  return refuse(bytes, use, std::move(refusal), file.error());
+}
+
+tl::unexpected<Error> WorkMemory::refuse(std::uint64_t bytes, const FileUse& use, Error refusal,
+                                         const std::string& reason) {
+  refusal.message += fmt::format("; {}", reason);
   refusal.hint.steps.emplace_back(
       fmt::format("set the environment variable TMPDIR to a folder on a disk with {} free, for the {}",
-                  format_byte_size(bytes), use.kind_of_data));
+                  format_byte_size(std::max(bytes, use.all_bytes)), use.kind_of_data));
   return tl::unexpected(std::move(refusal));
 }
 

@@ -19,8 +19,9 @@ namespace isoextract::files {
 // When an array goes to a file.
 struct FileUse {
   bool prefers_file = false;      // before it tries reserved memory; else after that failed
-  std::uint64_t least_bytes;      // no smaller array goes to a file
+  std::uint64_t least_bytes = 0;  // no smaller array goes to a file
   std::string_view kind_of_data;  // for a hint: "samples"
+  std::uint64_t all_bytes = 0;    // for the hint: the disk space of this array and of others with it, if more
 };
 
 // Movable, not copyable.
@@ -30,7 +31,8 @@ class WorkMemory {
   // a temporary file as a hint. Throws std::bad_alloc.
   [[nodiscard]] static Result<WorkMemory> make(std::uint64_t bytes, const FileUse& use, const Context& context,
                                                const std::string& what);
-  // Makes a file, whatever `use` prefers. Fails with `refusal`, the error of memory, and the hint above.
+  // Makes a file, whatever `use` prefers. Fails with `refusal`, the error of memory, and appends why there is no file
+  // and what one needs.
   [[nodiscard]] static Result<WorkMemory> make_in_file(std::uint64_t bytes, const FileUse& use, Error refusal);
 
   // Returns all bytes, at least at the start of a cache line.
@@ -44,6 +46,10 @@ class WorkMemory {
   void protect();
 
  private:
+  // Returns `refusal` with the reason why there is no file, and what one needs.
+  [[nodiscard]] static tl::unexpected<Error> refuse(std::uint64_t bytes, const FileUse& use, Error refusal,
+                                                    const std::string& reason);
+
   using Place = std::variant<ReservedBuffer<std::byte>, ScratchFile>;
   explicit WorkMemory(Place place) : place_(std::move(place)) {}
 

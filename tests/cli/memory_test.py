@@ -32,8 +32,8 @@ class MemoryTest(ProgramTest):
         (self.folder / "waves.nrrd").write_bytes(header.encode() + gzip.compress(samples, 1))
         return "waves.nrrd"
 
-    def report(self, *arguments):
-        run = self.run_program(*arguments, "--report", "report.json", "--quiet")
+    def report(self, *arguments, **variables):
+        run = self.run_program(*arguments, "--report", "report.json", "--quiet", env={**os.environ, **variables})
         return run, json.loads((self.folder / "report.json").read_text())
 
     def check(self, *arguments, allowed=OVERHEAD, peak_at_least=64 * MIB):
@@ -98,8 +98,14 @@ class MemoryTest(ProgramTest):
             self.assertLess(report["peak_memory_bytes"], limit + OVERHEAD)
             self.assertEqual((self.folder / "a.glb").read_bytes(), whole)
         (self.folder / "a.glb").unlink()
+        # Without a folder for files, memory is used as before.
+        run, report = self.report(*arguments, "--memory-limit", f"{needed + MIB}B", TMPDIR="/dev/shm")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertNotIn("voxels-in-files", [note["id"] for note in report["notes"]])
+        self.assertEqual((self.folder / "a.glb").read_bytes(), whole)
+        (self.folder / "a.glb").unlink()
         run = self.run_program(*arguments, "--memory-limit", f"{needed // 2}B", env={**os.environ, "TMPDIR": "/dev/shm"})
-        self.assert_fails(2, run, "memory", "a temporary file", "it is in memory (tmpfs)", "for the voxels and corners of labels",
+        self.assert_fails(2, run, "memory", "a temporary file", "it is in memory (tmpfs)", "for the voxels and points of the net",
                           "TMPDIR", "--memory-limit")
         self.assertNotIn("a.glb", self.files())
 

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "base/byte_size.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/label_choice.hpp"
@@ -15,6 +12,7 @@
 #include "convert/stages/mesh_simplify.hpp"
 #include "convert/verification.hpp"
 #include "extract/height_field.hpp"
+#include "extract/voxels.hpp"
 #include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
@@ -90,12 +88,7 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
     if (!surface.taken) report.did = "extracted";
   }
   made.events.end(report);
-  if (stats.most_in_files > 0) {
-    made.events.note(
-        {NoteId::voxels_in_files,
-         fmt::format("memory is short for the {} of voxels and their corners, so they are in temporary files",
-                     format_byte_size(stats.most_in_files))});
-  }
+  if (stats.most_in_files > 0) made.events.note(extract::note_of_files(stats.most_in_files));
   if (maker.other != nullptr) {
     const auto record = TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method),
                                              surface.mesh, *maker.extractor, *maker.other, maker.context));

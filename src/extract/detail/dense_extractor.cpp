@@ -337,7 +337,7 @@ class DenseExtraction final {
       std::copy_n(counts.vertices.begin(), directions_, rows_.vertices(row));
       rows_.triangles(row) = counts.cells.triangles;
       left_out += counts.cells.left_out;
-      row_ends_.mark(masks, j, k);
+      row_ends_.mark(slab.masks, j, k);
     });
     return left_out;
   }

@@ -81,7 +81,7 @@ class LabelPartList {
 
   // Returns how many chunks of bits the list owns.
   [[nodiscard]] std::size_t own_bits() const { return bits_.size(); }
-  // Moves its bits to other memory, which has place for own_bits() of them, and frees its own.
+  // Moves its bits to other memory, which has space for own_bits() of them, and frees its own.
   void move_bits(std::span<ChunkBits> to) {
     std::size_t next = 0;
     parts_.for_each([&](LabelPart& part) {

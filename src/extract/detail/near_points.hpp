@@ -66,11 +66,11 @@ class NearPoints {
     }
   }
 
-  // Returns the number of the point at a place that has one. The value at another place is undefined.
+  // Returns the number of the point at a place that has one. Returns 0 at other places.
   [[nodiscard]] std::uint32_t operator[](int place) const { return numbers_[static_cast<std::size_t>(place)]; }
 
  private:
-  std::array<std::uint32_t, NearPlaces::kCount> numbers_;
+  std::array<std::uint32_t, NearPlaces::kCount> numbers_{};  // 0 also guards against arrays that the disk lost
 };
 
 }  // namespace isoextract::extract

@@ -92,6 +92,7 @@ Result<NetFaces> NetFaces::make(const NetGrid& grid, const LabelChunks& labels, 
   TRY(faces.number_faces(grid, memory));
   faces.mark_labeled(grid, labels, memory);
   TRY(context.check());
+  TRY(memory.check());
   faces.join_shells(grid, labels, memory);
   TRY(context.check());
   TRY(faces.number_shells(memory));
@@ -128,8 +129,11 @@ Result<void> NetFaces::number_faces(const NetGrid& grid, NetMemory& memory) {
     });
   });
   std::uint64_t all = 0;
-  for (std::uint32_t& first : first_of_rows_) all += std::exchange(first, static_cast<std::uint32_t>(all));
-  memory.leave();
+  memory.for_each_run_of(first_of_rows_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      all += std::exchange(first_of_rows_[row], static_cast<std::uint32_t>(all));
+    }
+  });
   constexpr std::uint64_t kMost = ~std::uint32_t{0} / 4;
   if (all > kMost) {
     return fail(ErrorCode::input,
@@ -199,7 +203,7 @@ Result<void> NetFaces::number_shells(const NetMemory& memory) {
   constexpr std::size_t kGrain = 1 << 13;
   const DisjointSets sets(of_shells_.span());
   std::size_t shells = 0;
-  memory.for_each_run(of_shells_.size(), [&](std::size_t first, std::size_t last) {
+  memory.for_each_run_of(of_shells_, [&](std::size_t first, std::size_t last) {
     shells += reduce_ranges(
         last - first, kGrain, std::size_t{0},
         [&](std::size_t begin, std::size_t end, std::size_t roots) {
@@ -215,11 +219,12 @@ Result<void> NetFaces::number_shells(const NetMemory& memory) {
         },
         std::plus<>());
   });
+  TRY(memory.context().check());
   auto held = TRY(memory.context().reserve(shells * sizeof(std::uint32_t), memory.what()));
   memory_.push_back(std::move(held));
   first_nodes_.reserve(shells);
   // Each parent, a root or not, is a lower node, so its number is known before its children need it.
-  memory.for_each_run(of_shells_.size(), [&](std::size_t begin, std::size_t end) {
+  memory.for_each_run_of(of_shells_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = begin; node < end; ++node) {
       std::uint32_t& root = of_shells_[node];
       if (root == node) {
@@ -230,7 +235,7 @@ Result<void> NetFaces::number_shells(const NetMemory& memory) {
       }
     }
   });
-  return {};
+  return memory.context().check();
 }
 
 std::vector<LabelShells> NetFaces::count_shells(const NetGrid& grid, const LabelChunks& labels) const {

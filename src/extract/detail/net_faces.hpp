@@ -112,8 +112,8 @@ class NearFaces {
   }
 
   std::array<std::uint32_t, NearPlaces::kCount>
-      first_;  // number of the first of the faces whose first point is at the place
-  std::array<std::uint8_t, NearPlaces::kCount> axes_;  // the axes of these faces
+      first_{};  // number of the first of the faces whose first point is at the place
+  std::array<std::uint8_t, NearPlaces::kCount> axes_{};  // the axes of these faces
 };
 
 }  // namespace isoextract::extract

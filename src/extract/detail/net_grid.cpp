@@ -37,8 +37,7 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, NetMemory& memory) {
   TRY(context.check());
   const auto chunks = static_cast<std::size_t>(std::count(flags->values.begin(), flags->values.end(), std::uint8_t{1}));
   grid.memory_ = TRY(context.reserve(index_bytes(chunks), what));
-  // The arrays of the points, known only later, usually take at least three times as much.
-  if (NetMemory::prefers_files(4 * array_bytes(chunks), context)) memory.use_files();
+  if (prefers_files(chunks, context)) memory.use_files();
   grid.origins_.reserve(chunks);
   grid.index_ = field::OriginIndex(chunks);
   for (std::size_t c = 0; c < candidates.size(); ++c) {
@@ -65,15 +64,19 @@ Result<NetGrid> NetGrid::make(const LabelChunks& labels, NetMemory& memory) {
       }
     }
   });
+  TRY(context.check());
   // Turns counts into first numbers.
-  for (RowBases& rows : grid.first_) {
-    for (std::uint32_t& first : rows) {
-      const std::uint32_t count = first;
-      first = static_cast<std::uint32_t>(grid.points_);
-      grid.points_ += count;
+  memory.for_each_run_of(grid.first_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      for (std::uint32_t& first : grid.first_[c]) {
+        const std::uint32_t count = first;
+        first = static_cast<std::uint32_t>(grid.points_);
+        grid.points_ += count;
+      }
     }
-  }
-  memory.leave();
+  });
+  TRY(context.check());
+  TRY(memory.check());
   if (grid.points_ > ~std::uint32_t{0}) {
     return fail(ErrorCode::input,
                 what + ": the faces between labels have " + std::to_string(grid.points_) + " corners; the limit is " +

@@ -37,6 +37,11 @@ class NetGrid {
     return chunks * (sizeof(NearChunkNumbers) + sizeof(ChunkBits) + sizeof(RowBases));
   }
 
+  // Returns whether these go to files: the arrays of the points, known only later, usually take three times as much.
+  [[nodiscard]] static bool prefers_files(std::uint64_t chunks, const Context& context) {
+    return NetMemory::prefers_files(4 * array_bytes(chunks), context);
+  }
+
   [[nodiscard]] std::uint64_t size() const { return points_; }
   // Returns the chunks that have points, in chunk_order().
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }

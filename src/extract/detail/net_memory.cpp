@@ -2,10 +2,19 @@
 
 namespace isoextract::extract {
 
+files::FileUse NetMemory::use() const {
+  return {.prefers_file = uses_files_,
+          .least_bytes = kLeastNetFile,
+          .kind_of_data = "voxels and points of the net",
+          .all_bytes = expected_bytes_};
+}
+
 Result<std::shared_ptr<files::WorkMemory>> NetMemory::make_bytes(std::uint64_t bytes) {
-  const files::FileUse use{
-      .prefers_file = uses_files_, .least_bytes = kLeastNetFile, .kind_of_data = "voxels and corners of labels"};
-  auto made = TRY(files::WorkMemory::make(bytes, use, context_, what_));
+  auto made = TRY(files::WorkMemory::make(bytes, use(), context_, what_));
+  return keep(std::move(made));
+}
+
+std::shared_ptr<files::WorkMemory> NetMemory::keep(files::WorkMemory made) {
   auto memory = std::make_shared<files::WorkMemory>(std::move(made));
   if (memory->is_in_file()) {
     {
@@ -20,7 +29,7 @@ Result<std::shared_ptr<files::WorkMemory>> NetMemory::make_bytes(std::uint64_t b
   return memory;
 }
 
-std::vector<std::shared_ptr<files::WorkMemory>> NetMemory::in_files() const {
+std::vector<std::shared_ptr<files::WorkMemory>> NetMemory::list_files() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::shared_ptr<files::WorkMemory>> alive;
   std::erase_if(in_files_, [&](const std::weak_ptr<files::WorkMemory>& one) {
@@ -31,17 +40,22 @@ std::vector<std::shared_ptr<files::WorkMemory>> NetMemory::in_files() const {
 }
 
 void NetMemory::leave() const {
-  for (const std::shared_ptr<files::WorkMemory>& memory : in_files()) memory->leave(memory->bytes());
+  for (const std::shared_ptr<files::WorkMemory>& memory : list_files()) memory->leave(memory->bytes());
 }
 
 std::uint64_t NetMemory::bytes_in_files() const {
   std::uint64_t bytes = 0;
-  for (const std::shared_ptr<files::WorkMemory>& memory : in_files()) bytes += memory->bytes().size();
+  for (const std::shared_ptr<files::WorkMemory>& memory : list_files()) bytes += memory->bytes().size();
   return bytes;
 }
 
-std::size_t NetMemory::at_once(std::size_t count) const {
-  const std::uint64_t bytes = bytes_in_files();
+void NetMemory::leave_after(std::uint64_t used_bytes) const {
+  if (used_bytes_.fetch_add(used_bytes) + used_bytes < run_bytes(context_) / 2) return;
+  used_bytes_ = 0;
+  leave();
+}
+
+std::size_t NetMemory::run_length(std::size_t count, std::uint64_t bytes) const {
   if (bytes == 0) return std::max<std::size_t>(count, 1);
   // A pass reads a layer of chunks before and after a run, too, so a short run reads most pages several times.
   constexpr std::size_t kLeast = 256;
@@ -50,7 +64,7 @@ std::size_t NetMemory::at_once(std::size_t count) const {
 }
 
 Result<void> NetMemory::check() const {
-  for (const std::shared_ptr<files::WorkMemory>& memory : in_files()) {
+  for (const std::shared_ptr<files::WorkMemory>& memory : list_files()) {
     if (!memory->lost()) continue;
     return fail(ErrorCode::input,
                 what_ + ": the disk lost a part of a temporary file, which it could not write or read",

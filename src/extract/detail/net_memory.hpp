@@ -42,6 +42,13 @@ class NetArray {
   [[nodiscard]] const T* end() const { return data() + size(); }
   [[nodiscard]] std::span<T> span() { return values_; }
 
+  [[nodiscard]] bool is_in_file() const { return owner_ != nullptr && owner_->is_in_file(); }
+  // If the array is in a file, gives the pages of all or some elements back to the system.
+  void leave() const { leave(values_); }
+  void leave(std::span<const T> part) const {
+    if (owner_ != nullptr) owner_->leave(std::as_bytes(part));
+  }
+
  private:
   friend class NetMemory;
   NetArray(std::span<T> values, std::shared_ptr<files::WorkMemory> owner) : values_(values), owner_(std::move(owner)) {}
@@ -66,13 +73,15 @@ class NetMemory {
   [[nodiscard]] static bool prefers_files(std::uint64_t bytes, const Context& context) {
     return bytes > context.memory().limit() / 2;
   }
+  // Tells the bytes of all arrays that may go to files, for hints.
+  void expect(std::uint64_t bytes) { expected_bytes_ = bytes; }
   // Returns about how many bytes of arrays in files a pass has in memory at a time.
   [[nodiscard]] static std::uint64_t run_bytes(const Context& context) { return context.memory().limit() / 8; }
   // Makes later arrays prefer files. They never prefer memory again.
   void use_files() { uses_files_ = true; }
   [[nodiscard]] bool uses_files() const { return uses_files_; }
 
-  // Makes an array in memory or, if files are in use or memory runs out, in a file. Fails if neither has place.
+  // Makes an array in memory or, if files are in use or memory runs out, in a file. Fails if neither has space.
   template <class T>
   [[nodiscard]] Result<NetArray<T>> make(std::size_t count) {
     auto owner = TRY(make_bytes(count * sizeof(T)));
@@ -80,14 +89,32 @@ class NetMemory {
     return NetArray<T>(values, std::move(owner));
   }
 
+  // Makes an array in a file. Fails with `refusal` as files::WorkMemory::make_in_file().
+  template <class T>
+  [[nodiscard]] Result<NetArray<T>> make_in_file(std::size_t count, Error refusal) {
+    auto memory = TRY(files::WorkMemory::make_in_file(count * sizeof(T), use(), std::move(refusal)));
+    auto owner = keep(std::move(memory));
+    const std::span<T> values(reinterpret_cast<T*>(owner->bytes().data()), count);
+    return NetArray<T>(values, std::move(owner));
+  }
+
   // Calls f(begin, end) for all indices from 0 to count - 1, run by run. With arrays in files, there are several runs,
-  // and leave() follows each. The indices are assumed to use all arrays evenly.
+  // and leave() follows each. The indices are assumed to use all arrays evenly. Ends early if the context is cancelled.
   template <class F>
   void for_each_run(std::size_t count, const F& f) const {
-    const std::size_t run = at_once(count);
-    for (std::size_t begin = 0; begin < count; begin += run) {
+    const std::size_t run = run_length(count, bytes_in_files());
+    for (std::size_t begin = 0; begin < count && !context_.cancelled(); begin += run) {
       f(begin, std::min(begin + run, count));
       if (run < count) leave();
+    }
+  }
+  // Does the same for the indices of one array, and leaves only this array.
+  template <class T, class F>
+  void for_each_run_of(const NetArray<T>& values, const F& f) const {
+    const std::size_t run = run_length(values.size(), values.is_in_file() ? values.size() * sizeof(T) : 0);
+    for (std::size_t begin = 0; begin < values.size() && !context_.cancelled(); begin += run) {
+      f(begin, std::min(begin + run, values.size()));
+      if (run < values.size()) values.leave();
     }
   }
   // Calls f(chunk) for all chunks of a net, in parallel within each run.
@@ -101,7 +128,7 @@ class NetMemory {
   template <class T>
   void fill(NetArray<T>& values, const T& value) const {
     constexpr std::size_t kGrain = 1 << 16;
-    for_each_run(values.size(), [&](std::size_t begin, std::size_t end) {
+    for_each_run_of(values, [&](std::size_t begin, std::size_t end) {
       for_each_range(end - begin, kGrain, [&](std::size_t first, std::size_t last) {
         std::fill(values.begin() + begin + first, values.begin() + begin + last, value);
       });
@@ -110,6 +137,8 @@ class NetMemory {
 
   // Gives the pages of all arrays in files back to the system, which keeps their contents.
   void leave() const;
+  // Does so once all calls together told that about run_bytes() were used. For work that uses little at a time.
+  void leave_after(std::uint64_t used_bytes) const;
   // Returns the bytes of all arrays in files: those of now, and the most at a time.
   [[nodiscard]] std::uint64_t bytes_in_files() const;
   [[nodiscard]] std::uint64_t most_in_files() const { return most_in_files_; }
@@ -118,13 +147,18 @@ class NetMemory {
 
  private:
   [[nodiscard]] Result<std::shared_ptr<files::WorkMemory>> make_bytes(std::uint64_t bytes);
-  [[nodiscard]] std::size_t at_once(std::size_t count) const;
-  [[nodiscard]] std::vector<std::shared_ptr<files::WorkMemory>> in_files() const;
+  [[nodiscard]] files::FileUse use() const;
+  [[nodiscard]] std::shared_ptr<files::WorkMemory> keep(files::WorkMemory memory);
+  // Returns how many of `count` indices a run takes if all of them use so many bytes in files.
+  [[nodiscard]] std::size_t run_length(std::size_t count, std::uint64_t bytes) const;
+  [[nodiscard]] std::vector<std::shared_ptr<files::WorkMemory>> list_files() const;
 
   Context context_;
   std::string what_;
   std::atomic<bool> uses_files_ = false;
+  std::uint64_t expected_bytes_ = 0;
   std::atomic<std::uint64_t> most_in_files_ = 0;
+  mutable std::atomic<std::uint64_t> used_bytes_ = 0;  // since the last leave() of leave_after()
   mutable std::mutex mutex_;
   mutable std::vector<std::weak_ptr<files::WorkMemory>> in_files_;
 };

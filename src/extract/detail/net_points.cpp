@@ -55,7 +55,8 @@ Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relax
   points.grid_ = TRY(NetGrid::make(labels, memory));
   const std::uint64_t count = points.grid_.size();
   const std::uint64_t chunks = points.grid_.origins().size();
-  if (NetMemory::prefers_files(making_bytes(count, count, chunks, relaxations), context)) memory.use_files();
+  memory.expect(making_bytes(count, count, chunks, relaxations));
+  if (prefers_files(count, count, chunks, relaxations, context)) memory.use_files();
   TRY(points.find_middles(labels, memory));
   points.offsets_ = TRY(memory.make<glm::vec3>(count + 1));
   memory.fill(points.offsets_, glm::vec3(0));
@@ -64,6 +65,7 @@ Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relax
     points.shells_ = TRY(keep_volumes(points.grid_, labels, output_from_index, points.offsets_, memory));
   }
   memory.leave();
+  TRY(context.check());
   TRY(memory.check());
   return points;
 }
@@ -73,6 +75,12 @@ std::uint64_t NetPoints::making_bytes(std::uint64_t points, std::uint64_t faces,
   const std::uint64_t beside =
       relaxations > 0 ? std::max(relaxing_bytes(points), volume_keeping_bytes(points, faces, chunks)) : 0;
   return bytes(points, chunks) + beside;
+}
+
+bool NetPoints::prefers_files(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks,
+                              std::uint64_t relaxations, const Context& context) {
+  return NetGrid::prefers_files(chunks, context) ||
+         NetMemory::prefers_files(making_bytes(points, faces, chunks, relaxations), context);
 }
 
 std::uint64_t NetPoints::list_bytes(std::uint64_t chunks, std::uint64_t relaxations) {
@@ -85,6 +93,7 @@ Result<void> NetPoints::find_middles(const LabelChunks& labels, NetMemory& memor
     Middles middles;
     middles_number_[c] = find_middles_of(labels, grid_.origins()[c], middles) ? 0 : -1;
   });
+  TRY(memory.context().check());
   std::int32_t count = 0;
   for (std::int32_t& number : middles_number_) {
     if (number >= 0) number = count++;

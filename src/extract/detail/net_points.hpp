@@ -42,6 +42,9 @@ class NetPoints {
   // Returns the most bytes that make() needs at a time for so many points, faces and chunks.
   [[nodiscard]] static std::uint64_t making_bytes(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks,
                                                   std::uint64_t relaxations);
+  // Returns whether most of these bytes go to files.
+  [[nodiscard]] static bool prefers_files(std::uint64_t points, std::uint64_t faces, std::uint64_t chunks,
+                                          std::uint64_t relaxations, const Context& context);
   // Returns the part of these bytes that is always in memory.
   [[nodiscard]] static std::uint64_t list_bytes(std::uint64_t chunks, std::uint64_t relaxations);
 

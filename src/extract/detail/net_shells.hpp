@@ -118,6 +118,8 @@ class ShellLinks {
   // Bytes besides the links.
   static constexpr std::uint64_t kBytesPerShell = 5 * sizeof(double);
   static constexpr std::uint64_t kBytesPerChunk = sizeof(ReservedList<Link>);
+  // Bytes of the links of a chunk, at least; the lists reserve them.
+  static constexpr std::uint64_t kLeastListBytes = ReservedList<Link>::kLeastCapacity * sizeof(Link);
 
   ShellLinks(std::size_t chunks, const Context& context, const std::string& what) {
     of_chunks_.reserve(chunks);

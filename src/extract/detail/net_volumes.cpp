@@ -164,14 +164,16 @@ class VolumeKeeper {
   void mark_moving() {
     std::ranges::fill(is_marked_, std::uint8_t{0});
     // Clears the bits of all chunks that may get marked points, before any thread sets bits.
-    for (std::size_t c = 0; c < has_steps_.size(); ++c) {
-      if (has_steps_[c] == 0) continue;
-      for (unsigned n = 0; n < 8; ++n) {
-        const std::int32_t up = upper(c, n);
-        if (up < 0 || std::exchange(is_marked_[static_cast<std::size_t>(up)], std::uint8_t{1}) != 0) continue;
-        moving_[static_cast<std::size_t>(up)].fill(0);
+    memory_.for_each_run(has_steps_.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c) {
+        if (has_steps_[c] == 0) continue;
+        for (unsigned n = 0; n < 8; ++n) {
+          const std::int32_t up = upper(c, n);
+          if (up < 0 || std::exchange(is_marked_[static_cast<std::size_t>(up)], std::uint8_t{1}) != 0) continue;
+          moving_[static_cast<std::size_t>(up)].fill(0);
+        }
       }
-    }
+    });
     memory_.for_each_chunk(grid_.origins().size(), [&](std::size_t c) {
       if (has_steps_[c] == 0) return;
       faces_.for_each_of_chunk(grid_, c, [&](std::size_t number, int axis, const glm::ivec3& corner) {
@@ -308,6 +310,8 @@ std::uint64_t volume_keeping_bytes(std::uint64_t points, std::uint64_t faces, st
   return NetFaces::bytes(points, faces, chunks) + VolumeKeeper::array_bytes(faces, chunks) + volume_list_bytes(chunks);
 }
 
-std::uint64_t volume_list_bytes(std::uint64_t chunks) { return VolumeKeeper::list_bytes(0, chunks); }
+std::uint64_t volume_list_bytes(std::uint64_t chunks) {
+  return VolumeKeeper::list_bytes(0, chunks) + chunks * ShellLinks::kLeastListBytes;
+}
 
 }  // namespace isoextract::extract

@@ -15,6 +15,8 @@ namespace isoextract::extract {
 template <class T>
 class ReservedList {
  public:
+  static constexpr std::size_t kLeastCapacity = 32;  // of a list that is not empty
+
   // `what` starts the message if memory runs out. The context and `what` must outlive the list.
   ReservedList(const Context& context, const std::string& what) : context_(&context), what_(&what) {}
 
@@ -32,7 +34,7 @@ class ReservedList {
  private:
   bool grow() {
     if (error_) return false;
-    const std::size_t wanted = std::max<std::size_t>(2 * values_.capacity(), 32);
+    const std::size_t wanted = std::max(2 * values_.capacity(), kLeastCapacity);
     auto memory = context_->reserve(wanted * sizeof(T), *what_);
     if (!memory) {
       error_ = std::move(memory.error());
