@@ -6,8 +6,10 @@
 #include <chrono>
 #include <climits>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -67,12 +69,34 @@ class Link {
       places[r] = static_cast<int>(total);
       total += sizes[r];
     }
-    gathered_.resize(std::max<std::size_t>(total, 1));
+    allocate(total);
     wait_for([&](MPI_Request& request) {
       return MPI_Iallgatherv(bytes, static_cast<int>(count), MPI_BYTE, gathered_.data(), counts.data(), places.data(),
                              MPI_BYTE, all_, &request);
     });
     return gathered_.data();
+  }
+
+  // Makes gathered_ large enough. Long messages could exceed the memory of one rank only: then all ranks fail, since a
+  // rank that left alone would make the others wait for ever.
+  void allocate(std::uint64_t total) {
+    constexpr std::uint64_t kLong = std::uint64_t{1} << 20U;
+    if (total <= kLong && gathered_.size() > kLong) gathered_ = {};
+    if (total <= kLong) {
+      gathered_.resize(std::max<std::size_t>(total, 1));
+      return;
+    }
+    std::uint8_t fails = 0;
+    try {
+      gathered_.resize(total);
+    } catch (const std::bad_alloc&) {
+      fails = 1;
+    }
+    std::uint8_t any_fails = 0;
+    wait_for([&](MPI_Request& request) {
+      return MPI_Iallreduce(&fails, &any_fails, 1, MPI_UINT8_T, MPI_MAX, all_, &request);
+    });
+    if (any_fails != 0) throw std::runtime_error("a rank lacks the memory for a message of the others");
   }
 
   void send(int to, const void* bytes, std::uint64_t count) {

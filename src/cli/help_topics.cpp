@@ -152,8 +152,9 @@ HelpTopic mpi_topic() {
             "dense, the method is mc or mt, and the output is a binary .ply or a .glb with one surface.",
             {}},
            {"Otherwise rank 0 works alone while the other ranks wait, for example with sparse samples, small meshes, "
-            "--nan hole, --backend gpu, attributes, --cap together with --report, or options that edit, compress or "
-            "verify the mesh. A note gives the reason.",
+            "--nan hole, --backend gpu, attributes, --error, --largest, --cap together with --report, or options that "
+            "edit, "
+            "compress or verify the mesh. A note gives the reason.",
             {}},
            {"If a rank ends early, mpirun ends all ranks. No file is then incomplete, and --resume continues a "
             "sequence. Ranks need the MPI plug-in, which the build makes if it finds MPI (libopenmpi-dev). With Slurm, "

@@ -10,12 +10,12 @@ namespace isoextract::field {
 // The samples of a file, in layers: planes of equal z. Safe to use from several threads.
 class SampleLayers {
  public:
-  // Some layers in memory. For one thread; destroy it before asking DenseSamples::lost().
+  // A window of consecutive layers. For one thread; destroy it before asking DenseSamples::lost().
   class Window {
    public:
     virtual ~Window() = default;
     // Brings layers begin to end - 1 into memory, in place of those before. Returns the first sample of layer `begin`.
-    // Fails with ErrorCode::out_of_memory; the window is then without use. Samples that cannot be read are 0
+    // Fails with ErrorCode::out_of_memory; do not use the window afterwards. Samples that cannot be read are 0
     // (DenseSamples::loss).
     [[nodiscard]] virtual Result<const void*> move_to(int begin, int end) = 0;
   };

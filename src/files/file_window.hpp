@@ -27,8 +27,8 @@ class FileWindow {
   ~FileWindow();
 
   // Maps a range of the file in place of the part before, whose addresses become invalid. Returns the address of its
-  // first byte, aligned as MappedFile::data(); null if the system cannot map it: the window is then without use. Does
-  // not count the range as read.
+  // first byte, aligned as MappedFile::data(); null if the system cannot map it: do not use the window afterwards.
+  // Does not count the range as read.
   [[nodiscard]] const std::byte* move_to(std::uint64_t offset, std::uint64_t bytes);
 
   // Returns whether some of the data in this or in earlier parts was missing; false after move_to() returned null.

@@ -113,8 +113,9 @@ class DenseExtraction final {
     TRY(for_each_slab("extracting", own_, room, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
       const MeshSizes first = rows_.numbers_at(slices_below(slab.bk));
       const MeshSizes sizes = sizes_in(pass, slab_sizes(slab.bk));
-      if (sizes.vertices == 0 && sizes.triangles == 0) return {};
-      if (!is_as_counted(slab)) return check_samples();
+      const bool is_empty = sizes.vertices == 0 && sizes.triangles == 0;
+      if (is_empty && !options_.cap) return {};  // the cap of a slab without a surface compares its samples again
+      if (!is_as_counted(slab) || is_empty) return check_samples();
       const auto emit = [&](int bj) { emit_brick_row(part, first, slab, bj); };
       if (pass.in_order) for_each_index(bricks_.rows_y(), emit);
       for (int bj = 0; bj < bricks_.rows_y() && !pass.in_order; ++bj) emit(bj);

@@ -79,10 +79,13 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
                                          Notes& notes) {
   const Context& context = file.context();
   if (!dense.x_slowest && dense.wide == Integer64::none) {
-    if (options.by_layers && fills_address_space(source)) {
+    const bool prefers_layers = options.by_layers && fills_address_space(source);
+    auto mapped = prefers_layers ? std::nullopt : map_samples(source, context);
+    if (options.by_layers && !mapped) {
       if (auto samples = map_layers(source, dense.type, dense.dims, context, notes)) return std::move(*samples);
     }
-    if (auto mapped = map_samples(source, context)) {
+    if (prefers_layers) mapped = map_samples(source, context);
+    if (mapped) {
       const auto mapping = std::make_shared<const files::MappedFile>(std::move(*mapped));
       return field::DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
     }

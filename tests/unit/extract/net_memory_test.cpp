@@ -75,7 +75,7 @@ TEST(NetMemory, MakesTheSameMeshesOfLabelsFromFiles) {
     ExtractOptions options = net_options();
     options.method = method;
     const Labels whole = nets_of(field, options);
-    const Context limited{MemoryBudget((method == Method::voxels ? 28 : 48) * kMiB)};
+    const Context limited{MemoryBudget((method == Method::voxels ? 20 : 48) * kMiB)};
     const auto found = LabelVoxels::find(field, options, {true, {}}, limited);
     ASSERT_TRUE(found) << found.error().message;
     ASSERT_EQ(found->labels().size(), whole.size());
@@ -97,7 +97,7 @@ TEST(NetMemory, MakesTheSameMeshOfAMaskFromFiles) {
   const auto whole = extract_surface_nets(field, options, Context());
   ASSERT_TRUE(whole);
   EXPECT_EQ(whole->stats.most_in_files, 0U);
-  const Context limited{MemoryBudget(44 * kMiB)};
+  const Context limited{MemoryBudget(36 * kMiB)};
   const auto made = extract_surface_nets(field, options, limited);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_GT(made->stats.most_in_files, 16 * kMiB);
