@@ -80,15 +80,17 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, const Den
   const Context& context = file.context();
   if (!dense.x_slowest && dense.wide == Integer64::none) {
     const bool prefers_layers = options.by_layers && fills_address_space(source);
-    auto mapped = prefers_layers ? std::nullopt : map_samples(source, context);
-    if (options.by_layers && !mapped) {
-      if (auto samples = map_layers(source, dense.type, dense.dims, context, notes)) return std::move(*samples);
-    }
-    if (prefers_layers) mapped = map_samples(source, context);
-    if (mapped) {
+    const auto map_whole = [&]() -> std::optional<field::DenseSamples> {
+      auto mapped = map_samples(source, context);
+      if (!mapped) return std::nullopt;
       const auto mapping = std::make_shared<const files::MappedFile>(std::move(*mapped));
       return field::DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
-    }
+    };
+    std::optional<field::DenseSamples> samples;
+    if (!prefers_layers) samples = map_whole();
+    if (!samples && options.by_layers) samples = map_layers(source, dense.type, dense.dims, context, notes);
+    if (!samples && prefers_layers) samples = map_whole();
+    if (samples) return std::move(*samples);
   }
   auto store = TRY(SampleStore::make(file.name(), dense.dims, dense.type, context));
   const bool has_trailing_data = TRY(read_into(store, dense, source, context));
