@@ -179,7 +179,7 @@ constexpr std::array kGuide{
               "The sides of the data box are not multiples of the voxel size; the note says which size the grid has.",
               "If the size has to be exact, give one that divides the sides."},
     NoteGuide{voxels_in_files,
-              "The voxels of labels and the points of surface nets take much of the memory limit. So the program put "
+              "The voxels of labels and the points of their nets take much of the memory limit. So the program put "
               "them into "
               "temporary files, which have no names. The system frees them when the program ends.",
               "Raise --memory-limit, or set the environment variable TMPDIR to a folder on a fast disk."},

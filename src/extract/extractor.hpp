@@ -111,9 +111,6 @@ struct ExtractStats {
   // them).
   bool inside_at_boundary = false;
   bool meets_boundary = false;
-  // Method::surface_nets: the most bytes that temporary files held at a time, as memory was short. 0 for labels, of
-  // which LabelVoxels::notes() tells it.
-  std::uint64_t most_in_files = 0;
   StageTime classify;
   StageTime count;
   StageTime emit;

@@ -98,6 +98,14 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
       {Remedy::set, Setting::labels, "with the other labels only"});
 }
 
+// Returns the note that so many bytes were in temporary files.
+Note note_of_files(std::uint64_t bytes) {
+  return {NoteId::voxels_in_files,
+          fmt::format("memory is short for the {} of voxels and points of the net, so they are in "
+                      "temporary files",
+                      format_byte_size(bytes))};
+}
+
 // Releases the pages of each layer of chunks in a large mapped file as soon as all of its chunks are read.
 template <class T>
 class LayerReleases {
@@ -395,13 +403,6 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   }
   found->stats.classify = watch.elapsed();
   return LabelVoxels(std::move(found));
-}
-
-Note note_of_files(std::uint64_t bytes) {
-  return {NoteId::voxels_in_files,
-          fmt::format("memory is short for the {} of voxels and points of the net, so they are in "
-                      "temporary files",
-                      format_byte_size(bytes))};
 }
 
 const std::vector<std::int64_t>& LabelVoxels::labels() const { return found_->labels; }

@@ -39,9 +39,6 @@ struct FoundLabel {
   std::uint64_t shells = 0;  // components of the surface; 0 if unknown, as without relaxed surface nets
 };
 
-// Returns the note that so many bytes of voxels and points of nets were in temporary files.
-[[nodiscard]] Note note_of_files(std::uint64_t bytes);
-
 // The voxels of each label of a label map, found in one pass over the samples. A label is the integer that a sample
 // holds, or the entry of field::ScalarField::label_ids that this integer indexes.
 class LabelVoxels {

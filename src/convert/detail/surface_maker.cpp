@@ -12,7 +12,6 @@
 #include "convert/stages/mesh_simplify.hpp"
 #include "convert/verification.hpp"
 #include "extract/height_field.hpp"
-#include "extract/voxels.hpp"
 #include "volume_io/volume_reader.hpp"
 
 namespace isoextract::convert {
@@ -88,7 +87,6 @@ Result<Surface> extract_surface(const SurfaceMaker& maker, const ResolvedIso& as
     if (!surface.taken) report.did = "extracted";
   }
   made.events.end(report);
-  if (stats.most_in_files > 0) made.events.note(extract::note_of_files(stats.most_in_files));
   if (maker.other != nullptr) {
     const auto record = TRY(compare_backends(source.field, options, extract::method_info(maker.job.surface.method),
                                              surface.mesh, *maker.extractor, *maker.other, maker.context));
