@@ -40,15 +40,24 @@ mesh::FloatBox box_of(const CollapseState& state, std::uint32_t t) {
 
 bool has_area(const mesh::PlacedTriangle& t) { return !mesh::are_collinear(t.corners[0], t.corners[1], t.corners[2]); }
 
-// Returns whether two triangles intersect and a collapse may be the cause. Copies of one triangle do not count.
+bool are_copies(const CollapseState& state, const glm::uvec3& a, const glm::uvec3& b) {
+  return std::ranges::is_permutation(std::array{state.stored[a.x], state.stored[a.y], state.stored[a.z]},
+                                     std::array{state.stored[b.x], state.stored[b.y], state.stored[b.z]});
+}
+
+// Returns whether two triangles intersect and a collapse may be the cause. Copies of one triangle do not count if they
+// were copies at the start.
 bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
   if (state.tangled[a] != 0 && state.tangled[b] != 0) return false;
   if (state.changed_by[a] == kNone && state.changed_by[b] == kNone) return false;
   if (mesh::PlaneFilter(corners_of(state, a)).is_apart(mesh::CornerLanes(corners_of(state, b)))) return false;
   const mesh::PlacedTriangle p = placed(state, a);
   const mesh::PlacedTriangle q = placed(state, b);
-  return has_area(p) && has_area(q) && !std::ranges::is_permutation(p.corners, q.corners) &&
-         mesh::find_overlap(p, q).meet;
+  if (!has_area(p) || !has_area(q)) return false;
+  if (are_copies(state, state.corners[a], state.corners[b])) {
+    return !are_copies(state, state.start[a], state.start[b]);
+  }
+  return mesh::find_overlap(p, q).meet;
 }
 
 // Finds intersections with unchecked triangles, of all pairs or between different patches. The patch of an unchecked

@@ -284,7 +284,7 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
     std::ranges::fill(state_.first_patch, kNone);
     for_each_index(patches, [&](std::size_t p) {
       for (std::size_t i = first[p]; i < first[p + 1]; ++i) {
-        state_.first_patch[triangles[i]] = static_cast<std::uint32_t>(first[p]);
+        state_.first_patch[triangles[i]] = static_cast<std::uint32_t>(numbers_ + first[p]);
       }
     });
   }

@@ -114,6 +114,34 @@ TEST(SimplifyIntersections, AddsNoneBetweenPatchesOfThinSheets) {
   }
 }
 
+// Two bodies touch at three positions, each with its own vertices there. Flattening both of the pits between these
+// positions would leave one triangle twice.
+TEST(SimplifyIntersections, LeavesNoDuplicateTriangleWithoutGuard) {
+  constexpr float kDepth = 0.02F;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (const float up : {1.0F, -1.0F}) {
+    const auto v = static_cast<unsigned>(positions.size());
+    positions.insert(positions.end(), {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, kDepth * up}, {1, 1, 4 * up}});
+    for (unsigned i = 0; i < 3; ++i) {
+      const unsigned from = v + (up > 0 ? i : (i + 1) % 3);
+      const unsigned to = v + (up > 0 ? (i + 1) % 3 : i);
+      triangles.insert(triangles.end(), {{to, from, v + 3}, {from, to, v + 4}});
+    }
+  }
+  const mesh::Mesh both = test::make_mesh("bodies that touch", positions, triangles);
+  ASSERT_EQ(count_pairs(both), 0U);
+  SimplifyOptions options = to_distance(0.05);
+  options.patch_size = 32;
+  const SimplifiedMesh done = simplified_copy(both, options);
+  const auto found = mesh::find_self_intersections(done.mesh, {}, Context());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->duplicate_triangles, 0U);
+  EXPECT_EQ(found->pairs, 0U);
+  EXPECT_EQ(done.mesh.triangles.size(), 10U);  // one pit stays
+  EXPECT_GT(done.facts.untangled_collapses, 0U);
+}
+
 // A bowl in one patch, and needles whose tips are just above it. No needle can change, and all of them are in other
 // patches. The distance is small enough for a single sweep.
 TEST(SimplifyIntersections, AddsNoneWithUnchangedTrianglesOfOtherPatches) {
