@@ -18,7 +18,7 @@ namespace isoextract::edit {
 // Holds a linked list of the triangles around each vertex, by the numbers of their corners.
 class EdgeSearch {
  public:
-  // Leaves out the triangles whose entry in `left_out` is not 0. Needs fewer than 2^32 / 3 triangles. Keeps references
+  // Skips the triangles whose entry in `left_out` is not 0. Needs fewer than 2^32 / 3 triangles. Keeps references
   // to `triangles` and `sheets`. Throws std::bad_alloc.
   EdgeSearch(std::span<const glm::uvec3> triangles, std::size_t vertices, std::span<const char> left_out,
              const Sheets& sheets)
