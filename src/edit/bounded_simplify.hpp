@@ -9,10 +9,11 @@
 // undone (detail/distance_proof.hpp). For a triangle target, the limit rises until the target is near or few patches
 // are left. Then one patch collapses the cheapest edges first, down to the target, and the final distance is measured.
 //
-// No triangles intersect that did not before (mesh/self_intersections.hpp). A collapse that would make triangles of its
-// patch intersect is refused (detail/intersection_guard.hpp). Collapses of different patches that together make
-// triangles intersect are undone (detail/intersection_undo.hpp). Where triangles intersect already, the number of
-// intersecting pairs does not grow. So a mesh without intersections stays one, which printing needs.
+// No triangles intersect that did not before (mesh/self_intersections.hpp). Most rounds have a guard: it refuses
+// collapses that would make triangles of their patch intersect (detail/intersection_guard.hpp). The first round of a
+// small distance has none. Collapses after which triangles do intersect, of one patch or of several, are undone
+// (detail/intersection_undo.hpp). Where triangles intersect already, the number of intersecting pairs does not grow. So
+// a mesh without intersections stays one, which printing needs.
 //
 // Distances are bounded triangle by triangle as in mesh/distance_bound.hpp. The result does not depend on the number of
 // threads. A mesh too large for the memory budget is simplified in windows (detail/simplify_windows.hpp).
@@ -50,7 +51,8 @@ struct SimplifyFigures {
   std::uint64_t patches = 0;           // in all rounds
   std::uint64_t collapses = 0;         // collapsed edges, including those undone later
   std::uint64_t undone_collapses = 0;  // collapses undone because a triangle was too far away
-  // Collapses refused because they would have made triangles intersect; a collapse tried again counts again.
+  // Collapses that the guard refused because they would have made triangles intersect; a collapse tried again counts
+  // again. Rounds without the guard refuse none.
   std::uint64_t refused_collapses = 0;
   std::uint64_t untangled_collapses = 0;  // collapses undone because triangles intersected afterwards
   int rounds = 0;
@@ -71,7 +73,7 @@ struct SimplifiedMesh {
 // and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //
-// The whole mesh takes about 450 bytes a triangle, with a target 750. If the budget has less, windows of as many
+// The whole mesh takes about 470 bytes a triangle, with a target 750. If the budget has less, windows of as many
 // triangles as fit are simplified one after the other: the result then depends on the budget. With a target, windows
 // remove triangles by small distances until the rest fits as a whole. Fails with ErrorCode::out_of_memory if that is
 // impossible, too, with ErrorCode::input if the rounds of a window visit 2^32 - 1 triangles or more, or with

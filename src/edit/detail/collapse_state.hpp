@@ -64,8 +64,8 @@ struct CollapseState {
   // end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
-  // The number of the first collapse since undo_intersections() looked at all pairs, and the patch, by
-  // CollapseLog::first, in which the first round since then had each triangle; kNone: in none.
+  // The number of the first collapse since undo_intersections() looked at all pairs. For each triangle, the patch of
+  // the first round since then that had it, as the number of the patch's first collapse; kNone: no patch had it.
   std::uint32_t first_unchecked = 0;
   std::vector<std::uint32_t> first_patch;
   std::vector<char> tangled;          // 1: an allowed collapse left the triangle in an intersecting pair

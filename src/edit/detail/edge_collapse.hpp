@@ -9,7 +9,7 @@
 //   preserving edge contraction. Publ. Inst. Math. 66, 1999) and no triangle flips or loses its area. Curves are
 //   boundary loops and lines where sheets meet. A vertex of a curve collapses along its curve; the ends of curves stay.
 //   Planes through boundary edges, at right angles to their triangles, are part of the quadrics.
-// - Intersections: a collapse must not make triangles of the patch intersect (intersection_guard.hpp).
+// - Intersections: with the guard, a collapse must not make triangles of the patch intersect (intersection_guard.hpp).
 //
 // The limits hardly change the order. If the best target of a vertex exceeds the limit `distance`, a second target is
 // tried; `proven` rejects single collapses. Sample points prove nothing; distance_proof.hpp does.

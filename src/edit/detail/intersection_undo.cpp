@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -21,7 +22,6 @@ namespace {
 using ChangedTriangle = std::pair<std::uint32_t, std::uint32_t>;  // the last collapse of a triangle, the triangle
 
 using TrianglePair = std::array<std::uint32_t, 2>;
-using FoundPairs = tbb::enumerable_thread_specific<std::vector<TrianglePair>>;
 
 std::array<glm::vec3, 3> corners_of(const CollapseState& state, std::uint32_t t) {
   const glm::uvec3& c = state.corners[t];
@@ -40,16 +40,109 @@ mesh::FloatBox box_of(const CollapseState& state, std::uint32_t t) {
 
 bool has_area(const mesh::PlacedTriangle& t) { return !mesh::are_collinear(t.corners[0], t.corners[1], t.corners[2]); }
 
-// Returns whether two triangles intersect and a collapse may be the cause. Copies of one triangle do not count.
+bool are_copies(const CollapseState& state, const glm::uvec3& a, const glm::uvec3& b) {
+  return std::ranges::is_permutation(std::array{state.stored[a.x], state.stored[a.y], state.stored[a.z]},
+                                     std::array{state.stored[b.x], state.stored[b.y], state.stored[b.z]});
+}
+
+// Returns whether two triangles intersect and a collapse may be the cause. Copies of one triangle do not count if they
+// were copies at the start.
 bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
   if (state.tangled[a] != 0 && state.tangled[b] != 0) return false;
   if (state.changed_by[a] == kNone && state.changed_by[b] == kNone) return false;
   if (mesh::PlaneFilter(corners_of(state, a)).is_apart(mesh::CornerLanes(corners_of(state, b)))) return false;
   const mesh::PlacedTriangle p = placed(state, a);
   const mesh::PlacedTriangle q = placed(state, b);
-  return has_area(p) && has_area(q) && !std::ranges::is_permutation(p.corners, q.corners) &&
-         mesh::find_overlap(p, q).meet;
+  if (!has_area(p) || !has_area(q)) return false;
+  if (are_copies(state, state.corners[a], state.corners[b])) {
+    return !are_copies(state, state.start[a], state.start[b]);
+  }
+  return mesh::find_overlap(p, q).meet;
 }
+
+// Collects pairs for the log of the later one of the two last collapses: the one to undo. If logs can be undone as a
+// whole, drops the pairs of those with too many, which limits the memory. Several threads may add pairs.
+class FoundPairs {
+ public:
+  FoundPairs(const CollapseState& state, std::span<const CollapseLog> logs, bool undoes_logs)
+      : state_(state), logs_(logs), counts_(undoes_logs ? logs.size() : 0, 0) {}
+
+  // Adds the pair if it is new.
+  void look_at(std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t collapse = last_collapse(a, b);
+    if (collapse == kNone) return;
+    if (counts_.empty()) {
+      if (is_new_pair(state_, a, b)) pairs_.local().push_back({a, b});
+      return;
+    }
+    const std::size_t log = log_of(collapse);
+    const std::atomic_ref count(counts_[log]);
+    if (count.load(std::memory_order_relaxed) > most_pairs(log) || !is_new_pair(state_, a, b)) return;
+    if (count.fetch_add(1, std::memory_order_relaxed) < most_pairs(log)) pairs_.local().push_back({a, b});
+  }
+
+  // Returns the logs with too many pairs since the start, and forgets these pairs.
+  [[nodiscard]] std::vector<std::size_t> take_crowded_logs() {
+    std::vector<std::size_t> crowded;
+    for (std::size_t log = 0; log < counts_.size(); ++log) {
+      if (counts_[log] > most_pairs(log)) crowded.push_back(log);
+    }
+    for (auto& pairs : pairs_) {
+      if (crowded.empty()) break;
+      std::erase_if(pairs, [&](const TrianglePair& pair) {
+        const std::size_t log = log_of(last_collapse(pair[0], pair[1]));
+        return counts_[log] > most_pairs(log);
+      });
+    }
+    for (const std::size_t log : crowded) counts_[log] = 0;
+    return crowded;
+  }
+
+  // Makes any pair found from now on one too many for its log.
+  void allow_no_pairs() {
+    allows_pairs_ = false;
+    std::ranges::fill(counts_, 0);
+  }
+
+  // Returns for each pair the triangle that changed last, the latest collapse first. Forgets the pairs.
+  [[nodiscard]] std::vector<ChangedTriangle> take_changed_triangles() {
+    std::vector<ChangedTriangle> changed;
+    for (auto& pairs : pairs_) {
+      for (const auto& [a, b] : pairs) {
+        const std::uint32_t collapse = last_collapse(a, b);
+        for (const std::uint32_t t : {a, b}) {
+          if (state_.changed_by[t] == collapse) changed.emplace_back(collapse, t);
+        }
+      }
+      pairs = {};
+    }
+    std::ranges::sort(changed, std::greater());
+    return changed;
+  }
+
+ private:
+  // Returns kNone if no collapse has changed the triangles.
+  [[nodiscard]] std::uint32_t last_collapse(std::uint32_t a, std::uint32_t b) const {
+    const std::uint32_t of_a = state_.changed_by[a];
+    const std::uint32_t of_b = state_.changed_by[b];
+    if (of_a == kNone || of_b == kNone) return std::min(of_a, of_b);
+    return std::max(of_a, of_b);
+  }
+  [[nodiscard]] std::size_t log_of(std::uint32_t collapse) const {
+    return static_cast<std::size_t>(&find_log(collapse, logs_) - logs_.data());
+  }
+  [[nodiscard]] std::uint32_t most_pairs(std::size_t log) const {
+    constexpr std::uint32_t kFew = 50;
+    constexpr std::uint32_t kRemovedOfPair = 100;
+    return allows_pairs_ ? std::max(kFew, logs_[log].removed / kRemovedOfPair) : 0;
+  }
+
+  const CollapseState& state_;
+  std::span<const CollapseLog> logs_;
+  std::vector<std::uint32_t> counts_;  // pairs of each log, or more than most_pairs(); empty: logs stay
+  bool allows_pairs_ = true;
+  tbb::enumerable_thread_specific<std::vector<TrianglePair>> pairs_;
+};
 
 // Finds intersections with unchecked triangles, of all pairs or between different patches. The patch of an unchecked
 // triangle is the one that changed it last; of any other, the one that had it in the first round since the check.
@@ -78,7 +171,7 @@ class PairsOfPatches {
   struct PatchBox {
     mesh::FloatBox box;
     std::uint32_t patch;
-    bool is_unchecked;  // some triangle is
+    bool is_unchecked;  // a triangle below the node is unchecked
     [[nodiscard]] PatchBox with(const PatchBox& other) const {
       return {box.with(other.box), patch == other.patch ? patch : kSeveral, is_unchecked || other.is_unchecked};
     }
@@ -137,7 +230,7 @@ class PairsOfPatches {
     const bool is_unchecked = state_.is_unchecked(t);
     for (const std::uint32_t other : others) {
       if (!is_unchecked && !state_.is_unchecked(other)) continue;
-      if (own.meets(box_of(state_, other)) && is_new_pair(state_, t, other)) found.local().push_back({t, other});
+      if (own.meets(box_of(state_, other))) found.look_at(t, other);
     }
   }
 
@@ -147,15 +240,8 @@ class PairsOfPatches {
   Buffer<PatchBox> boxes_;  // by node
 };
 
-std::vector<TrianglePair> joined(const FoundPairs& found) {
-  std::vector<TrianglePair> pairs;
-  for (const auto& part : found) pairs.insert(pairs.end(), part.begin(), part.end());
-  return pairs;
-}
-
-Result<std::vector<TrianglePair>> find_pairs_of_patches(const CollapseState& state, std::span<const CollapseLog> logs,
-                                                        bool skips_patches, const std::string& name,
-                                                        const Context& context) {
+Result<void> find_pairs_of_patches(const CollapseState& state, std::span<const CollapseLog> logs, bool skips_patches,
+                                   const std::string& name, const Context& context, FoundPairs& found) {
   const auto triangles = static_cast<std::size_t>(std::ranges::count(state.gone, 0));
   const auto memory = TRY(context.reserve(intersection_search_bytes(triangles),
                                           name + ": the search for intersections of the simplified mesh"));
@@ -164,26 +250,25 @@ Result<std::vector<TrianglePair>> find_pairs_of_patches(const CollapseState& sta
   for (std::uint32_t t = 0; t < state.corners.size(); ++t) {
     if (state.gone[t] == 0) items[count++] = {box_of(state, t).center(), t};
   }
-  FoundPairs found;
   PairsOfPatches(state, logs, skips_patches, items.span(), context).find(found);
-  TRY(context.check());
-  return joined(found);
+  return context.check();
 }
 
 // Finds new pairs of which at least one triangle is in `restored`.
-Result<std::vector<TrianglePair>> find_pairs_of(std::span<const RestoredTriangle> restored, const CollapseState& state,
-                                                const Context& context) {
+Result<void> find_pairs_of(std::span<const RestoredTriangle> restored, const CollapseState& state,
+                           const std::string& name, const Context& context, FoundPairs& found) {
   std::vector<std::uint32_t> came_back;
   for (const RestoredTriangle& r : restored) {
     if (state.gone[r.triangle] == 0) came_back.push_back(r.triangle);
   }
   std::ranges::sort(came_back);
   came_back.erase(std::unique(came_back.begin(), came_back.end()), came_back.end());
-  if (came_back.empty()) return std::vector<TrianglePair>();
+  if (came_back.empty()) return {};
+  const auto memory = TRY(context.reserve(intersection_search_bytes(came_back.size()),
+                                          name + ": the search for intersections of restored triangles"));
   Buffer<mesh::BoxTree::Item> items(came_back.size());
   for (std::uint32_t i = 0; i < items.size(); ++i) items[i] = {box_of(state, came_back[i]).center(), i};
   const mesh::BoxTree tree(items.span(), [&](std::uint32_t i) { return box_of(state, came_back[i]); });
-  FoundPairs found;
   for_each_range(state.corners.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
     if (context.cancelled()) return;
     for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
@@ -193,26 +278,29 @@ Result<std::vector<TrianglePair>> find_pairs_of(std::span<const RestoredTriangle
         const std::uint32_t other = came_back[i];
         if (other == t || !box.meets(box_of(state, other))) return;
         if (t < other && std::ranges::binary_search(came_back, t)) return;  // `other` finds the pair
-        if (is_new_pair(state, t, other)) found.local().push_back({t, other});
+        found.look_at(t, other);
       });
     }
   });
-  TRY(context.check());
-  return joined(found);
+  return context.check();
 }
 
-// Returns for each new pair the triangle that changed last, the latest collapse first.
-std::vector<ChangedTriangle> changed_triangles(std::span<const TrianglePair> pairs, const CollapseState& state) {
-  std::vector<ChangedTriangle> changed;
-  for (const auto& [a, b] : pairs) {
-    for (const std::uint32_t t : {a, b}) {
-      const std::uint32_t other = state.changed_by[t == a ? b : a];
-      const std::uint32_t own = state.changed_by[t];
-      if (own != kNone && (other == kNone || own >= other)) changed.emplace_back(own, t);
-    }
+// Undoes all collapses of a log, and all that depend on them. Lists each changed triangle once in `changed`. Returns
+// the number of undone collapses.
+std::size_t undo_log(const CollapseLog& log, CollapseState& state, std::span<const CollapseLog> logs,
+                     std::vector<RestoredTriangle>& changed) {
+  std::vector<RestoredTriangle> steps;
+  std::size_t count = 0;
+  for (const CollapseLog::Record& record : log.records) {
+    const std::uint32_t& last = state.changed_by[record.triangle];
+    while (last != kNone && last >= log.first) count += undo_collapse(last, state, logs, steps);
   }
-  std::ranges::sort(changed, std::greater());
-  return changed;
+  std::ranges::stable_sort(steps, {}, &RestoredTriangle::triangle);
+  const auto end = std::unique(steps.begin(), steps.end(), [](const RestoredTriangle& a, const RestoredTriangle& b) {
+    return a.triangle == b.triangle;
+  });
+  changed.insert(changed.end(), steps.begin(), end);
+  return count;
 }
 
 }  // namespace
@@ -222,25 +310,28 @@ std::uint64_t intersection_search_bytes(std::uint64_t triangles) {
 }
 
 Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
-                                               std::span<const RestoredTriangle> restored, UnlikelyPairs skipped,
+                                               std::span<const RestoredTriangle> restored, SkippedPairs skipped,
                                                const std::string& name, const Context& context) {
+  constexpr int kMostPasses = 8;  // each looks at all triangles; later ones undo patches as a whole
   UndoneIntersections undone;
-  std::vector<TrianglePair> pairs;
-  if (skipped != UnlikelyPairs::not_restored) {
-    pairs = TRY(find_pairs_of_patches(state, logs, skipped == UnlikelyPairs::of_one_patch, name, context));
+  FoundPairs found(state, logs, skipped == SkippedPairs::none);
+  if (skipped != SkippedPairs::without_restored_triangle) {
+    TRY(find_pairs_of_patches(state, logs, skipped == SkippedPairs::within_a_patch, name, context, found));
   }
   std::vector<RestoredTriangle> changed(restored.begin(), restored.end());
-  for (;;) {
-    const auto of_restored = TRY(find_pairs_of(changed, state, context));
-    pairs.insert(pairs.end(), of_restored.begin(), of_restored.end());
-    const std::vector<ChangedTriangle> wrong = changed_triangles(pairs, state);
-    if (wrong.empty()) return undone;
-    pairs.clear();
+  for (int pass = 1;; ++pass) {
+    TRY(find_pairs_of(changed, state, name, context, found));
+    const std::vector<std::size_t> crowded = found.take_crowded_logs();
+    const std::vector<ChangedTriangle> wrong = found.take_changed_triangles();
+    if (crowded.empty() && wrong.empty()) return undone;
     changed.clear();
+    for (const std::size_t log : crowded) undone.collapses += undo_log(logs[log], state, logs, changed);
     for (const auto& [collapse, t] : wrong) {
       // An earlier undo may have included this one.
       if (state.changed_by[t] == collapse) undone.collapses += undo_collapse(collapse, state, logs, changed);
     }
+    if (pass == kMostPasses) found.allow_no_pairs();
+    undone.patches += crowded.size();
     undone.restored.insert(undone.restored.end(), changed.begin(), changed.end());
   }
 }

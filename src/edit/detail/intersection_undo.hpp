@@ -1,7 +1,7 @@
 // Undoes collapses that made triangles intersect.
 //
-// Collapses see only the triangles of their patch (intersection_guard.hpp), and an undone collapse brings triangles
-// back among changed ones. So triangles of different patches, and triangles that came back, can still intersect.
+// The guard of collapses sees only the triangles of their patch (intersection_guard.hpp), some rounds have no guard,
+// and an undone collapse brings triangles back among changed ones. So triangles can intersect after a round.
 #pragma once
 
 #include <cstdint>
@@ -19,24 +19,29 @@ namespace isoextract::edit {
 
 struct UndoneIntersections {
   std::uint64_t collapses = 0;
+  std::uint64_t patches = 0;               // logs undone as a whole
   std::vector<RestoredTriangle> restored;  // as undo_collapse() lists them
 };
 
 // The pairs of triangles that a search for intersections skips.
-enum class UnlikelyPairs : std::uint8_t {
+enum class SkippedPairs : std::uint8_t {
   none,
-  of_one_patch,  // the guard has tested them
-  not_restored,  // neither triangle is restored; all others have been tested
+  within_a_patch,             // the guard tested them
+  without_restored_triangle,  // an earlier call tested them
 };
 
 // Undoes collapses until no new pair of triangles intersects: for each pair, the latest collapse that changed one of
 // the two. A pair is not new if both triangles are original, if both are CollapseState::tangled, or if neither is
 // CollapseState::is_unchecked() or restored. `restored` are the triangles that undone collapses have brought back since
 // edges were collapsed or since the last call. `logs` are sorted by `first`; `name` is that of the mesh, for messages.
+//
+// With SkippedPairs::none, undoes all collapses of a log with very many pairs, for a guarded round to do again:
+// triangles may have intersected before, and single undos would take very many passes.
+//
 // The result does not depend on the number of threads. Fails with ErrorCode::out_of_memory or ErrorCode::cancelled.
 [[nodiscard]] Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<const CollapseLog> logs,
                                                              std::span<const RestoredTriangle> restored,
-                                                             UnlikelyPairs skipped, const std::string& name,
+                                                             SkippedPairs skipped, const std::string& name,
                                                              const Context& context);
 
 }  // namespace isoextract::edit

@@ -79,7 +79,8 @@ class PatchMesh {
     return from == nullptr || next == nullptr || sheet(from->triangle) != sheet(next->triangle);
   }
 
-  // A locked vertex may be the end of several curves.
+  // Returns whether v is an inner vertex of a curve along which a label touches itself. A locked vertex may be the end
+  // of several curves.
   [[nodiscard]] bool is_touching(std::uint32_t v) const {
     return leaves_[v] > 0 && locked_[v] == 0 && state_.has_role(vertices_[v], VertexRole::touching);
   }

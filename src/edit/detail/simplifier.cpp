@@ -13,7 +13,6 @@
 
 #include "base/parallel.hpp"
 #include "edit/detail/intersection_guard.hpp"
-#include "edit/detail/intersection_undo.hpp"
 #include "edit/detail/sheet_collapse.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/triangle_tree.hpp"
@@ -77,12 +76,16 @@ Result<bool> Simplifier::run() {
   // Alternates distance proof and intersection check, as undoing collapses for one can break the other. Ends because
   // each round leaves fewer collapses. Each check looks only near triangles that the other restored.
   ProvenDistances proven;
-  do {
+  for (;;) {
     facts_.distance_lower = 0;
     facts_.distance_upper = std::numeric_limits<double>::infinity();
-    if (!std::isfinite(enough)) continue;
-    TRY(look(prove_distance(state_, logs_, proof_options(enough), proven, context_)));
-  } while (TRY(undo_new_intersections(proven.restored)) > 0);
+    if (std::isfinite(enough)) {
+      TRY(look(prove_distance(state_, logs_, proof_options(enough), proven, context_)));
+    }
+    UndoneIntersections undone = TRY(undo_new_intersections(proven.restored));
+    if (undone.collapses == 0) break;
+    proven.restored = std::move(undone.restored);
+  }
   proven = {};
   if (options_.triangles > 0) {
     TRY(look(measure_distance(state_, context_)));
@@ -101,22 +104,22 @@ bool Simplifier::is_changed() const {
   return std::ranges::any_of(state_.changed_by, [](std::uint32_t collapse) { return collapse != kNone; });
 }
 
-// Returns the number of undone collapses. `restored` lists the triangles restored since the last call or round; then
-// the triangles that this call restored. `is_guarded`: all rounds since the last call were.
-Result<std::uint64_t> Simplifier::undo_new_intersections(std::vector<RestoredTriangle>& restored, bool is_guarded) {
-  const UnlikelyPairs skipped = patches_are_checked_ ? UnlikelyPairs::not_restored
-                                : is_guarded         ? UnlikelyPairs::of_one_patch
-                                                     : UnlikelyPairs::none;
+// `restored` lists the triangles restored since the last call or round. `is_guarded`: all rounds since the last call
+// had the guard.
+Result<UndoneIntersections> Simplifier::undo_new_intersections(std::span<const RestoredTriangle> restored,
+                                                               bool is_guarded) {
+  const SkippedPairs skipped = patches_are_checked_ ? SkippedPairs::without_restored_triangle
+                               : is_guarded         ? SkippedPairs::within_a_patch
+                                                    : SkippedPairs::none;
   UndoneIntersections undone = TRY(undo_intersections(state_, logs_, restored, skipped, mesh_.name, context_));
   patches_are_checked_ = true;
   state_.first_unchecked = static_cast<std::uint32_t>(numbers_);
-  restored = std::move(undone.restored);
   facts_.untangled_collapses += undone.collapses;
   if (undone.collapses > 0) {
     drop_restored_samples(state_);
     left_ = state_.count_remaining();
   }
-  return undone.collapses;
+  return undone;
 }
 
 // Adds the figures of a proof or measurement.
@@ -158,30 +161,32 @@ Result<void> Simplifier::within(double enough) {
   return {};
 }
 
-// Small distances make few triangles intersect. So their first round has no guard, which saves much time, and the next
-// round tries again near the collapses that intersections undo.
+// Small distances make few triangles intersect. So their first round has no guard, which saves much time. The next
+// round tries again near undone collapses; where a whole patch was undone, patches do not grow.
 Result<void> Simplifier::sweep(double distance) {
   constexpr double kLargerPatches = 4;
   constexpr double kMostUnguarded = 1.0 / 300;  // fraction of the patch size
   want_all();
   std::uint64_t work = kSweepWork;
   bool is_guarded = distance > kMostUnguarded * options_.patch_size;
-  for (double size = options_.patch_size;; size *= kLargerPatches, is_guarded = true) {
+  for (double size = options_.patch_size;;) {
     const std::uint64_t share = work - work / 4;  // later rounds visit few triangles
     const double least_part =
         static_cast<double>(least_triangles_) / static_cast<double>(std::max<std::size_t>(left_, 1));
     auto patches = TRY(round(size, {kOfVertices * distance, distance, is_guarded, 0}, {least_part, share}));
     work -= share;
-    std::vector<RestoredTriangle> restored;
-    if (!is_guarded) TRY(undo_new_intersections(restored, is_guarded));
-    for (const RestoredTriangle& r : restored) {
+    UndoneIntersections undone;
+    if (!is_guarded) undone = TRY(undo_new_intersections({}, is_guarded));
+    for (const RestoredTriangle& r : undone.restored) {
       mark(wanted_, r.corners);
       mark(wanted_, state_.corners[r.triangle]);
     }
-    if (patches > 1 || !restored.empty()) continue;
-    context_.progress().advance(work);
-    return {};
+    if (patches <= 1 && undone.collapses == 0) break;
+    if (undone.patches == 0) size *= kLargerPatches;
+    is_guarded = true;
   }
+  context_.progress().advance(work);
+  return {};
 }
 
 // Runs rounds with growing distances until few patches or triangles are left; then collapses the cheapest edges of
@@ -206,8 +211,7 @@ Result<void> Simplifier::collapse_to_count(double enough) {
     // Keeps the number of triangles in a patch.
     size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);
   }
-  std::vector<RestoredTriangle> restored;
-  TRY(undo_new_intersections(restored));
+  TRY(undo_new_intersections({}));
   TRY(cheapest(enough));
   return replace_worst(enough);
 }
@@ -284,7 +288,7 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
     std::ranges::fill(state_.first_patch, kNone);
     for_each_index(patches, [&](std::size_t p) {
       for (std::size_t i = first[p]; i < first[p + 1]; ++i) {
-        state_.first_patch[triangles[i]] = static_cast<std::uint32_t>(first[p]);
+        state_.first_patch[triangles[i]] = static_cast<std::uint32_t>(numbers_ + first[p]);
       }
     });
   }

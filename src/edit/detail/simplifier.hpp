@@ -16,6 +16,7 @@
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/distance_proof.hpp"
 #include "edit/detail/edge_collapse.hpp"
+#include "edit/detail/intersection_undo.hpp"
 #include "edit/detail/patch_triangles.hpp"
 #include "edit/detail/sheet_trees.hpp"
 #include "mesh/mesh.hpp"
@@ -54,7 +55,8 @@ class Simplifier {
   };
 
   [[nodiscard]] bool is_changed() const;
-  Result<std::uint64_t> undo_new_intersections(std::vector<RestoredTriangle>& restored, bool is_guarded = true);
+  Result<UndoneIntersections> undo_new_intersections(std::span<const RestoredTriangle> restored,
+                                                     bool is_guarded = true);
   Result<void> look(const Result<Proof>& proof);
   [[nodiscard]] std::vector<glm::vec3> place_vertices();
   Result<void> within(double enough);

@@ -16,6 +16,7 @@
 #include "edit/detail/sheet_collapse.hpp"
 #include "edit/detail/simplifier.hpp"
 #include "edit/detail/window_mesh.hpp"
+#include "mesh/distance_bound.hpp"
 #include "mesh/metrics.hpp"
 
 namespace isoextract::edit {
@@ -372,7 +373,11 @@ class WindowedSimplifier {
 
   void take_over(const Window& window, const CollapseState& state) {
     const std::size_t known = saved_.size();
-    std::vector<FarTriangle> far;
+    struct Changed {
+      double upper;  // of the distance
+      std::uint32_t number;
+    };
+    std::vector<Changed> far;
     for (std::uint32_t i = 0; i < window.triangles.size(); ++i) {
       if (state.changed_by[i] == kNone) continue;
       const std::uint32_t t = window.triangles[i];
@@ -386,14 +391,30 @@ class WindowedSimplifier {
       corners = {window.vertices[c.x], window.vertices[c.y], window.vertices[c.z]};
       state_[t] = kChanged;
       chunks_[t / kChunk].add(interval_of(corners));
-      far.push_back({state.known[i].lower - slack_, t, corners});
+      far.push_back({state.known[i].upper, i});
     }
     std::inplace_merge(saved_.begin(), saved_.begin() + static_cast<std::ptrdiff_t>(known), saved_.end(),
                        [](const Original& a, const Original& b) { return a.triangle < b.triangle; });
     const std::size_t most = std::min<std::size_t>(far.size(), kFarTriangles);
     std::ranges::partial_sort(far, far.begin() + static_cast<std::ptrdiff_t>(most), std::ranges::greater(),
-                              &FarTriangle::lower);
-    far_.insert(far_.end(), far.begin(), far.begin() + static_cast<std::ptrdiff_t>(most));
+                              &Changed::upper);
+    const std::size_t before = far_.size();
+    far_.resize(before + most);
+    for_each_index(most, [&](std::size_t i) {
+      const std::uint32_t t = window.triangles[far[i].number];
+      far_[before + i] = {measure_lower(state, far[i].number) - slack_, t, mesh_.triangles[t]};
+    });
+  }
+
+  // Returns a lower bound of the distance from a triangle to the original mesh. The proof of the upper bound often
+  // finds none.
+  [[nodiscard]] static double measure_lower(const CollapseState& state, std::uint32_t t) {
+    const glm::uvec3& c = state.corners[t];
+    const mesh::DistanceLimits limits{.tolerance = 0.05, .max_parts = 256};
+    const mesh::TriangleBound found =
+        mesh::bound_distance({state.positions[c.x], state.positions[c.y], state.positions[c.z]}, state.original_tree(t),
+                             limits, 0, state.original_slot[t]);
+    return std::max(found.lower, state.known[t].lower);
   }
 
   void set_distance_lower() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/parallel.hpp"
+#include "edit/detail/edge_search.hpp"
 #include "mesh/triangle_tree.hpp"
 
 namespace isoextract::edit {
@@ -90,8 +91,8 @@ unsigned outside(const FlatPoint& p) {
   return (p.at[0] < -kRounding ? 1U : 0U) | (p.at[1] < -kRounding ? 2U : 0U) | (p.at[2] < -kRounding ? 4U : 0U);
 }
 
-// Returns the point of t over the triangle that is farthest above or below it. Cuts off what is beyond the sides that
-// outside() named.
+// Returns the point of t over the triangle that is farthest above or below it. Clips t at the sides in `sides`, as
+// outside() numbers them.
 FlatPoint highest_point(const FlatTriangle& t, unsigned sides) {
   constexpr std::size_t kMostCorners = 9;  // each cut adds at most half, however rounding bends the sides
   std::array<FlatPoint, kMostCorners> part;
@@ -122,10 +123,10 @@ double greatest_height(const FlatTriangle& t) {
   return std::max({std::abs(t[0].height), std::abs(t[1].height), std::abs(t[2].height)});
 }
 
-// Returns the greatest height of the plane of t at the corners of the triangle; infinity if rounding would decide it.
-// `sides` are of the edges of t.
+// Returns the greatest height of the plane of t at the corners of the triangle; infinity if t is too narrow to
+// extrapolate. `sides` are of the edges of t.
 double greatest_height_of_plane(const FlatTriangle& t, const std::array<std::array<double, 3>, 3>& sides, double area) {
-  constexpr double kLeastArea = 1e-4;
+  constexpr double kLeastArea = 1e-2;
   if (!(area > kLeastArea)) return std::numeric_limits<double>::infinity();
   double greatest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -148,23 +149,10 @@ SurfaceCover::SurfaceCover(const SheetTrees& trees, std::span<const std::uint32_
     if (const auto* const tree = trees.find(sheet)) size += static_cast<std::uint32_t>(tree->size());
   }
   neighbors_ = Buffer<std::array<std::uint32_t, 3>>(size);
-  // Linked lists of the half-edges that start at each vertex, by the number of their triangle and corner.
-  std::vector<std::uint32_t> first(vertices, kNoSlot);
-  Buffer<std::array<std::uint32_t, 3>> next(triangles.size());
-  for (auto t = static_cast<std::uint32_t>(triangles.size()); t-- > 0;) {
-    if (left_out[t] != 0) continue;
-    for (std::uint32_t corner = 0; corner < 3; ++corner) {
-      std::uint32_t& list = first[triangles[t][static_cast<int>(corner)]];
-      next[t][corner] = list;
-      list = 3 * t + corner;
-    }
-  }
+  const EdgeSearch edges(triangles, vertices, left_out, sheets);
   const auto find_across = [&](std::uint32_t from, std::uint32_t to, std::uint32_t sheet) {
-    for (std::uint32_t edge = first[to]; edge != kNoSlot; edge = next[edge / 3][edge % 3]) {
-      const std::uint32_t t = edge / 3;
-      if (triangles[t][static_cast<int>((edge + 1 - 3 * t) % 3)] == from && sheets.of(t) == sheet) return slots[t];
-    }
-    return kNoSlot;
+    const std::optional<std::uint32_t> t = edges.find_triangle(to, from, sheet);
+    return t ? slots[*t] : kNoSlot;
   };
   for (std::uint32_t sheet = 0; sheet < sheets.count; ++sheet) {
     const mesh::TriangleTree* const tree = trees.find(sheet);
@@ -187,6 +175,9 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
   if (neighbors_.empty()) return std::nullopt;
   const TriangleFrame frame(triangle);
   if (!frame.is_wide()) return std::nullopt;
+  constexpr std::size_t kMostTriangles = 128;
+  // Fraction of the given triangle. If the triangle over its center is smaller, the cover likely has far too many.
+  constexpr double kLeastArea = 1.0 / (4 * kMostTriangles);
   // Walks to the triangle over the center.
   constexpr int kMostSteps = 16;
   for (int step = 0;; ++step) {
@@ -204,13 +195,15 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
       across = i;
     }
     if (!(area > kRounding)) return std::nullopt;
-    if (across == 3) break;
+    if (across == 3) {
+      if (area < kLeastArea) return std::nullopt;
+      break;
+    }
     slot = neighbors(sheet, slot)[across];
     if (slot == kNoSlot) return std::nullopt;
   }
   mesh::TriangleBound bound;
   bound.slot = slot;
-  constexpr std::size_t kMostTriangles = 128;
   std::array<std::uint32_t, kMostTriangles> found;
   found[0] = slot;
   std::size_t count = 1;
@@ -222,12 +215,12 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
     std::array<std::array<double, 3>, 3> sides{sides_of_line(t[0], t[1]), sides_of_line(t[1], t[2]),
                                                sides_of_line(t[2], t[0])};
     const double area = sides[0][0] * t[2].at[0] + sides[0][1] * t[2].at[1] + sides[0][2] * t[2].at[2];
-    const double way_round = area < 0 ? -1 : 1;
+    const double orientation = area < 0 ? -1 : 1;
     std::array<bool, 3> is_met{};  // whether the line through an edge meets the triangle
     bool is_apart = false;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto [least, most] =
-          std::minmax({way_round * sides[i][0], way_round * sides[i][1], way_round * sides[i][2]});
+          std::minmax({orientation * sides[i][0], orientation * sides[i][1], orientation * sides[i][2]});
       is_met[i] = least <= kRounding;
       is_apart |= most < -kRounding;
     }
@@ -238,9 +231,11 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
       const FlatPoint highest = highest_point(t, beyond[0] | beyond[1] | beyond[2]);
       height = std::abs(highest.height);
       if (height > enough) {
-        const auto nearest = tree.nearest(frame.foot(highest), found[next], enough * enough);
+        bound.place = frame.foot(highest);
+        const auto nearest = tree.nearest(bound.place, found[next], enough * enough);
         if (nearest.distance_squared <= enough * enough) return std::nullopt;
         bound.lower = std::sqrt(nearest.distance_squared);
+        bound.nearest = nearest.point;
         bound.upper = std::numeric_limits<double>::infinity();
         bound.unfinished = true;
         return bound;

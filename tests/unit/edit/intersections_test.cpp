@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <random>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -14,6 +16,9 @@
 #include <tbb/global_control.h>
 
 #include "edit/bounded_simplify.hpp"
+#include "edit/detail/collapse_state.hpp"
+#include "edit/detail/edge_collapse.hpp"
+#include "edit/detail/intersection_undo.hpp"
 #include "edit/detail/surface_change.hpp"
 #include "edit/smooth.hpp"
 #include "edit/untangle.hpp"
@@ -114,6 +119,34 @@ TEST(SimplifyIntersections, AddsNoneBetweenPatchesOfThinSheets) {
   }
 }
 
+// Two bodies touch at three positions, each with its own vertices there. Flattening both of the pits between these
+// positions would leave one triangle twice.
+TEST(SimplifyIntersections, LeavesNoDuplicateTriangleWithoutGuard) {
+  constexpr float kDepth = 0.02F;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  for (const float up : {1.0F, -1.0F}) {
+    const auto v = static_cast<unsigned>(positions.size());
+    positions.insert(positions.end(), {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, kDepth * up}, {1, 1, 4 * up}});
+    for (unsigned i = 0; i < 3; ++i) {
+      const unsigned from = v + (up > 0 ? i : (i + 1) % 3);
+      const unsigned to = v + (up > 0 ? (i + 1) % 3 : i);
+      triangles.insert(triangles.end(), {{to, from, v + 3}, {from, to, v + 4}});
+    }
+  }
+  const mesh::Mesh both = test::make_mesh("bodies that touch", positions, triangles);
+  ASSERT_EQ(count_pairs(both), 0U);
+  SimplifyOptions options = to_distance(0.05);
+  options.patch_size = 32;
+  const SimplifiedMesh done = simplified_copy(both, options);
+  const auto found = mesh::find_self_intersections(done.mesh, {}, Context());
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->duplicate_triangles, 0U);
+  EXPECT_EQ(found->pairs, 0U);
+  EXPECT_EQ(done.mesh.triangles.size(), 10U);  // one pit stays
+  EXPECT_GT(done.facts.untangled_collapses, 0U);
+}
+
 // A bowl in one patch, and needles whose tips are just above it. No needle can change, and all of them are in other
 // patches. The distance is small enough for a single sweep.
 TEST(SimplifyIntersections, AddsNoneWithUnchangedTrianglesOfOtherPatches) {
@@ -160,14 +193,79 @@ TEST(SimplifyIntersections, AddsNoneToPlantedPairs) {
   EXPECT_LE(count_pairs(done.mesh), before);
 }
 
+// A ball, the same turned by half an edge, one that intersects both, and one far away.
+mesh::Mesh overlaid_balls() {
+  const mesh::Mesh ball = test::sphere(32, false);
+  std::array<mesh::Mesh, 4> balls{copy(ball), copy(ball), copy(ball), copy(ball)};
+  const glm::mat3 turned = glm::mat3({0.9988F, 0.0491F, 0}, {-0.0491F, 0.9988F, 0}, {0, 0, 1});
+  for (glm::vec3& p : balls[1].positions) p = turned * p;
+  for (glm::vec3& p : balls[2].positions) p += glm::vec3(0.46F, 0.34F, 0.22F);
+  for (glm::vec3& p : balls[3].positions) p += glm::vec3(4.0F, 0.1F, 0.2F);
+  return std::move(*mesh::join_meshes(balls, Context()));
+}
+
+TEST(SimplifyIntersections, AddsNoneToPlantedPairsWithoutGuard) {
+  const mesh::Mesh balls = overlaid_balls();
+  const std::uint64_t before = count_pairs(balls);
+  ASSERT_GT(before, 5000U);
+  SimplifyOptions options = to_distance(0.002);
+  options.patch_size = 0.59;
+  const auto guarded = static_cast<double>(simplified_copy(balls, options).mesh.triangles.size());
+  for (const double patch_size : {0.7, 100.0}) {
+    options.patch_size = patch_size;
+    const SimplifiedMesh done = simplified_copy(balls, options);
+    EXPECT_LE(count_pairs(done.mesh), before) << patch_size;
+    EXPECT_LT(static_cast<double>(done.mesh.triangles.size()), 1.01 * guarded) << patch_size;
+    EXPECT_GT(done.facts.untangled_collapses, 0U);
+    EXPECT_LE(done.facts.distance_upper, options.max_distance);
+  }
+}
+
+// One patch has the three balls that intersect, the other the ball far away.
+TEST(UndoIntersections, UndoesWholePatchesWithManyPairs) {
+  const mesh::Mesh balls = overlaid_balls();
+  const auto triangles = static_cast<std::uint32_t>(balls.triangles.size());
+  const std::uint32_t clean = triangles / 4 * 3;
+  CollapseState state(balls.positions.span(), balls.positions.span(), balls.triangles.span());
+  std::vector<std::uint32_t> all(triangles);
+  std::iota(all.begin(), all.end(), 0U);
+  const std::vector<char> locked(balls.positions.size(), 0);
+  const std::vector<char> wanted(balls.positions.size(), 1);
+  const CollapseLimits limits{.distance = 0.002, .proven = 0.002, .is_guarded = false};
+  std::vector<CollapseLog> logs;
+  logs.push_back(collapse_edges(state, std::span(all).first(clean), {locked, wanted}, limits, 0));
+  logs.push_back(collapse_edges(state, std::span(all).subspan(clean), {locked, wanted}, limits, clean));
+  ASSERT_GT(logs[0].removed, 1000U);
+  ASSERT_GT(logs[1].removed, 300U);
+  const auto undone = undo_intersections(state, logs, {}, SkippedPairs::none, "balls", Context());
+  ASSERT_TRUE(undone);
+  EXPECT_EQ(undone->patches, 1U);
+  EXPECT_EQ(undone->collapses, logs[0].collapses.size());
+  for (std::uint32_t t = 0; t < clean; ++t) {
+    ASSERT_EQ(state.gone[t], 0);
+    ASSERT_EQ(state.changed_by[t], kNone);
+    ASSERT_EQ(state.corners[t], balls.triangles[t]);
+  }
+  EXPECT_EQ(std::ranges::count(state.gone, 1), static_cast<std::ptrdiff_t>(logs[1].removed));
+  // Each triangle is listed once, though several collapses changed it.
+  const auto same = std::ranges::adjacent_find(undone->restored, {}, &RestoredTriangle::triangle);
+  EXPECT_EQ(same, undone->restored.end());
+  EXPECT_GT(undone->restored.size(), logs[0].removed);
+}
+
 TEST(SimplifyIntersections, IsIndependentOfThreads) {
   const mesh::Mesh noisy = noisy_ball(32);
   SimplifyOptions without_guard = to_distance(0.05);
   without_guard.patch_size = 16;
-  for (const SimplifyOptions& options : {to_count(noisy.triangles.size() / 6), without_guard}) {
-    const auto simplified_by = [&](std::size_t threads) {
+  SimplifyOptions with_pairs = to_distance(0.002);
+  with_pairs.patch_size = 0.7;
+  const mesh::Mesh balls = overlaid_balls();
+  const std::array<std::pair<const mesh::Mesh*, SimplifyOptions>, 3> cases{
+      {{&noisy, to_count(noisy.triangles.size() / 6)}, {&noisy, without_guard}, {&balls, with_pairs}}};
+  for (const auto& [mesh, options] : cases) {
+    const auto simplified_by = [mesh = mesh, &options = options](std::size_t threads) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      return simplified_copy(noisy, options).mesh;
+      return simplified_copy(*mesh, options).mesh;
     };
     const mesh::Mesh one = simplified_by(1);
     const mesh::Mesh several = simplified_by(4);

@@ -141,6 +141,21 @@ TEST(SimplifyWindows, LeaveAboutAsManyTrianglesAsTheWhole) {
   EXPECT_LT(simple.mesh.triangles.size(), 200U);
 }
 
+// Heights prove the distances of smooth surfaces, and find no lower bounds.
+TEST(SimplifyWindows, ReportLowerBoundsNearUpperBounds) {
+  for (const double distance : {0.001, 0.01}) {
+    const SimplifiedMesh done = must_simplify(test::sphere(30, false), to_distance(distance), 800);
+    EXPECT_GE(done.facts.windows, 4U);
+    EXPECT_GT(done.facts.distance_upper, 0.5 * distance);
+    EXPECT_LE(done.facts.distance_upper, distance);
+    EXPECT_GE(done.facts.distance_lower, 0.8 * done.facts.distance_upper) << distance;
+    accuracy::DistanceOptions measure;
+    measure.samples = 0;
+    const auto exact = accuracy::measure_distance(test::sphere(30, false), done.mesh, measure, Context());
+    EXPECT_LE(done.facts.distance_lower, exact->hausdorff_upper + exact->resolution);
+  }
+}
+
 TEST(SimplifyWindows, MakeNoTrianglesIntersect) {
   const mesh::Mesh noisy = noisy_ball(40);
   ASSERT_EQ(count_pairs(noisy), 0U);

@@ -1,6 +1,7 @@
 #include "edit/detail/surface_cover.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <random>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "edit/detail/edge_search.hpp"
 #include "edit/detail/sheet_trees.hpp"
 #include "mesh/distance_bound.hpp"
 
@@ -71,6 +73,8 @@ TEST(SurfaceCover, AgreesWithSearches) {
     } else {
       ++refused;
       EXPECT_GT(found->lower, kEnough);
+      EXPECT_NEAR(glm::length(found->place - found->nearest), found->lower, 1e-12);
+      EXPECT_NEAR(std::sqrt(terrain.tree().nearest(found->place, 0).distance_squared), found->lower, 1e-9);
       EXPECT_GE(exact.upper, found->lower - 1e-12) << i;
     }
   }
@@ -106,6 +110,35 @@ TEST(SurfaceCover, ProvesNothingUnderFolds) {
   Terrain folded(0);
   folded.positions[6 * kSide + 6].x = 8.5F;  // over the triangles beyond its neighbors
   EXPECT_FALSE(folded.bound({{{2.2, 2.1, 0}, {10.7, 3.4, 0}, {5.1, 10.8, 0}}}, 2));
+}
+
+TEST(EdgeSearch, FindsTheFirstTriangleOfASheetAlongAnEdge) {
+  // Four triangles run from vertex 0 to vertex 1; sheet 1 has the last two.
+  const std::vector<glm::uvec3> triangles{{0, 1, 2}, {1, 0, 3}, {4, 0, 1}, {1, 5, 0}, {0, 1, 6}};
+  const std::vector<std::uint32_t> of_triangle{0, 0, 0, 1, 1};
+  std::vector<char> left_out(triangles.size(), 0);
+  const Sheets sheets{of_triangle, 2};
+  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(0, 1, 0), 0U);
+  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(1, 0, 0), 1U);
+  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(0, 1, 1), 3U);
+  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(1, 0, 1), std::nullopt);
+  left_out[0] = 1;
+  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(0, 1, 0), 2U);
+}
+
+TEST(EdgeSearch, VisitsFewCornersAroundTheApexOfACone) {
+  constexpr unsigned kTriangles = 100'000;
+  std::vector<glm::uvec3> triangles;
+  for (unsigned i = 0; i < kTriangles; ++i) triangles.emplace_back(kTriangles, i, (i + 1) % kTriangles);
+  const std::vector<char> left_out(kTriangles, 0);
+  const Sheets sheets;
+  const EdgeSearch edges(triangles, kTriangles + 1, left_out, sheets);
+  std::uint64_t visited = 0;
+  for (unsigned i = 0; i < kTriangles; ++i) {
+    ASSERT_EQ(edges.find_triangle(kTriangles, i, 0, &visited), i);
+    ASSERT_EQ(edges.find_triangle(i, kTriangles, 0, &visited), (i + kTriangles - 1) % kTriangles);
+    ASSERT_LE(visited, 8U * (i + 1U));
+  }
 }
 
 }  // namespace
