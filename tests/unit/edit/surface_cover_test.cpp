@@ -1,5 +1,6 @@
 #include "edit/detail/surface_cover.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -24,6 +25,7 @@ struct Terrain {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   std::vector<char> left_out;
+  std::vector<std::uint32_t> of_triangle;  // sheets; empty: one
 
   explicit Terrain(float roughness) {
     std::mt19937 random(5);
@@ -36,50 +38,119 @@ struct Terrain {
     left_out.assign(triangles.size(), 0);
   }
 
+  // Adds triangles before the others, from the middle line to a parallel one that lies `across` and a little above.
+  void add_flap(float across, std::uint32_t sheet) {
+    std::vector<glm::uvec3> flap;
+    const auto first = static_cast<unsigned>(positions.size());
+    for (unsigned j = 0; j < kSide; ++j) {
+      const unsigned v = kSide * j + kSide / 2;
+      positions.push_back(positions[v] + glm::vec3(across, 0, 0.1F));
+      if (j + 1 == kSide) continue;
+      flap.insert(flap.end(), {{v, first + j, first + j + 1}, {v, first + j + 1, v + kSide}});
+    }
+    of_triangle.assign(flap.size(), sheet);
+    of_triangle.resize(flap.size() + triangles.size(), 0);
+    triangles.insert(triangles.begin(), flap.begin(), flap.end());
+    left_out.assign(triangles.size(), 0);
+  }
+
   [[nodiscard]] const mesh::TriangleTree& tree() const { return trees().tree(0); }
   [[nodiscard]] std::optional<mesh::TriangleBound> bound(const Points& triangle, double enough) const {
     const std::vector<std::uint32_t> slots = trees().slots(triangles.size());
-    const SurfaceCover cover(trees(), slots, triangles, positions.size(), left_out, {});
+    const SurfaceCover cover(trees(), slots, triangles, positions.size(), left_out, sheets());
     const std::uint32_t near = tree().nearest((triangle[0] + triangle[1] + triangle[2]) / 3.0, 0).slot;
     return cover.bound(triangle, tree(), 0, near, enough);
   }
 
  private:
+  [[nodiscard]] Sheets sheets() const { return {of_triangle, of_triangle.empty() ? 1U : 2U}; }
   [[nodiscard]] const SheetTrees& trees() const {
-    if (!trees_) trees_.emplace(positions, triangles, left_out, Sheets());
+    if (!trees_) trees_.emplace(positions, triangles, left_out, sheets());
     return *trees_;
   }
   mutable std::optional<SheetTrees> trees_;
 };
 
-TEST(SurfaceCover, AgreesWithSearches) {
-  const Terrain terrain(0.3F);
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> place(1, kSide - 2);
-  std::uniform_real_distribution<double> height(-0.1, 0.1);
+// Bounds random triangles with corners up to `wide` apart along x, and expects the intervals of exact searches.
+struct Agreement {
   std::size_t proven = 0;
   std::size_t refused = 0;
-  for (int i = 0; i < 2000; ++i) {
-    Points triangle;
-    for (glm::dvec3& p : triangle) p = {place(random), place(random), height(random)};
-    if (glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]).z < 0) std::swap(triangle[0], triangle[1]);
-    constexpr double kEnough = 0.25;
-    const auto found = terrain.bound(triangle, kEnough);
-    if (!found) continue;
-    const mesh::TriangleBound exact = mesh::bound_distance(triangle, terrain.tree(), {.tolerance = 1e-3}, 0, 0);
-    if (found->upper <= kEnough) {
-      ++proven;
-      EXPECT_LE(exact.lower, found->upper + 1e-12) << i;
-    } else {
-      ++refused;
-      EXPECT_GT(found->lower, kEnough);
-      EXPECT_NEAR(glm::length(found->place - found->nearest), found->lower, 1e-12);
-      EXPECT_NEAR(std::sqrt(terrain.tree().nearest(found->place, 0).distance_squared), found->lower, 1e-9);
-      EXPECT_GE(exact.upper, found->lower - 1e-12) << i;
+
+  Agreement(const Terrain& terrain, double wide, double enough) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> place(1, kSide - 2);
+    std::uniform_real_distribution<double> height(-0.1, 0.1);
+    std::uniform_real_distribution<double> aside(0, wide);
+    for (int i = 0; i < 1500; ++i) {
+      Points triangle;
+      const double x = std::min(place(random), kSide - 2 - wide);
+      for (glm::dvec3& p : triangle) p = {x + aside(random), place(random), height(random)};
+      if (glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]).z < 0) std::swap(triangle[0], triangle[1]);
+      const auto found = terrain.bound(triangle, enough);
+      if (!found) continue;
+      const mesh::TriangleBound exact = mesh::bound_distance(triangle, terrain.tree(), {.tolerance = 1e-3}, 0, 0);
+      if (found->upper <= enough) {
+        ++proven;
+        EXPECT_LE(exact.lower, found->upper + 1e-12) << i;
+      } else {
+        ++refused;
+        EXPECT_GT(found->lower, enough);
+        EXPECT_NEAR(glm::length(found->place - found->nearest), found->lower, 1e-12);
+        EXPECT_NEAR(std::sqrt(terrain.tree().nearest(found->place, 0).distance_squared), found->lower, 1e-9);
+        EXPECT_GE(exact.upper, found->lower - 1e-12) << i;
+      }
     }
   }
-  EXPECT_GT(proven, 20U);
-  EXPECT_GT(refused, 100U);
+};
+
+TEST(SurfaceCover, AgreesWithSearches) {
+  const Agreement found(Terrain(0.3F), kSide - 3, 0.25);
+  EXPECT_GT(found.proven, 20U);
+  EXPECT_GT(found.refused, 100U);
+}
+
+TEST(SurfaceCover, AgreesWithSearchesForThinTriangles) {
+  for (const double wide : {0.5, 0.05, 0.01}) {
+    const Agreement found(Terrain(0.2F), wide, 0.2);
+    EXPECT_GT(found.proven, 5U) << wide;
+    EXPECT_GT(found.refused, 20U) << wide;
+  }
+}
+
+// Every second column of the terrain is very narrow, so that its triangles are needles and steep.
+TEST(SurfaceCover, AgreesWithSearchesOverNeedles) {
+  for (const float narrow : {0.1F, 0.01F, 0.001F}) {
+    Terrain terrain(0.02F);
+    for (glm::vec3& p : terrain.positions) {
+      const auto column = static_cast<int>(p.x);
+      if (column % 2 == 1) p.x = static_cast<float>(column - 1) + narrow;
+    }
+    const Agreement found(terrain, kSide - 3, 0.1);
+    EXPECT_GT(found.proven, 20U) << narrow;
+    EXPECT_GT(found.refused, 20U) << narrow;
+  }
+}
+
+TEST(SurfaceCover, AgreesWithSearchesAtNonManifoldEdges) {
+  for (const float across : {-0.5F, 0.5F, 4.0F}) {
+    Terrain terrain(0.2F);
+    terrain.add_flap(across, 0);
+    const Agreement found(terrain, 3, 0.2);
+    EXPECT_GT(found.proven, 20U) << across;
+    EXPECT_GT(found.refused, 20U) << across;
+  }
+}
+
+// The flap is of another sheet, so the walk crosses the line where both meet, and finds the dent behind it.
+TEST(SurfaceCover, WalksWithinItsSheet) {
+  for (const float across : {-0.5F, 0.5F}) {
+    Terrain dented(0);
+    dented.positions[4 * kSide + 8].z = -0.05F;
+    dented.add_flap(across, 1);
+    const auto found = dented.bound({{{2.2, 2.1, 0.125}, {9.7, 3.4, 0.125}, {5.1, 8.8, 0.125}}}, 0.2);
+    ASSERT_TRUE(found) << across;
+    EXPECT_NEAR(found->upper, 0.175, 1e-7);
+  }
 }
 
 TEST(SurfaceCover, ProvesFlatSurface) {
