@@ -37,7 +37,8 @@ class LabelBits {
 
   // Returns how many bytes of bits stay in memory.
   [[nodiscard]] static std::uint64_t most_in_memory(const Context& context, bool nets) {
-    return context.memory().limit() / (nets ? 8 : 2);
+    constexpr std::uint64_t kLeast = std::uint64_t{8} << 20U;
+    return std::max(context.memory().limit() / (nets ? 8 : 2), kLeast);
   }
 
   // Adds why there is no file to an error about memory.
