@@ -114,7 +114,7 @@ class MemoryTest(ProgramTest):
         self.assertNotIn("voxels-in-files", [note["id"] for note in report["notes"]])
         self.assertEqual(self.hash("a.glb"), whole)
         (self.folder / "a.glb").unlink()
-        run = self.run_program(*arguments, "--memory-limit", f"{needed // 2}B", env={**os.environ, "TMPDIR": "/dev/shm"})
+        run = self.run_program(*arguments, "--memory-limit", f"{needed // 4}B", env={**os.environ, "TMPDIR": "/dev/shm"})
         self.assert_fails(2, run, "memory", "a temporary file", "it is in memory (tmpfs)", "for the voxels and points of the net",
                           "TMPDIR", "--memory-limit")
         self.assertNotIn("a.glb", self.files())
