@@ -151,10 +151,9 @@ HelpTopic mpi_topic() {
             "--html rank 0 converts all frames. One file: each rank extracts and writes a part, if the samples are "
             "dense, the method is mc or mt, and the output is a binary .ply or a .glb with one surface.",
             {}},
-           {"Otherwise rank 0 works alone while the other ranks wait, for example with sparse samples, small meshes, "
-            "--nan hole, --backend gpu, attributes, --error, --largest, --cap together with --report, or options that "
-            "edit, "
-            "compress or verify the mesh. A note gives the reason.",
+           {"Otherwise rank 0 works alone while the other ranks wait: with sparse samples, small meshes, --nan hole, "
+            "--backend gpu, attributes, --error, --largest, or --cap together with --report. So it does with options "
+            "that edit, compress or verify the mesh. A note gives the reason.",
             {}},
            {"If a rank ends early, mpirun ends all ranks. No file is then incomplete, and --resume continues a "
             "sequence. Ranks need the MPI plug-in, which the build makes if it finds MPI (libopenmpi-dev). With Slurm, "

@@ -170,8 +170,8 @@ constexpr std::array kGuide{
     NoteGuide{
         samples_in_windows,
         "The system limits the address space of the process (ulimit -v, in a batch job often its limit of virtual "
-        "memory), and the file takes more than half of what is left. So the program maps only the layers of samples "
-        "that it works on. The mesh is the same.",
+        "memory), and the file takes more than half of the free part of it. So the program maps only the layers of "
+        "samples that it works on. The mesh is the same.",
         "To map the whole file, raise that limit: ulimit -v unlimited."},
     NoteGuide{sparse_made_dense, "Resampling turns sparse samples into dense ones, which take more memory.",
               "Give a smaller --resolution or a larger --voxel-size."},
