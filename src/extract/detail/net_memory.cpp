@@ -59,7 +59,7 @@ std::size_t NetMemory::run_length(std::size_t count, std::uint64_t bytes) const 
   if (bytes == 0) return std::max<std::size_t>(count, 1);
   // A pass reads a layer of chunks before and after a run, too, so a short run reads most pages several times.
   constexpr std::size_t kLeast = 32;
-  const auto part = static_cast<double>(run_bytes(context_) / 2) / static_cast<double>(bytes);
+  const auto part = static_cast<double>(run_bytes(context_)) / 2 / static_cast<double>(bytes);
   return std::max(kLeast, static_cast<std::size_t>(std::min(part, 1.0) * static_cast<double>(count)));
 }
 
