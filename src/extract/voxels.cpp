@@ -88,7 +88,6 @@ Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelCh
   ExtractStats with_net = stats;
   with_net.count += watch.elapsed();
   auto extraction = TRY(mesh_voxels(field, voxels, base, placement, options, with_net, context, &net));
-  arrays.leave();
   TRY(arrays.check());
   return extraction;
 }

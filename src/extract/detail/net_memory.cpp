@@ -9,11 +9,6 @@ files::FileUse NetMemory::use() const {
           .all_bytes = expected_bytes_};
 }
 
-Result<std::shared_ptr<files::WorkMemory>> NetMemory::make_bytes(std::uint64_t bytes) {
-  auto made = TRY(files::WorkMemory::make(bytes, use(), context_, what_));
-  return keep(std::move(made));
-}
-
 std::shared_ptr<files::WorkMemory> NetMemory::keep(files::WorkMemory made) {
   auto memory = std::make_shared<files::WorkMemory>(std::move(made));
   if (memory->is_in_file()) {

@@ -79,43 +79,32 @@ class NetMemory {
   [[nodiscard]] static std::uint64_t run_bytes(const Context& context) { return context.memory().limit() / 8; }
   // Makes later arrays prefer files. They never prefer memory again.
   void use_files() { uses_files_ = true; }
-  [[nodiscard]] bool uses_files() const { return uses_files_; }
 
   // Makes an array in memory or, if files are in use or memory runs out, in a file. Fails if neither has space.
   template <class T>
   [[nodiscard]] Result<NetArray<T>> make(std::size_t count) {
-    auto owner = TRY(make_bytes(count * sizeof(T)));
-    const std::span<T> values(reinterpret_cast<T*>(owner->bytes().data()), count);
-    return NetArray<T>(values, std::move(owner));
+    auto memory = TRY(files::WorkMemory::make(count * sizeof(T), use(), context_, what_));
+    return array_in<T>(keep(std::move(memory)), count);
   }
 
   // Makes an array in a file. Fails with `refusal` as files::WorkMemory::make_in_file().
   template <class T>
   [[nodiscard]] Result<NetArray<T>> make_in_file(std::size_t count, Error refusal) {
     auto memory = TRY(files::WorkMemory::make_in_file(count * sizeof(T), use(), std::move(refusal)));
-    auto owner = keep(std::move(memory));
-    const std::span<T> values(reinterpret_cast<T*>(owner->bytes().data()), count);
-    return NetArray<T>(values, std::move(owner));
+    return array_in<T>(keep(std::move(memory)), count);
   }
 
   // Calls f(begin, end) for all indices from 0 to count - 1, run by run. With arrays in files, there are several runs,
   // and leave() follows each. The indices are assumed to use all arrays evenly. Ends early if the context is cancelled.
   template <class F>
   void for_each_run(std::size_t count, const F& f) const {
-    const std::size_t run = run_length(count, bytes_in_files());
-    for (std::size_t begin = 0; begin < count && !context_.cancelled(); begin += run) {
-      f(begin, std::min(begin + run, count));
-      if (run < count) leave();
-    }
+    for_each_run(count, run_length(count, bytes_in_files()), f, [this] { leave(); });
   }
   // Does the same for the indices of one array, and leaves only this array.
   template <class T, class F>
   void for_each_run_of(const NetArray<T>& values, const F& f) const {
-    const std::size_t run = run_length(values.size(), values.is_in_file() ? values.size() * sizeof(T) : 0);
-    for (std::size_t begin = 0; begin < values.size() && !context_.cancelled(); begin += run) {
-      f(begin, std::min(begin + run, values.size()));
-      if (run < values.size()) values.leave();
-    }
+    const std::uint64_t bytes = values.is_in_file() ? values.size() * sizeof(T) : 0;
+    for_each_run(values.size(), run_length(values.size(), bytes), f, [&] { values.leave(); });
   }
   // Calls f(chunk) for all chunks of a net, in parallel within each run.
   template <class F>
@@ -146,7 +135,18 @@ class NetMemory {
   [[nodiscard]] Result<void> check() const;
 
  private:
-  [[nodiscard]] Result<std::shared_ptr<files::WorkMemory>> make_bytes(std::uint64_t bytes);
+  template <class T>
+  [[nodiscard]] static NetArray<T> array_in(std::shared_ptr<files::WorkMemory> owner, std::size_t count) {
+    const std::span<T> values(reinterpret_cast<T*>(owner->bytes().data()), count);
+    return NetArray<T>(values, std::move(owner));
+  }
+  template <class F, class Leave>
+  void for_each_run(std::size_t count, std::size_t run, const F& f, const Leave& leave_run) const {
+    for (std::size_t begin = 0; begin < count && !context_.cancelled(); begin += run) {
+      f(begin, std::min(begin + run, count));
+      if (run < count) leave_run();
+    }
+  }
   [[nodiscard]] files::FileUse use() const;
   [[nodiscard]] std::shared_ptr<files::WorkMemory> keep(files::WorkMemory memory);
   // Returns how many of `count` indices a run takes if all of them use so many bytes in files.
