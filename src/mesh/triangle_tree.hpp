@@ -55,6 +55,12 @@ class TriangleTree {
   [[nodiscard]] double max_distance_squared(std::uint32_t slot, std::span<const glm::dvec3> points,
                                             double enough_squared = std::numeric_limits<double>::infinity()) const;
 
+  // Calls visit(slot) for each triangle in a leaf whose box meets `near`. The triangle's own box may not meet it.
+  template <class Visit>
+  void for_each_near(const FloatBox& near, const Visit& visit) const {
+    tree_.for_each_slot_near(near, visit);
+  }
+
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
   // Returns the index in the constructor's `triangles` of the triangle in a slot.
   [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return tree_.numbers()[slot]; }

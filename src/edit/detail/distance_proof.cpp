@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -86,8 +87,8 @@ class DistanceProof {
     for_each_in_doubt(new_in_doubt, [&](std::size_t i, std::uint32_t t) {
       if (state_.gone[t] != 0) return;
       if (state_.changed_by[t] == kNone || state_.known[t].is_known()) return;
-      const mesh::TriangleBound found =
-          bound(state_.corners[t], state_.original_tree(t), std::array{state_.original_slot[t]}, state_.sheet(t));
+      const mesh::TriangleBound found = bound(state_.corners[t], state_.original_tree(t), state_.original_cover,
+                                              state_.sheet(t), std::array{state_.original_slot[t]});
       state_.known[t] = {found.lower, found.upper};
       if (!good(found)) wrong[i] = t;
     });
@@ -99,6 +100,7 @@ class DistanceProof {
     });
     const SheetTrees trees(state_.positions, state_.corners, left_out, state_.sheets);
     const std::vector<std::uint32_t> slots = trees.slots(left_out.size());
+    const SurfaceCover cover(trees, slots, state_.corners, state_.positions.size(), left_out, state_.sheets);
     std::vector<std::uint32_t> near(state_.positions.size(), kNone);  // a triangle near each vertex, if known
     for (std::uint32_t t = 0; t < left_out.size(); ++t) {
       if (left_out[t] != 0) continue;
@@ -112,11 +114,13 @@ class DistanceProof {
       proven_.original[t] = {};
       if (state_.is_original(t)) return;
       const glm::uvec3& c = state_.original[t];
-      const auto slot_near = [&](std::uint32_t v) {
-        return near[v] != kNone && state_.sheet(near[v]) == sheet ? slots[near[v]] : 0;
-      };
-      const std::array near_slots{slot_near(c.x), slot_near(c.y), slot_near(c.z)};
-      const mesh::TriangleBound found = bound(c, *tree, near_slots);
+      std::array<std::uint32_t, 3> near_slots{};
+      std::size_t count = 0;
+      for (const std::uint32_t v : {c.x, c.y, c.z}) {
+        if (near[v] != kNone && state_.sheet(near[v]) == sheet) near_slots[count++] = slots[near[v]];
+      }
+      if (count == 0) count = 1;  // any slot will do
+      const mesh::TriangleBound found = bound(c, *tree, cover, sheet, std::span(near_slots.data(), count));
       // Other parts of the mesh, and later collapses in this one, may still come nearer.
       const bool is_final = covers_all_ && !state_.has_past();
       proven_.original[t] = {is_final ? found.lower : 0, found.upper};
@@ -139,11 +143,11 @@ class DistanceProof {
   }
 
   // Bounds the distance from t to the tree. Rejects a triangle that needs far more parts than there are original
-  // triangles under it: it is close to the limit. `near` holds slots of the tree that may be near t. `original_sheet`
-  // is set if the tree is that of an original sheet.
+  // triangles under it: it is close to the limit. The tree and the cover are those of `sheet`; `near` holds slots of
+  // the tree that may be near t.
   [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
-                                          std::span<const std::uint32_t> near,
-                                          std::optional<std::uint32_t> original_sheet = {}) const {
+                                          const SurfaceCover& cover, std::uint32_t sheet,
+                                          std::span<const std::uint32_t> near) const {
     const auto places = corners(t);
     const double enough_squared = limits_.enough * limits_.enough;
     std::array<std::uint32_t, 3> slots{};  // without duplicates
@@ -158,10 +162,8 @@ class DistanceProof {
       found.slot = slot;
       return found;
     }
-    if (original_sheet) {
-      const auto covered = state_.original_cover.bound(places, tree, *original_sheet, slots.front(), limits_.enough);
-      if (covered) return *covered;
-    }
+    const auto covered = cover.bound(places, tree, sheet, slots.front(), limits_.enough);
+    if (covered) return *covered;
     mesh::DistanceLimits limits = limits_;
     const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
                          (options_.cell_size * options_.cell_size);
@@ -179,13 +181,20 @@ class DistanceProof {
   static constexpr int kWideShift = 2;
   static constexpr double kWide = 1 << kWideShift;
 
+  // Rounds down. std::floor() would be a call of a function on machines without SSE4.1.
+  static glm::i64vec3 cell_at(const glm::dvec3& p) {
+    const glm::i64vec3 toward_0(p);
+    return toward_0 - glm::i64vec3(glm::lessThan(p, glm::dvec3(toward_0)));
+  }
+
   // Calls visit(cell) for each cell that meets the triangle's box, enlarged by `gap`, until visit returns true. Returns
   // whether it did.
   template <class Visit>
   static bool any_cell(const std::array<glm::dvec3, 3>& triangle, double gap, double cell_size, const Visit& visit) {
     const auto& [a, b, c] = triangle;
-    const glm::i64vec3 low(glm::floor((glm::min(a, glm::min(b, c)) - gap) / cell_size));
-    const glm::i64vec3 high(glm::floor((glm::max(a, glm::max(b, c)) + gap) / cell_size));
+    const double cells = 1 / cell_size;
+    const glm::i64vec3 low = cell_at((glm::min(a, glm::min(b, c)) - gap) * cells);
+    const glm::i64vec3 high = cell_at((glm::max(a, glm::max(b, c)) + gap) * cells);
     for (std::int64_t z = low.z; z <= high.z; ++z) {
       for (std::int64_t y = low.y; y <= high.y; ++y) {
         for (std::int64_t x = low.x; x <= high.x; ++x) {
@@ -305,7 +314,35 @@ class DistanceProof {
       // The shift rounds down, as the floor of coordinates does.
       wide_doubtful_.add({cell[0] >> kWideShift, cell[1] >> kWideShift, cell[2] >> kWideShift});
     }
-    old_in_doubt = listed([&](std::uint32_t t) { return in_doubtful_cell(corners(state_.original[t]), 0); });
+    old_in_doubt = originals_near(changed);
+  }
+
+  // Lists the original triangles of which a point may be within options_.enough of triangles before they were restored,
+  // and of no others.
+  [[nodiscard]] std::vector<std::uint32_t> originals_near(const std::vector<RestoredTriangle>& changed) const {
+    std::vector<char> is_near(state_.original.size(), 0);
+    constexpr std::size_t kGrain = 64;
+    const auto find = [&](std::size_t i) {
+      const std::uint32_t sheet = state_.sheet(changed[i].triangle);
+      const mesh::TriangleTree* const tree = state_.original_trees.find(sheet);
+      if (tree == nullptr) return;
+      const Box around = box_of(changed[i].corners);
+      constexpr float kInfinity = std::numeric_limits<float>::infinity();
+      const glm::vec3 low(around.low - options_.enough);
+      const glm::vec3 high(around.high + options_.enough);
+      mesh::FloatBox box;  // rounded outward
+      for (int axis = 0; axis < 3; ++axis) {
+        box.min[axis] = std::nextafter(low[axis], -kInfinity);
+        box.max[axis] = std::nextafter(high[axis], kInfinity);
+      }
+      tree->for_each_near(box, [&](std::size_t slot) {
+        const std::uint32_t t = state_.original_trees.triangle(sheet, static_cast<std::uint32_t>(slot));
+        if (!around.is_within(options_.enough, box_of(state_.original[t]))) return;
+        std::atomic_ref(is_near[t]).store(1, std::memory_order_relaxed);
+      });
+    };
+    for_each_index(changed.size(), find, kGrain);
+    return listed([&](std::uint32_t t) { return is_near[t] != 0; });
   }
 
   // Lists the original triangles that satisfy a condition.

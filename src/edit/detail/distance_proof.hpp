@@ -43,7 +43,7 @@ struct ProvenDistances {
 
 // Bytes for each triangle of the original mesh, without the state and the trees.
 inline constexpr std::uint64_t kProofTriangleBytes =
-    sizeof(DistanceBounds) + 8 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
+    sizeof(DistanceBounds) + 9 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 2 + 2 * SurfaceCover::kTriangleBytes;
 
 // Undoes collapses in `state` until the distance is proven. The result does not depend on the number of threads. Takes
 // up an earlier proof if `proven` holds one: no edge may have been collapsed since, and `proven.restored` must list the

@@ -1,4 +1,4 @@
-// Finds the triangle that runs along an edge in a given direction.
+// Finds the triangles that run along edges in a given direction.
 #pragma once
 
 #include <array>
@@ -48,6 +48,36 @@ class EdgeSearch {
       at_to = next_[at_to / 3][at_to % 3];
     }
     return std::nullopt;
+  }
+
+  // Calls visit(triangle, corner, other) for each corner at a vertex, of which an edge runs to the next corner. `other`
+  // is a triangle of the sheet that runs along this edge in the opposite direction, if there is one: the first around
+  // the vertex, or what find_triangle() returns if the vertex has many triangles.
+  template <class Visit>
+  void for_each_across(std::uint32_t vertex, const Visit& visit) const {
+    constexpr std::size_t kMany = 16;  // searches all pairs of fewer
+    struct Around {
+      std::uint32_t corner, next, previous;
+    };
+    std::array<Around, kMany> around;
+    std::size_t count = 0;
+    for (std::uint32_t at = first_[vertex]; at != kNoCorner && count < kMany; at = next_[at / 3][at % 3]) {
+      around[count++] = {at, neighbor(at, 1), neighbor(at, 2)};
+    }
+    if (count == kMany) {
+      for (std::uint32_t at = first_[vertex]; at != kNoCorner; at = next_[at / 3][at % 3]) {
+        visit(at / 3, at % 3, find_triangle(neighbor(at, 1), vertex, sheets_.of(at / 3)));
+      }
+      return;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      std::optional<std::uint32_t> other;
+      for (std::size_t j = 0; j < count && !other; ++j) {
+        if (around[j].previous != around[i].next) continue;
+        if (sheets_.of(around[j].corner / 3) == sheets_.of(around[i].corner / 3)) other = around[j].corner / 3;
+      }
+      visit(around[i].corner / 3, around[i].corner % 3, other);
+    }
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -51,6 +52,7 @@ bool is_new_pair(const CollapseState& state, std::uint32_t a, std::uint32_t b) {
   if (state.tangled[a] != 0 && state.tangled[b] != 0) return false;
   if (state.changed_by[a] == kNone && state.changed_by[b] == kNone) return false;
   if (mesh::PlaneFilter(corners_of(state, a)).is_apart(mesh::CornerLanes(corners_of(state, b)))) return false;
+  if (mesh::PlaneFilter(corners_of(state, b)).is_apart(mesh::CornerLanes(corners_of(state, a)))) return false;
   const mesh::PlacedTriangle p = placed(state, a);
   const mesh::PlacedTriangle q = placed(state, b);
   if (!has_area(p) || !has_area(q)) return false;
@@ -75,9 +77,10 @@ class FoundPairs {
       if (is_new_pair(state_, a, b)) pairs_.local().push_back({a, b});
       return;
     }
+    if (!is_new_pair(state_, a, b)) return;
     const std::size_t log = log_of(collapse);
     const std::atomic_ref count(counts_[log]);
-    if (count.load(std::memory_order_relaxed) > most_pairs(log) || !is_new_pair(state_, a, b)) return;
+    if (count.load(std::memory_order_relaxed) > most_pairs(log)) return;
     if (count.fetch_add(1, std::memory_order_relaxed) < most_pairs(log)) pairs_.local().push_back({a, b});
   }
 
@@ -144,21 +147,36 @@ class FoundPairs {
   tbb::enumerable_thread_specific<std::vector<TrianglePair>> pairs_;
 };
 
+// A triangle with what the search for intersections often needs of it, in one place.
+struct SearchedTriangle {
+  std::array<glm::vec3, 3> corners;
+  std::uint32_t number;
+  bool is_unchecked;
+
+  [[nodiscard]] mesh::FloatBox box() const { return mesh::box_around(corners[0], corners[1], corners[2]); }
+};
+
 // Finds intersections with unchecked triangles, of all pairs or between different patches. The patch of an unchecked
 // triangle is the one that changed it last; of any other, the one that had it in the first round since the check.
 class PairsOfPatches {
  public:
+  // The numbers of `items` are indices into `triangles`.
   PairsOfPatches(const CollapseState& state, std::span<const CollapseLog> logs, bool skips_patches,
-                 std::span<mesh::BoxTree::Item> items, const Context& context)
-      : state_(state), context_(context), tree_(items, [&](std::uint32_t t) { return box_of(state, t); }) {
+                 std::span<const SearchedTriangle> triangles, std::span<mesh::BoxTree::Item> items,
+                 const Context& context)
+      : state_(state),
+        context_(context),
+        triangles_(triangles),
+        tree_(items, [&](std::uint32_t i) { return triangles[i].box(); }) {
     boxes_ = Buffer<PatchBox>(tree_.nodes());
-    tree_.fit(boxes_.span(), [&](std::uint32_t t) {
-      return PatchBox{box_of(state, t), skips_patches ? patch_of(t, logs) : kSeveral, state.is_unchecked(t)};
+    tree_.fit(boxes_.span(), [&](std::uint32_t i) {
+      const SearchedTriangle& t = triangles[i];
+      return PatchBox{t.box(), skips_patches ? patch_of(t.number, logs) : kSeveral, t.is_unchecked};
     });
   }
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
-    return BoxTree::bytes(triangles) + (triangles + 1) * sizeof(PatchBox);
+    return BoxTree::bytes(triangles) + triangles * sizeof(SearchedTriangle) + (triangles + 1) * sizeof(PatchBox);
   }
 
   void find(FoundPairs& found) const { within({0, 0}, found); }
@@ -213,7 +231,7 @@ class PairsOfPatches {
     if (!box(a).box.meets(box(b).box)) return;
     if (a.level == tree_.depth()) {
       for (const std::uint32_t t : tree_.numbers_of(a)) {
-        if (box(b).box.meets(box_of(state_, t))) look_at(t, tree_.numbers_of(b), found);
+        if (box(b).box.meets(triangles_[t].box())) look_at(t, tree_.numbers_of(b), found);
       }
       return;
     }
@@ -225,17 +243,21 @@ class PairsOfPatches {
     }
   }
 
-  void look_at(std::uint32_t t, std::span<const std::uint32_t> others, FoundPairs& found) const {
-    const mesh::BoxQuery own(box_of(state_, t));
-    const bool is_unchecked = state_.is_unchecked(t);
-    for (const std::uint32_t other : others) {
-      if (!is_unchecked && !state_.is_unchecked(other)) continue;
-      if (own.meets(box_of(state_, other))) found.look_at(t, other);
+  void look_at(std::uint32_t i, std::span<const std::uint32_t> others, FoundPairs& found) const {
+    const SearchedTriangle& t = triangles_[i];
+    const mesh::BoxQuery box(t.box());
+    std::optional<mesh::PlaneFilter> plane;
+    for (const std::uint32_t j : others) {
+      const SearchedTriangle& other = triangles_[j];
+      if (!(t.is_unchecked || other.is_unchecked) || !box.meets_triangle(other.corners.data())) continue;
+      if (!plane) plane.emplace(t.corners);
+      if (!plane->is_apart(mesh::CornerLanes(other.corners))) found.look_at(t.number, other.number);
     }
   }
 
   const CollapseState& state_;
   const Context& context_;
+  std::span<const SearchedTriangle> triangles_;
   BoxTree tree_;
   Buffer<PatchBox> boxes_;  // by node
 };
@@ -245,12 +267,16 @@ Result<void> find_pairs_of_patches(const CollapseState& state, std::span<const C
   const auto triangles = static_cast<std::size_t>(std::ranges::count(state.gone, 0));
   const auto memory = TRY(context.reserve(intersection_search_bytes(triangles),
                                           name + ": the search for intersections of the simplified mesh"));
+  Buffer<SearchedTriangle> searched(triangles);
   Buffer<mesh::BoxTree::Item> items(triangles);
-  std::size_t count = 0;
+  std::uint32_t count = 0;
   for (std::uint32_t t = 0; t < state.corners.size(); ++t) {
-    if (state.gone[t] == 0) items[count++] = {box_of(state, t).center(), t};
+    if (state.gone[t] != 0) continue;
+    searched[count] = {corners_of(state, t), t, state.is_unchecked(t)};
+    items[count] = {searched[count].box().center(), count};
+    ++count;
   }
-  PairsOfPatches(state, logs, skips_patches, items.span(), context).find(found);
+  PairsOfPatches(state, logs, skips_patches, searched.span(), items.span(), context).find(found);
   return context.check();
 }
 

@@ -423,6 +423,7 @@ class WindowedSimplifier {
         facts_.distance_lower = std::max(facts_.distance_lower, far.lower);
       }
     }
+    facts_.distance_lower = std::min(facts_.distance_lower, facts_.distance_upper);  // both are rounded
   }
 
  public:

@@ -27,15 +27,27 @@ struct FlatPoint {
 };
 using FlatTriangle = std::array<FlatPoint, 3>;
 
-// Barycentric coordinates below kFar, and products of two, round by less than kRounding.
-constexpr double kFar = 1e2;
+// Barycentric coordinates below kFar, and products of two, round by less than 1e-7. Narrower parts of the triangle than
+// kRounding, as a fraction of it, do not count.
+constexpr double kFar = 1e4;
 constexpr double kRounding = 1e-10;
 
 // Returns for each corner of the triangle on which side of the line from p to q it is: above 0 on the left, in units of
 // area.
 std::array<double, 3> sides_of_line(const FlatPoint& p, const FlatPoint& q) {
-  return {p.at[1] * q.at[2] - p.at[2] * q.at[1], p.at[2] * q.at[0] - p.at[0] * q.at[2],
-          p.at[0] * q.at[1] - p.at[1] * q.at[0]};
+  const double first = p.at[1] * q.at[2] - p.at[2] * q.at[1];
+  return {first, first + p.at[2] - q.at[2], first + q.at[1] - p.at[1]};
+}
+
+// Returns on which side of the line from p to q the center of the triangle is.
+double side_of_center(const FlatPoint& p, const FlatPoint& q) {
+  constexpr double kCenter = 1.0 / 3;
+  return (p.at[1] - kCenter) * (q.at[2] - kCenter) - (p.at[2] - kCenter) * (q.at[1] - kCenter);
+}
+
+// Returns the side, in units of area, of points next to the line from p to q that count as points of the line.
+double width_of_line(const FlatPoint& p, const FlatPoint& q) {
+  return kRounding * (std::abs(q.at[1] - p.at[1]) + std::abs(q.at[2] - p.at[2]));
 }
 
 // The frame of a triangle.
@@ -48,7 +60,7 @@ class TriangleFrame {
     const glm::dvec3 across = glm::cross(ab, ac);
     const double area_squared = glm::dot(across, across);
     const double longest_squared = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
-    constexpr double kThin = 1e-3;
+    constexpr double kThin = 1e-4;
     if (!(area_squared > kThin * kThin * longest_squared * longest_squared)) return;
     is_wide_ = true;
     up_ = across / std::sqrt(area_squared);
@@ -86,38 +98,51 @@ class TriangleFrame {
   bool is_wide_ = false;
 };
 
-// Returns 1, 2 and 4, added up, for the sides opposite the three corners that the point is outside of.
-unsigned outside(const FlatPoint& p) {
-  return (p.at[0] < -kRounding ? 1U : 0U) | (p.at[1] < -kRounding ? 2U : 0U) | (p.at[2] < -kRounding ? 4U : 0U);
+// Returns 1, 2 and 4, added up, for the sides opposite the three corners that the point is not inside of.
+unsigned beyond_sides(const FlatPoint& p) {
+  return (p.at[0] < kRounding ? 1U : 0U) | (p.at[1] < kRounding ? 2U : 0U) | (p.at[2] < kRounding ? 4U : 0U);
 }
 
-// Returns the point of t over the triangle that is farthest above or below it. Clips t at the sides in `sides`, as
-// outside() numbers them.
-FlatPoint highest_point(const FlatTriangle& t, unsigned sides) {
-  constexpr std::size_t kMostCorners = 9;  // each cut adds at most half, however rounding bends the sides
-  std::array<FlatPoint, kMostCorners> part;
-  std::size_t count = t.size();
-  std::ranges::copy(t, part.begin());
-  for (std::size_t side = 0; side < 3; ++side) {
-    if ((sides >> side & 1U) == 0) continue;
-    std::array<FlatPoint, kMostCorners> inside;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const FlatPoint& from = part[i];
-      const FlatPoint& to = part[i + 1 < count ? i + 1 : 0];
-      if (from.at[side] >= 0) inside[kept++] = from;
-      if ((from.at[side] < 0) == (to.at[side] < 0)) continue;
-      inside[kept++] = from.toward(to, from.at[side] / (from.at[side] - to.at[side]));
+// The part of a flat triangle that is over the given one.
+class FlatPart {
+ public:
+  // Clips t at the sides in `sides`, as beyond_sides() numbers them.
+  FlatPart(const FlatTriangle& t, unsigned sides) : count_(t.size()) {
+    std::ranges::copy(t, corners_.begin());
+    for (std::size_t side = 0; side < 3; ++side) {
+      if ((sides >> side & 1U) == 0) continue;
+      std::array<FlatPoint, kMostCorners> inside;
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < count_; ++i) {
+        const FlatPoint& from = corners_[i];
+        const FlatPoint& to = corners_[i + 1 < count_ ? i + 1 : 0];
+        if (from.at[side] >= 0) inside[kept++] = from;
+        if ((from.at[side] < 0) == (to.at[side] < 0)) continue;
+        inside[kept++] = from.toward(to, from.at[side] / (from.at[side] - to.at[side]));
+      }
+      std::copy_n(inside.begin(), kept, corners_.begin());
+      count_ = kept;
     }
-    std::copy_n(inside.begin(), kept, part.begin());
-    count = kept;
   }
-  FlatPoint highest{};
-  for (std::size_t i = 0; i < count; ++i) {
-    if (std::abs(part[i].height) > std::abs(highest.height)) highest = part[i];
+
+  [[nodiscard]] std::span<const FlatPoint> corners() const { return {corners_.data(), count_}; }
+
+  // Returns the area, as a fraction of that of the given triangle; below 0 if the part faces the other way.
+  [[nodiscard]] double area() const {
+    double sum = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const FlatPoint& from = corners_[i];
+      const FlatPoint& to = corners_[i + 1 < count_ ? i + 1 : 0];
+      sum += from.at[1] * to.at[2] - from.at[2] * to.at[1];
+    }
+    return sum;
   }
-  return highest;
-}
+
+ private:
+  static constexpr std::size_t kMostCorners = 9;  // each cut adds at most half, however rounding bends the sides
+  std::array<FlatPoint, kMostCorners> corners_;
+  std::size_t count_;
+};
 
 double greatest_height(const FlatTriangle& t) {
   return std::max({std::abs(t[0].height), std::abs(t[1].height), std::abs(t[2].height)});
@@ -127,13 +152,13 @@ double greatest_height(const FlatTriangle& t) {
 // extrapolate. `sides` are of the edges of t.
 double greatest_height_of_plane(const FlatTriangle& t, const std::array<std::array<double, 3>, 3>& sides, double area) {
   constexpr double kLeastArea = 1e-2;
-  if (!(area > kLeastArea)) return std::numeric_limits<double>::infinity();
+  if (!(std::abs(area) > kLeastArea)) return std::numeric_limits<double>::infinity();
   double greatest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double height = sides[1][i] * t[0].height + sides[2][i] * t[1].height + sides[0][i] * t[2].height;
     greatest = std::max(greatest, std::abs(height));
   }
-  return greatest / area;
+  return greatest / std::abs(area);
 }
 
 }  // namespace
@@ -150,23 +175,15 @@ SurfaceCover::SurfaceCover(const SheetTrees& trees, std::span<const std::uint32_
   }
   neighbors_ = Buffer<std::array<std::uint32_t, 3>>(size);
   const EdgeSearch edges(triangles, vertices, left_out, sheets);
-  const auto find_across = [&](std::uint32_t from, std::uint32_t to, std::uint32_t sheet) {
-    const std::optional<std::uint32_t> t = edges.find_triangle(to, from, sheet);
-    return t ? slots[*t] : kNoSlot;
-  };
-  for (std::uint32_t sheet = 0; sheet < sheets.count; ++sheet) {
-    const mesh::TriangleTree* const tree = trees.find(sheet);
-    if (tree == nullptr) continue;
-    constexpr std::size_t kGrain = 1 << 10;
-    for_each_index(
-        tree->size(),
-        [&](std::size_t slot) {
-          const glm::uvec3& t = triangles[trees.triangle(sheet, static_cast<std::uint32_t>(slot))];
-          neighbors_[first_[sheet] + slot] = {find_across(t.x, t.y, sheet), find_across(t.y, t.z, sheet),
-                                              find_across(t.z, t.x, sheet)};
-        },
-        kGrain);
-  }
+  constexpr std::size_t kGrain = 1 << 10;
+  for_each_index(
+      static_cast<std::uint32_t>(vertices),
+      [&](std::uint32_t vertex) {
+        edges.for_each_across(vertex, [&](std::uint32_t t, std::uint32_t corner, std::optional<std::uint32_t> other) {
+          neighbors_[first_[sheets.of(t)] + slots[t]][corner] = other ? slots[*other] : kNoSlot;
+        });
+      },
+      kGrain);
 }
 
 std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dvec3, 3>& triangle,
@@ -183,55 +200,89 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
   for (int step = 0;; ++step) {
     const FlatTriangle t = frame.flat(tree.corners(slot));
     if (step == kMostSteps || !frame.is_near(t)) return std::nullopt;
+    const std::array sides{side_of_center(t[0], t[1]), side_of_center(t[1], t[2]), side_of_center(t[2], t[0])};
+    const double area = sides[0] + sides[1] + sides[2];
+    if (!(std::abs(area) > kRounding)) return std::nullopt;
+    const double orientation = area < 0 ? -1 : 1;
     double least = 0;
-    double area = 0;
     std::size_t across = 3;
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto sides = sides_of_line(t[i], t[(i + 1) % 3]);
-      const double side = (sides[0] + sides[1] + sides[2]) / 3;  // of the center
-      area += side;
-      if (side >= least) continue;
-      least = side;
+      if (orientation * sides[i] >= least) continue;
+      least = orientation * sides[i];
       across = i;
     }
-    if (!(area > kRounding)) return std::nullopt;
     if (across == 3) {
-      if (area < kLeastArea) return std::nullopt;
+      if (std::abs(area) < kLeastArea) return std::nullopt;
       break;
     }
     slot = neighbors(sheet, slot)[across];
     if (slot == kNoSlot) return std::nullopt;
   }
+  struct Farthest {
+    double distance = 0;
+    glm::dvec3 place{0.0};
+  };
+  // Returns the foot of the corner that is farthest from the triangle in `near`: one at most `enough` high is as far as
+  // it is high.
+  const auto farthest_corner = [&](const FlatPart& part, std::uint32_t near) {
+    Farthest farthest;
+    for (const FlatPoint& corner : part.corners()) {
+      double distance = std::abs(corner.height);
+      if (!(distance > farthest.distance)) continue;
+      const glm::dvec3 foot = frame.foot(corner);
+      if (distance > enough) distance = std::sqrt(tree.nearest_on_triangle(near, foot).distance_squared);
+      if (distance > farthest.distance) farthest = {distance, foot};
+    }
+    return farthest;
+  };
+  // Returns whether triangles of the surface, some of which face the other way, are over each point of the given one.
+  // Each edge over it joins two of them. So the number of those that face the same way, less the number of the others,
+  // is the same over all its points, and their areas add up to it.
+  const auto covers = [&](std::span<const std::uint32_t> triangles) {
+    double sum = 0;
+    for (const std::uint32_t number : triangles) {
+      const FlatTriangle t = frame.flat(tree.corners(number));
+      sum += FlatPart(t, beyond_sides(t[0]) | beyond_sides(t[1]) | beyond_sides(t[2])).area();
+      for (const std::uint32_t other : neighbors(sheet, number)) {
+        if (other != kNoSlot && std::ranges::find(neighbors(sheet, other), number) == neighbors(sheet, other).end())
+          return false;
+      }
+    }
+    constexpr double kHalf = 0.5;
+    return std::abs(sum) > kHalf;
+  };
   mesh::TriangleBound bound;
   bound.slot = slot;
+  bool folds = false;
   std::array<std::uint32_t, kMostTriangles> found;
   found[0] = slot;
   std::size_t count = 1;
   for (std::size_t next = 0; next < count; ++next) {
     const FlatTriangle t = frame.flat(tree.corners(found[next]));
     if (!frame.is_near(t)) return std::nullopt;
-    const std::array beyond{outside(t[0]), outside(t[1]), outside(t[2])};
+    const std::array beyond{beyond_sides(t[0]), beyond_sides(t[1]), beyond_sides(t[2])};
     if ((beyond[0] & beyond[1] & beyond[2]) != 0) continue;
     std::array<std::array<double, 3>, 3> sides{sides_of_line(t[0], t[1]), sides_of_line(t[1], t[2]),
                                                sides_of_line(t[2], t[0])};
-    const double area = sides[0][0] * t[2].at[0] + sides[0][1] * t[2].at[1] + sides[0][2] * t[2].at[2];
+    const double area = sides[0][0] + sides[1][0] + sides[2][0];
     const double orientation = area < 0 ? -1 : 1;
-    std::array<bool, 3> is_met{};  // whether the line through an edge meets the triangle
+    std::array<bool, 3> is_met{};  // whether the line through an edge divides the triangle
     bool is_apart = false;
     for (std::size_t i = 0; i < 3; ++i) {
       const auto [least, most] =
           std::minmax({orientation * sides[i][0], orientation * sides[i][1], orientation * sides[i][2]});
-      is_met[i] = least <= kRounding;
-      is_apart |= most < -kRounding;
+      const double width = width_of_line(t[i], t[(i + 1) % 3]);
+      is_met[i] = least < -width;
+      is_apart |= most <= width;
     }
     if (is_apart) continue;
-    if (!(area > kRounding)) return std::nullopt;
+    folds |= !(area > kRounding);
     double height = std::min(greatest_height(t), greatest_height_of_plane(t, sides, area));
     if (height > enough) {
-      const FlatPoint highest = highest_point(t, beyond[0] | beyond[1] | beyond[2]);
-      height = std::abs(highest.height);
+      const Farthest farthest = farthest_corner(FlatPart(t, beyond[0] | beyond[1] | beyond[2]), found[next]);
+      height = farthest.distance;
       if (height > enough) {
-        bound.place = frame.foot(highest);
+        bound.place = farthest.place;
         const auto nearest = tree.nearest(bound.place, found[next], enough * enough);
         if (nearest.distance_squared <= enough * enough) return std::nullopt;
         bound.lower = std::sqrt(nearest.distance_squared);
@@ -252,6 +303,7 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
       found[count++] = other;
     }
   }
+  if (folds && !covers(std::span(found.data(), count))) return std::nullopt;
   return bound;
 }
 

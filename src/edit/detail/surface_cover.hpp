@@ -1,9 +1,11 @@
 // Bounds the distance of a triangle from a surface by heights above the triangle's plane, without a search.
 //
-// Projects the surface to the plane, and walks from triangle to triangle over all edges that meet the given triangle.
-// If the walk meets no boundary and all its triangles face the same way as the given one, their projections cover it.
-// The distance at each of its points is then at most the height of the surface above the point. Heights are linear in
-// each triangle of the surface, so they are greatest at corners.
+// Projects the surface to the plane, and walks from triangle to triangle over all edges that divide the given triangle.
+// If the walk meets no boundary and all its triangles face the same way, their projections cover the given one. If some
+// face the other way, they cover it if their projected areas, with a sign, do not add up to 0. The distance at each of
+// its points is then at most the height of the surface above the point. Heights are linear in each triangle of the
+// surface, so they are greatest at corners. Where a height is too great, the distance from the triangle of the surface
+// counts: it is a convex function, so it is greatest at corners, too.
 #pragma once
 
 #include <array>
@@ -27,7 +29,7 @@ class SurfaceCover {
   SurfaceCover(const SheetTrees& trees, std::span<const std::uint32_t> slots, std::span<const glm::uvec3> triangles,
                std::size_t vertices, std::span<const char> left_out, const Sheets& sheets);
 
-  // Bytes for each triangle. The constructor takes as much again, and four for each vertex.
+  // Bytes for each triangle that is not left out. The constructor takes as much again, and four for each vertex.
   static constexpr std::uint64_t kTriangleBytes = 3 * sizeof(std::uint32_t);
 
   // Bounds the distance of a triangle from a sheet. The upper end is at most `enough`, or it is infinite and the lower

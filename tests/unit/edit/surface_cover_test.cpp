@@ -172,15 +172,60 @@ TEST(SurfaceCover, ProvesNothingBeyondTheBoundary) {
   EXPECT_FALSE(flat.bound({{{2.2, 2.1, 0}, {12.5, 3.4, 0}, {5.1, 8.8, 0}}}, 2));
 }
 
-TEST(SurfaceCover, ProvesNothingForOtherSide) {
+TEST(SurfaceCover, ProvesEitherSide) {
   const Terrain flat(0);
-  EXPECT_FALSE(flat.bound({{{9.7, 3.4, 0}, {2.2, 2.1, 0}, {5.1, 8.8, 0}}}, 2));
+  const auto found = flat.bound({{{9.7, 3.4, 0.125}, {2.2, 2.1, 0.125}, {5.1, 8.8, 0.125}}}, 0.2);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->upper, 0.125, 1e-12);
 }
 
-TEST(SurfaceCover, ProvesNothingUnderFolds) {
+TEST(SurfaceCover, ProvesUnderFolds) {
   Terrain folded(0);
   folded.positions[6 * kSide + 6].x = 8.5F;  // over the triangles beyond its neighbors
-  EXPECT_FALSE(folded.bound({{{2.2, 2.1, 0}, {10.7, 3.4, 0}, {5.1, 10.8, 0}}}, 2));
+  const auto found = folded.bound({{{2.2, 2.1, 0.125}, {10.7, 3.4, 0.125}, {5.1, 10.8, 0.125}}}, 0.2);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->upper, 0.125, 1e-12);
+}
+
+TEST(SurfaceCover, AgreesWithSearchesUnderFolds) {
+  Terrain folded(0.2F);
+  for (unsigned v = 0; v < folded.positions.size(); v += 5) folded.positions[v].x += 1.4F;
+  const Agreement found(folded, 3, 0.2);
+  EXPECT_GT(found.proven, 20U);
+  EXPECT_GT(found.refused, 20U);
+}
+
+// The surface ends at a fold: two layers on one side of it, none on the other.
+TEST(SurfaceCover, ProvesNothingBeyondAFold) {
+  Terrain folded(0);
+  for (glm::vec3& p : folded.positions) p.x = std::min(p.x, 12 - p.x);
+  const Points beyond{{{3.2, 2.1, 0}, {9.7, 3.4, 0}, {4.1, 8.8, 0}}};
+  EXPECT_FALSE(folded.bound(beyond, 8));
+  EXPECT_NEAR(mesh::bound_distance(beyond, folded.tree(), {.tolerance = 1e-3}, 0, 0).lower, 3.7, 0.01);
+}
+
+// Triangles that touch the given one at its corners and sides only are not part of the cover.
+TEST(SurfaceCover, IgnoresTrianglesThatOnlyTouch) {
+  Terrain steep(0);
+  for (unsigned v = 0; v < steep.positions.size(); ++v) {
+    const glm::vec3& p = steep.positions[v];
+    const bool is_corner = p == glm::vec3(4, 4, 0) || p == glm::vec3(5, 4, 0) || p == glm::vec3(5, 5, 0);
+    if (!is_corner) steep.positions[v].z = 9;
+  }
+  const auto found = steep.bound({{{4, 4, 0}, {5, 4, 0}, {5, 5, 0}}}, 0.2);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->upper, 0);
+}
+
+// Heights above the plane are up to 1.25 times the distances here.
+TEST(SurfaceCover, MeasuresAcrossSlopes) {
+  Terrain slope(0);
+  for (glm::vec3& p : slope.positions) p.z = 0.75F * p.x;
+  const Points level{{{5.9, 5.4, 4.5}, {6.1, 5.4, 4.5}, {6, 5.6, 4.5}}};
+  const auto found = slope.bound(level, 0.07);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->upper, 0.06, 1e-9);
+  EXPECT_GT(slope.bound(level, 0.05)->lower, 0.05);
 }
 
 TEST(EdgeSearch, FindsTheFirstTriangleOfASheetAlongAnEdge) {
@@ -195,6 +240,31 @@ TEST(EdgeSearch, FindsTheFirstTriangleOfASheetAlongAnEdge) {
   EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(1, 0, 1), std::nullopt);
   left_out[0] = 1;
   EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(0, 1, 0), 2U);
+}
+
+// A vertex with a few triangles, and one with many.
+TEST(EdgeSearch, FindsTrianglesAcrossTheEdgesOfAVertex) {
+  for (const unsigned around : {5U, 15U, 16U, 40U}) {
+    std::vector<glm::uvec3> triangles;
+    for (unsigned i = 0; i + 1 < around; ++i) triangles.emplace_back(i, i + 1, around);
+    triangles.emplace_back(around, around - 1, 0);  // closes the fan
+    triangles.emplace_back(2, 1, around + 1);       // beyond the fan
+    std::vector<std::uint32_t> of_triangle(triangles.size(), 0);
+    of_triangle[3] = 1;
+    const std::vector<char> left_out(triangles.size(), 0);
+    const Sheets sheets{of_triangle, 2};
+    const EdgeSearch edges(triangles, around + 2, left_out, sheets);
+    std::size_t corners = 0;
+    for (unsigned v = 0; v < around + 2; ++v) {
+      edges.for_each_across(v, [&](std::uint32_t t, std::uint32_t corner, std::optional<std::uint32_t> other) {
+        const int at = static_cast<int>(corner);
+        ++corners;
+        EXPECT_EQ(triangles[t][at], v);
+        EXPECT_EQ(other, edges.find_triangle(triangles[t][(at + 1) % 3], v, of_triangle[t])) << around << " " << t;
+      });
+    }
+    EXPECT_EQ(corners, 3 * triangles.size());
+  }
 }
 
 TEST(EdgeSearch, VisitsFewCornersAroundTheApexOfACone) {
