@@ -13,6 +13,7 @@
 
 #include "base/buffer.hpp"
 #include "base/parallel.hpp"
+#include "edit/detail/patch_triangles.hpp"
 #include "mesh/box_tree.hpp"
 #include "mesh/exact_sign.hpp"
 #include "mesh/triangle_overlap.hpp"
@@ -264,18 +265,19 @@ class PairsOfPatches {
 
 Result<void> find_pairs_of_patches(const CollapseState& state, std::span<const CollapseLog> logs, bool skips_patches,
                                    const std::string& name, const Context& context, FoundPairs& found) {
-  const auto triangles = static_cast<std::size_t>(std::ranges::count(state.gone, 0));
+  std::vector<PatchTriangle> remaining = remaining_triangles(state, [](const glm::uvec3& /*corners*/) { return true; });
+  const std::size_t triangles = remaining.size();
   const auto memory = TRY(context.reserve(intersection_search_bytes(triangles),
                                           name + ": the search for intersections of the simplified mesh"));
   Buffer<SearchedTriangle> searched(triangles);
   Buffer<mesh::BoxTree::Item> items(triangles);
-  std::uint32_t count = 0;
-  for (std::uint32_t t = 0; t < state.corners.size(); ++t) {
-    if (state.gone[t] != 0) continue;
-    searched[count] = {corners_of(state, t), t, state.is_unchecked(t)};
-    items[count] = {searched[count].box().center(), count};
-    ++count;
-  }
+  const auto add = [&](std::uint32_t i) {
+    const std::uint32_t t = remaining[i].triangle;
+    searched[i] = {corners_of(state, t), t, state.is_unchecked(t)};
+    items[i] = {searched[i].box().center(), i};
+  };
+  for_each_index(static_cast<std::uint32_t>(triangles), add, kTriangleGrain);
+  remaining = {};
   PairsOfPatches(state, logs, skips_patches, searched.span(), items.span(), context).find(found);
   return context.check();
 }

@@ -313,9 +313,13 @@ Result<std::size_t> Simplifier::round(double size, const CollapseLimits& limits,
         share.work > 0 ? work_up_to(first[p + 1]) - work_up_to(first[p]) : std::uint64_t{logs[p].removed};
     context_.progress().advance(done);
   };
+  // The largest patches first, so that no thread has one left when the others have ended.
+  std::vector<std::size_t> order(patches);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t p) { return first[p + 1] - first[p]; });
   std::atomic<std::size_t> next{0};
   for_each_index(workers, [&](std::size_t /*worker*/) {
-    for (std::size_t p = next++; p < patches && !context_.cancelled(); p = next++) collapse(p);
+    for (std::size_t i = next++; i < patches && !context_.cancelled(); i = next++) collapse(order[i]);
   });
   TRY(context_.check());
   numbers_ += triangles.size();
