@@ -33,7 +33,7 @@ struct DenseView {
     if (begin < end) leave({0, begin}, {dims.y - 1, end - 1});
   }
 
-  // Does so for the rows first_row to end_row - 1 (lines of equal y) of each of these slices.
+  // Does so for the rows first_row to end_row - 1 (lines of equal y) of each of these slices. All of them must exist.
   void leave_rows(int begin, int end, int first_row, int end_row) const {
     for (int k = begin; k < end && first_row < end_row; ++k) leave({first_row, k}, {end_row - 1, k});
   }

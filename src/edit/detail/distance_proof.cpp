@@ -298,10 +298,12 @@ class DistanceProof {
     doubtful_.clear();
     for (const RestoredTriangle& put_back : changed) {
       new_in_doubt.push_back(put_back.triangle);
-      any_cell(corners(put_back.corners), options_.enough, options_.cell_size, [&](const Cell& cell) {
-        doubtful_.push_back(cell);
-        return false;
-      });
+      for (const glm::uvec3& form : {put_back.corners, state_.corners[put_back.triangle]}) {
+        any_cell(corners(form), options_.enough, options_.cell_size, [&](const Cell& cell) {
+          doubtful_.push_back(cell);
+          return false;
+        });
+      }
     }
     std::sort(new_in_doubt.begin(), new_in_doubt.end());
     new_in_doubt.erase(std::unique(new_in_doubt.begin(), new_in_doubt.end()), new_in_doubt.end());
@@ -317,19 +319,19 @@ class DistanceProof {
     old_in_doubt = originals_near(changed);
   }
 
-  // Lists the original triangles of which a point may be within options_.enough of triangles before they were restored,
-  // and of no others.
+  // Lists the original triangles whose bounds may not hold after triangles were restored: those near the forms before,
+  // of which upper bounds may be, and those near the present forms, which may be nearer than lower bounds.
   [[nodiscard]] std::vector<std::uint32_t> originals_near(const std::vector<RestoredTriangle>& changed) const {
+    constexpr double kRounding = 1e-6;
+    const double enough = options_.enough * (1 + kRounding);
     std::vector<char> is_near(state_.original.size(), 0);
-    constexpr std::size_t kGrain = 64;
-    const auto find = [&](std::size_t i) {
-      const std::uint32_t sheet = state_.sheet(changed[i].triangle);
+    const auto find = [&](std::uint32_t sheet, const glm::uvec3& form) {
       const mesh::TriangleTree* const tree = state_.original_trees.find(sheet);
       if (tree == nullptr) return;
-      const Box around = box_of(changed[i].corners);
+      const Box around = box_of(form);
       constexpr float kInfinity = std::numeric_limits<float>::infinity();
-      const glm::vec3 low(around.low - options_.enough);
-      const glm::vec3 high(around.high + options_.enough);
+      const glm::vec3 low(around.low - enough);
+      const glm::vec3 high(around.high + enough);
       mesh::FloatBox box;  // rounded outward
       for (int axis = 0; axis < 3; ++axis) {
         box.min[axis] = std::nextafter(low[axis], -kInfinity);
@@ -337,11 +339,17 @@ class DistanceProof {
       }
       tree->for_each_near(box, [&](std::size_t slot) {
         const std::uint32_t t = state_.original_trees.triangle(sheet, static_cast<std::uint32_t>(slot));
-        if (!around.is_within(options_.enough, box_of(state_.original[t]))) return;
+        if (!around.is_within(enough, box_of(state_.original[t]))) return;
         std::atomic_ref(is_near[t]).store(1, std::memory_order_relaxed);
       });
     };
-    for_each_index(changed.size(), find, kGrain);
+    constexpr std::size_t kGrain = 64;
+    const auto find_both = [&](std::size_t i) {
+      const std::uint32_t t = changed[i].triangle;
+      find(state_.sheet(t), changed[i].corners);
+      if (state_.gone[t] == 0) find(state_.sheet(t), state_.corners[t]);
+    };
+    for_each_index(changed.size(), find_both, kGrain);
     return listed([&](std::uint32_t t) { return is_near[t] != 0; });
   }
 

@@ -1,11 +1,13 @@
-// Finds the triangles that run along edges in a given direction.
+// Finds the triangles on the other side of edges.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -33,55 +35,60 @@ class EdgeSearch {
     }
   }
 
-  // Returns the first triangle of a sheet that runs from one vertex to another. Walks the lists of both at once, and
-  // ends with the shorter one: a vertex of very many triangles costs no more than its neighbors. Adds the number of
-  // visited corners to `visited`.
-  [[nodiscard]] std::optional<std::uint32_t> find_triangle(std::uint32_t from, std::uint32_t to, std::uint32_t sheet,
-                                                           std::uint64_t* visited = nullptr) const {
-    std::uint32_t at_from = first_[from];
-    std::uint32_t at_to = first_[to];
-    while (at_from != kNoCorner && at_to != kNoCorner) {
-      if (visited != nullptr) *visited += 2;
-      if (neighbor(at_from, 1) == to && sheets_.of(at_from / 3) == sheet) return at_from / 3;
-      if (neighbor(at_to, 2) == from && sheets_.of(at_to / 3) == sheet) return at_to / 3;
-      at_from = next_[at_from / 3][at_from % 3];
-      at_to = next_[at_to / 3][at_to % 3];
-    }
-    return std::nullopt;
-  }
-
   // Calls visit(triangle, corner, other) for each corner at a vertex, of which an edge runs to the next corner. `other`
-  // is a triangle of the sheet that runs along this edge in the opposite direction, if there is one: the first around
-  // the vertex, or what find_triangle() returns if the vertex has many triangles.
+  // is the triangle of the sheet that runs along this edge in the opposite direction. It is empty if there is none, if
+  // several run along the edge in one direction, or if a triangle has a corner twice. So if A is across an edge of B, B
+  // is across this edge of A. Takes time by d log d for d triangles at the vertex.
   template <class Visit>
   void for_each_across(std::uint32_t vertex, const Visit& visit) const {
-    constexpr std::size_t kMany = 16;  // searches all pairs of fewer
-    struct Around {
-      std::uint32_t corner, next, previous;
-    };
+    constexpr std::size_t kMany = 16;
     std::array<Around, kMany> around;
     std::size_t count = 0;
-    for (std::uint32_t at = first_[vertex]; at != kNoCorner && count < kMany; at = next_[at / 3][at % 3]) {
-      around[count++] = {at, neighbor(at, 1), neighbor(at, 2)};
+    for (std::uint32_t at = first_[vertex]; at != kNoCorner; at = next_[at / 3][at % 3]) {
+      if (count == kMany) return for_each_across_of_many(vertex, visit);
+      around[count++] = around_of(at);
     }
-    if (count == kMany) {
-      for (std::uint32_t at = first_[vertex]; at != kNoCorner; at = next_[at / 3][at % 3]) {
-        visit(at / 3, at % 3, find_triangle(neighbor(at, 1), vertex, sheets_.of(at / 3)));
-      }
-      return;
-    }
-    for (std::size_t i = 0; i < count; ++i) {
+    const auto find = [&](std::size_t i) -> std::optional<std::uint32_t> {
       std::optional<std::uint32_t> other;
-      for (std::size_t j = 0; j < count && !other; ++j) {
+      for (std::size_t j = 0; j < count; ++j) {
+        if (around[j].sheet != around[i].sheet) continue;
+        if (j != i && around[j].next == around[i].next) return std::nullopt;
         if (around[j].previous != around[i].next) continue;
-        if (sheets_.of(around[j].corner / 3) == sheets_.of(around[i].corner / 3)) other = around[j].corner / 3;
+        if (other || around[j].corner / 3 == around[i].corner / 3) return std::nullopt;
+        other = around[j].corner / 3;
       }
-      visit(around[i].corner / 3, around[i].corner % 3, other);
-    }
+      return other;
+    };
+    for (std::size_t i = 0; i < count; ++i) visit(around[i].corner / 3, around[i].corner % 3, find(i));
   }
 
  private:
   static constexpr std::uint32_t kNoCorner = std::numeric_limits<std::uint32_t>::max();
+
+  // A corner at a vertex, and the corners before and after it.
+  struct Around {
+    std::uint32_t corner, next, previous, sheet;
+  };
+  [[nodiscard]] Around around_of(std::uint32_t corner) const {
+    return {corner, neighbor(corner, 1), neighbor(corner, 2), sheets_.of(corner / 3)};
+  }
+
+  template <class Visit>
+  void for_each_across_of_many(std::uint32_t vertex, const Visit& visit) const {
+    const auto by_next = [](const Around& a) { return std::pair(a.sheet, a.next); };
+    const auto by_previous = [](const Around& a) { return std::pair(a.sheet, a.previous); };
+    std::vector<Around> out;
+    for (std::uint32_t at = first_[vertex]; at != kNoCorner; at = next_[at / 3][at % 3]) out.push_back(around_of(at));
+    std::vector<Around> in = out;
+    std::ranges::sort(out, {}, by_next);
+    std::ranges::sort(in, {}, by_previous);
+    for (const Around& a : out) {
+      const auto same = std::ranges::equal_range(out, by_next(a), {}, by_next);
+      const auto opposite = std::ranges::equal_range(in, by_next(a), {}, by_previous);
+      const bool is_pair = same.size() == 1 && opposite.size() == 1 && opposite.front().corner / 3 != a.corner / 3;
+      visit(a.corner / 3, a.corner % 3, is_pair ? std::optional(opposite.front().corner / 3) : std::nullopt);
+    }
+  }
 
   // Returns the vertex that follows a corner of a triangle by so many steps.
   [[nodiscard]] std::uint32_t neighbor(std::uint32_t corner, std::uint32_t steps) const {

@@ -27,27 +27,35 @@ struct FlatPoint {
 };
 using FlatTriangle = std::array<FlatPoint, 3>;
 
-// Barycentric coordinates below kFar, and products of two, round by less than 1e-7. Narrower parts of the triangle than
-// kRounding, as a fraction of it, do not count.
+// Barycentric coordinates are below kFar. Parts of the given triangle that are narrower than kRounding, as a fraction
+// of it, need not be covered.
 constexpr double kFar = 1e4;
 constexpr double kRounding = 1e-10;
 
-// Returns for each corner of the triangle on which side of the line from p to q it is: above 0 on the left, in units of
-// area.
-std::array<double, 3> sides_of_line(const FlatPoint& p, const FlatPoint& q) {
-  const double first = p.at[1] * q.at[2] - p.at[2] * q.at[1];
-  return {first, first + p.at[2] - q.at[2], first + q.at[1] - p.at[1]};
-}
+// The line from p to q.
+struct FlatLine {
+  // For each corner of the triangle, on which side of the line it is: above 0 on the left, in units of area.
+  std::array<double, 3> sides;
+  // The side of points that count as points of the line; below 0 if the ends are so close that rounding may turn it.
+  double width;
+
+  // The differences round by about 1e-16 of the coordinates, which turns the line by this over its length.
+  FlatLine(const FlatPoint& p, const FlatPoint& q) {
+    constexpr double kShort = 1e-8;
+    const double across = q.at[1] - p.at[1];
+    const double up = q.at[2] - p.at[2];
+    const double first = p.at[1] * up - p.at[2] * across;
+    sides = {first, first - up, first + across};
+    const double length = std::abs(across) + std::abs(up);
+    const double far = 1 + std::max({p.at[1] * p.at[1], p.at[2] * p.at[2], q.at[1] * q.at[1], q.at[2] * q.at[2]});
+    width = length > kShort * far ? kRounding * length : -1;
+  }
+};
 
 // Returns on which side of the line from p to q the center of the triangle is.
 double side_of_center(const FlatPoint& p, const FlatPoint& q) {
   constexpr double kCenter = 1.0 / 3;
   return (p.at[1] - kCenter) * (q.at[2] - kCenter) - (p.at[2] - kCenter) * (q.at[1] - kCenter);
-}
-
-// Returns the side, in units of area, of points next to the line from p to q that count as points of the line.
-double width_of_line(const FlatPoint& p, const FlatPoint& q) {
-  return kRounding * (std::abs(q.at[1] - p.at[1]) + std::abs(q.at[2] - p.at[2]));
 }
 
 // The frame of a triangle.
@@ -149,13 +157,14 @@ double greatest_height(const FlatTriangle& t) {
 }
 
 // Returns the greatest height of the plane of t at the corners of the triangle; infinity if t is too narrow to
-// extrapolate. `sides` are of the edges of t.
-double greatest_height_of_plane(const FlatTriangle& t, const std::array<std::array<double, 3>, 3>& sides, double area) {
+// extrapolate. `lines` are those of the edges of t.
+double greatest_height_of_plane(const FlatTriangle& t, const std::array<FlatLine, 3>& lines, double area) {
   constexpr double kLeastArea = 1e-2;
   if (!(std::abs(area) > kLeastArea)) return std::numeric_limits<double>::infinity();
   double greatest = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double height = sides[1][i] * t[0].height + sides[2][i] * t[1].height + sides[0][i] * t[2].height;
+    const double height =
+        lines[1].sides[i] * t[0].height + lines[2].sides[i] * t[1].height + lines[0].sides[i] * t[2].height;
     greatest = std::max(greatest, std::abs(height));
   }
   return greatest / std::abs(area);
@@ -236,20 +245,17 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
     return farthest;
   };
   // Returns whether triangles of the surface, some of which face the other way, are over each point of the given one.
-  // Each edge over it joins two of them. So the number of those that face the same way, less the number of the others,
-  // is the same over all its points, and their areas add up to it.
+  // Each edge over it is an edge of two of them. So the number of those that face the same way, less the number of the
+  // others, is the same over all its points, and their areas add up to it.
   const auto covers = [&](std::span<const std::uint32_t> triangles) {
     double sum = 0;
     for (const std::uint32_t number : triangles) {
       const FlatTriangle t = frame.flat(tree.corners(number));
       sum += FlatPart(t, beyond_sides(t[0]) | beyond_sides(t[1]) | beyond_sides(t[2])).area();
-      for (const std::uint32_t other : neighbors(sheet, number)) {
-        if (other != kNoSlot && std::ranges::find(neighbors(sheet, other), number) == neighbors(sheet, other).end())
-          return false;
-      }
     }
-    constexpr double kHalf = 0.5;
-    return std::abs(sum) > kHalf;
+    constexpr double kAlmost = 1e-3;
+    const double layers = std::round(sum);
+    return layers != 0 && std::abs(sum - layers) < kAlmost;
   };
   mesh::TriangleBound bound;
   bound.slot = slot;
@@ -262,22 +268,21 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
     if (!frame.is_near(t)) return std::nullopt;
     const std::array beyond{beyond_sides(t[0]), beyond_sides(t[1]), beyond_sides(t[2])};
     if ((beyond[0] & beyond[1] & beyond[2]) != 0) continue;
-    std::array<std::array<double, 3>, 3> sides{sides_of_line(t[0], t[1]), sides_of_line(t[1], t[2]),
-                                               sides_of_line(t[2], t[0])};
-    const double area = sides[0][0] + sides[1][0] + sides[2][0];
+    const std::array lines{FlatLine(t[0], t[1]), FlatLine(t[1], t[2]), FlatLine(t[2], t[0])};
+    const double area = lines[0].sides[0] + lines[1].sides[0] + lines[2].sides[0];
     const double orientation = area < 0 ? -1 : 1;
-    std::array<bool, 3> is_met{};  // whether the line through an edge divides the triangle
+    std::array<bool, 3> is_met{};  // whether the line through an edge divides the triangle, or may do so
     bool is_apart = false;
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto [least, most] =
-          std::minmax({orientation * sides[i][0], orientation * sides[i][1], orientation * sides[i][2]});
-      const double width = width_of_line(t[i], t[(i + 1) % 3]);
-      is_met[i] = least < -width;
-      is_apart |= most <= width;
+      const auto& [a, b, c] = lines[i].sides;
+      const auto [least, most] = std::minmax({orientation * a, orientation * b, orientation * c});
+      const double width = lines[i].width;
+      is_met[i] = width < 0 || least < -width;
+      is_apart |= width >= 0 && most <= width;
     }
     if (is_apart) continue;
     folds |= !(area > kRounding);
-    double height = std::min(greatest_height(t), greatest_height_of_plane(t, sides, area));
+    double height = std::min(greatest_height(t), greatest_height_of_plane(t, lines, area));
     if (height > enough) {
       const Farthest farthest = farthest_corner(FlatPart(t, beyond[0] | beyond[1] | beyond[2]), found[next]);
       height = farthest.distance;

@@ -2,10 +2,10 @@
 //
 // Projects the surface to the plane, and walks from triangle to triangle over all edges that divide the given triangle.
 // If the walk meets no boundary and all its triangles face the same way, their projections cover the given one. If some
-// face the other way, they cover it if their projected areas, with a sign, do not add up to 0. The distance at each of
-// its points is then at most the height of the surface above the point. Heights are linear in each triangle of the
-// surface, so they are greatest at corners. Where a height is too great, the distance from the triangle of the surface
-// counts: it is a convex function, so it is greatest at corners, too.
+// face the other way or are upright, they cover it if their projected areas, with a sign, do not add up to 0. The
+// distance at each of its points is then at most the height of the surface above the point. Heights are linear in each
+// triangle of the surface, so they are greatest at corners. Where a height is too great, the distance from the triangle
+// of the surface counts: it is a convex function, so it is greatest at corners, too.
 #pragma once
 
 #include <array>
@@ -46,8 +46,8 @@ class SurfaceCover {
   }
 
   std::vector<std::uint32_t> first_;  // of each sheet: the index in neighbors_ of its first slot
-  // For each slot of each sheet: the slots across the edges that start at its corners, or the largest number. Empty if
-  // the mesh has too many triangles.
+  // For each slot of each sheet: the slots across the edges that start at its corners, or the largest number at edges
+  // that are not between two triangles. Empty if the mesh has too many triangles.
   Buffer<std::array<std::uint32_t, 3>> neighbors_;
 };
 

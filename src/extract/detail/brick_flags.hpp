@@ -91,7 +91,7 @@ void leave_slab(const DenseView<T>& view, int bk, int around) {
 template <class T>
 void leave_first_half(const DenseView<T>& view, int bk, int bj, int around) {
   const int end = kBrickRows * (bj + 1) - around;
-  if (end < view.dims.y / 2 || end - kBrickRows >= view.dims.y / 2) return;
+  if (end < view.dims.y / 2 || end - kBrickRows >= view.dims.y / 2 || end > view.dims.y) return;
   view.leave_rows(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z), 0, end);
 }
 

@@ -228,58 +228,109 @@ TEST(SurfaceCover, MeasuresAcrossSlopes) {
   EXPECT_GT(slope.bound(level, 0.05)->lower, 0.05);
 }
 
-TEST(EdgeSearch, FindsTheFirstTriangleOfASheetAlongAnEdge) {
-  // Four triangles run from vertex 0 to vertex 1; sheet 1 has the last two.
-  const std::vector<glm::uvec3> triangles{{0, 1, 2}, {1, 0, 3}, {4, 0, 1}, {1, 5, 0}, {0, 1, 6}};
-  const std::vector<std::uint32_t> of_triangle{0, 0, 0, 1, 1};
-  std::vector<char> left_out(triangles.size(), 0);
-  const Sheets sheets{of_triangle, 2};
-  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(0, 1, 0), 0U);
-  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(1, 0, 0), 1U);
-  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(0, 1, 1), 3U);
-  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(1, 0, 1), std::nullopt);
-  left_out[0] = 1;
-  EXPECT_EQ(EdgeSearch(triangles, 7, left_out, sheets).find_triangle(0, 1, 0), 2U);
+// A terrain of two floors with the y axis between them, the second one `step` higher; upright triangles join them.
+Terrain stairs(float step) {
+  Terrain terrain(0);
+  constexpr unsigned kMiddle = kSide / 2;
+  for (unsigned v = 0; v < terrain.positions.size(); ++v) {
+    const unsigned column = v % kSide;
+    const bool is_upper = column > kMiddle;
+    terrain.positions[v] = {static_cast<float>(column) - static_cast<float>(is_upper ? kMiddle + 1 : kMiddle),
+                            terrain.positions[v].y - kMiddle, is_upper ? step : 0};
+  }
+  return terrain;
 }
 
-// A vertex with a few triangles, and one with many.
-TEST(EdgeSearch, FindsTrianglesAcrossTheEdgesOfAVertex) {
-  for (const unsigned around : {5U, 15U, 16U, 40U}) {
-    std::vector<glm::uvec3> triangles;
-    for (unsigned i = 0; i + 1 < around; ++i) triangles.emplace_back(i, i + 1, around);
-    triangles.emplace_back(around, around - 1, 0);  // closes the fan
-    triangles.emplace_back(2, 1, around + 1);       // beyond the fan
-    std::vector<std::uint32_t> of_triangle(triangles.size(), 0);
-    of_triangle[3] = 1;
-    const std::vector<char> left_out(triangles.size(), 0);
-    const Sheets sheets{of_triangle, 2};
-    const EdgeSearch edges(triangles, around + 2, left_out, sheets);
-    std::size_t corners = 0;
-    for (unsigned v = 0; v < around + 2; ++v) {
-      edges.for_each_across(v, [&](std::uint32_t t, std::uint32_t corner, std::optional<std::uint32_t> other) {
-        const int at = static_cast<int>(corner);
-        ++corners;
-        EXPECT_EQ(triangles[t][at], v);
-        EXPECT_EQ(other, edges.find_triangle(triangles[t][(at + 1) % 3], v, of_triangle[t])) << around << " " << t;
-      });
-    }
-    EXPECT_EQ(corners, 3 * triangles.size());
+TEST(SurfaceCover, ProvesNoMoreThanUprightTrianglesAllow) {
+  const Terrain terrain = stairs(1);
+  for (const double tilt : {0.0, 1e-15, -1e-15, 1e-12}) {
+    const Points across{{{-3, -1, 0}, {2, 0.25, tilt}, {-3, 1, 0}}};
+    const auto found = terrain.bound(across, 0.2);
+    EXPECT_FALSE(found && found->upper <= 0.2) << tilt;
+    const auto far = terrain.bound(across, 1.5);
+    ASSERT_TRUE(far) << tilt;
+    EXPECT_NEAR(far->upper, 1, 1e-6);
   }
 }
 
-TEST(EdgeSearch, VisitsFewCornersAroundTheApexOfACone) {
+// A step of 0 leaves triangles without area, and edges without length.
+TEST(SurfaceCover, ProvesAcrossTrianglesWithoutArea) {
+  const auto found = stairs(0).bound({{{-3, -1, 0.125}, {2, 0.25, 0.125}, {-3, 1, 0.125}}}, 0.2);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->upper, 0.125, 1e-12);
+}
+
+// Two triangles run along the common edge in each direction: which of them are neighbors cannot be told.
+TEST(SurfaceCover, ProvesNothingAcrossNonManifoldEdges) {
+  Terrain book(0);
+  book.positions = {{0, -20, 0}, {0, 20, 0}, {-40, 0, 0}, {0.01F, 0, 0}, {40, 0, -400}};
+  book.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}, {1, 0, 4}};
+  book.left_out.assign(4, 0);
+  const auto found = book.bound({{{-3, -1, 0}, {2, 0, 0}, {-3, 1, 0}}}, 0.2);
+  EXPECT_FALSE(found && found->upper <= 0.2);
+}
+
+// Returns the triangles across the edges that start at the corners of each triangle.
+std::vector<std::array<std::optional<std::uint32_t>, 3>> all_across(const std::vector<glm::uvec3>& triangles,
+                                                                    std::size_t vertices, const Sheets& sheets,
+                                                                    const std::vector<char>& left_out) {
+  const EdgeSearch edges(triangles, vertices, left_out, sheets);
+  std::vector<std::array<std::optional<std::uint32_t>, 3>> across(triangles.size());
+  std::size_t corners = 0;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    edges.for_each_across(v, [&](std::uint32_t t, std::uint32_t corner, std::optional<std::uint32_t> other) {
+      EXPECT_EQ(triangles[t][static_cast<int>(corner)], v);
+      across[t][corner] = other;
+      ++corners;
+    });
+  }
+  EXPECT_EQ(corners, 3 * static_cast<std::size_t>(std::ranges::count(left_out, 0)));
+  return across;
+}
+
+TEST(EdgeSearch, FindsTheOnlyTriangleOfASheetAcrossAnEdge) {
+  // Triangles 0 to 2 are around edge 0 1 in sheet 0, and 3 and 4 in sheet 1. Triangle 5 has a corner twice.
+  const std::vector<glm::uvec3> triangles{{0, 1, 2}, {1, 0, 3}, {4, 0, 1}, {1, 5, 0}, {0, 1, 6}, {7, 7, 8}};
+  const std::vector<std::uint32_t> of_triangle{0, 0, 0, 1, 1, 0};
+  std::vector<char> left_out(triangles.size(), 0);
+  const Sheets sheets{of_triangle, 2};
+  auto across = all_across(triangles, 9, sheets, left_out);
+  EXPECT_EQ(across[0][0], std::nullopt) << "two triangles run from 0 to 1";
+  EXPECT_EQ(across[1][0], std::nullopt);
+  EXPECT_EQ(across[2][1], std::nullopt);
+  EXPECT_EQ(across[3][2], std::nullopt) << "both run from 0 to 1";
+  for (const auto& other : across[5]) EXPECT_EQ(other, std::nullopt);
+  left_out[2] = 1;
+  across = all_across(triangles, 9, sheets, left_out);
+  EXPECT_EQ(across[0][0], 1U);
+  EXPECT_EQ(across[1][0], 0U);
+}
+
+// A vertex with a few triangles, and one with many: a fan of which one triangle is of another sheet.
+TEST(EdgeSearch, FindsTrianglesAroundAVertex) {
+  for (const unsigned around : {5U, 15U, 16U, 17U, 40U}) {
+    std::vector<glm::uvec3> triangles;
+    for (unsigned i = 0; i < around; ++i) triangles.emplace_back(i, (i + 1) % around, around);
+    triangles.emplace_back(around, around - 1, around + 1);  // along an edge of the fan
+    std::vector<std::uint32_t> of_triangle(triangles.size(), 0);
+    of_triangle[2] = 1;
+    const std::vector<char> left_out(triangles.size(), 0);
+    const auto across = all_across(triangles, around + 2, Sheets{of_triangle, 2}, left_out);
+    for (unsigned i = 0; i < around; ++i) {
+      const bool next_is_known = i != 1 && i != 2 && i + 2 != around;
+      EXPECT_EQ(across[i][1], next_is_known ? std::optional((i + 1) % around) : std::nullopt) << around << " " << i;
+      EXPECT_EQ(across[i][0], std::nullopt);
+    }
+  }
+}
+
+TEST(EdgeSearch, IsFastAroundTheApexOfACone) {
   constexpr unsigned kTriangles = 100'000;
   std::vector<glm::uvec3> triangles;
   for (unsigned i = 0; i < kTriangles; ++i) triangles.emplace_back(kTriangles, i, (i + 1) % kTriangles);
   const std::vector<char> left_out(kTriangles, 0);
-  const Sheets sheets;
-  const EdgeSearch edges(triangles, kTriangles + 1, left_out, sheets);
-  std::uint64_t visited = 0;
-  for (unsigned i = 0; i < kTriangles; ++i) {
-    ASSERT_EQ(edges.find_triangle(kTriangles, i, 0, &visited), i);
-    ASSERT_EQ(edges.find_triangle(i, kTriangles, 0, &visited), (i + kTriangles - 1) % kTriangles);
-    ASSERT_LE(visited, 8U * (i + 1U));
-  }
+  const auto across = all_across(triangles, kTriangles + 1, Sheets(), left_out);
+  for (unsigned i = 0; i < kTriangles; ++i) ASSERT_EQ(across[i][0], (i + kTriangles - 1) % kTriangles);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Which pages of a slab of samples go back to the system. Anonymous memory is zero after its pages are released.
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -62,6 +63,21 @@ TEST_F(ReleasedPages, AreTheFirstHalfOfASlab) {
       }
     }
     EXPECT_EQ(released, 4) << "the fifth row of bricks is the first that reads no row of the first half";
+  }
+}
+
+// Samples behind a thin volume are not part of it.
+TEST_F(ReleasedPages, AreThoseOfTheVolume) {
+  for (int rows = 1; rows < 2 * kBrickRows; ++rows) {
+    for (const int around : {1, 2}) {
+      std::memset(samples_, 1, kBytes);
+      view_.dims = {kDims.x, rows, 8};
+      view_.stride_z = std::int64_t{kDims.x} * rows;
+      for (int bj = 0; kBrickRows * bj < rows; ++bj) leave_first_half(view_, 0, bj, around);
+      const std::size_t bytes = static_cast<std::size_t>(view_.stride_z) * 8;
+      const auto* released = std::find(samples_ + bytes, samples_ + kBytes, 0);
+      EXPECT_EQ(released, samples_ + kBytes) << rows << " " << around;
+    }
   }
 }
 
