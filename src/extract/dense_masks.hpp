@@ -30,21 +30,10 @@ struct DenseView {
 
   // Releases the memory pages of slices begin to end - 1 (planes of equal z). The slices can still be read later.
   void leave_slices(int begin, int end) const {
-    if (begin < end) leave({0, begin}, {dims.y - 1, end - 1});
-  }
-
-  // Does so for the rows first_row to end_row - 1 (lines of equal y) of each of these slices. All of them must exist.
-  void leave_rows(int begin, int end, int first_row, int end_row) const {
-    for (int k = begin; k < end && first_row < end_row; ++k) leave({first_row, k}, {end_row - 1, k});
-  }
-
- private:
-  // Releases the pages from one row, given by y and z, to another.
-  void leave(const glm::ivec2& first, const glm::ivec2& last) const {
-    if (!transient) return;
-    const T* begin = row(first.x, first.y);
-    const T* end = row(last.x, last.y) + dims.x;
-    release_pages(begin, static_cast<std::size_t>(end - begin) * sizeof(T));
+    if (!transient || begin >= end) return;
+    const T* first = row(0, begin);
+    const T* last = row(dims.y - 1, end - 1) + dims.x;
+    release_pages(first, static_cast<std::size_t>(last - first) * sizeof(T));
   }
 };
 

@@ -85,14 +85,4 @@ void leave_slab(const DenseView<T>& view, int bk, int around) {
   view.leave_slices(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z));
 }
 
-// Releases the pages of the first half of the rows of samples in slab `bk`, if `bj` is the last row of bricks that
-// reads them. Call it after each row of bricks, in their order. They read `around` rows of samples beyond their own.
-// More releases would save more memory, but each slice takes a system call.
-template <class T>
-void leave_first_half(const DenseView<T>& view, int bk, int bj, int around) {
-  const int end = kBrickRows * (bj + 1) - around;
-  if (end < view.dims.y / 2 || end - kBrickRows >= view.dims.y / 2 || end > view.dims.y) return;
-  view.leave_rows(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z), 0, end);
-}
-
 }  // namespace isoextract::extract

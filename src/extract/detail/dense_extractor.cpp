@@ -118,10 +118,7 @@ class DenseExtraction final {
       if (!is_as_counted(slab) || is_empty) return check_samples();
       const auto emit = [&](int bj) { emit_brick_row(part, first, slab, bj); };
       if (pass.in_order) for_each_index(bricks_.rows_y(), emit);
-      for (int bj = 0; bj < bricks_.rows_y() && !pass.in_order; ++bj) {
-        emit(bj);
-        leave_first_half(view_, slab.bk, bj, slices_around());
-      }
+      for (int bj = 0; bj < bricks_.rows_y() && !pass.in_order; ++bj) emit(bj);
       return deliver_part(sink, pass, part, first, sizes);
     }));
     return check_samples();
@@ -168,6 +165,13 @@ class DenseExtraction final {
     const DenseMasks& masks;
     DenseView<T> whole;  // view of all samples, in which those that the work needs can be read
     SliceSides sides;    // of its samples alone; unknown if the extraction has masks of all samples
+  };
+
+  // The meshes in which threads make parts: the sizes of the largest part, and the largest number of threads.
+  struct PartRoom {
+    MeshSizes sizes;
+    ExtractOptions options;
+    int threads = usable_threads();
   };
 
   // Runs work(slab, part) for every slab of a range, in parallel. `part` is memory of the thread: a mesh with room for
@@ -289,8 +293,7 @@ class DenseExtraction final {
     });
   }
 
-  [[nodiscard]] int slices_around() const { return options_.smooth_normals ? 2 : 1; }
-  void leave(int bk) const { leave_slab(view_, bk, slices_around()); }
+  void leave(int bk) const { leave_slab(view_, bk, options_.smooth_normals ? 2 : 1); }
 
   // Runs f(j, k) for every row of samples in a row of bricks.
   template <class F>

@@ -14,17 +14,8 @@
 #include "base/error.hpp"
 #include "base/first_error.hpp"
 #include "base/parallel.hpp"
-#include "extract/extractor.hpp"
-#include "extract/mesh_assembly.hpp"
 
 namespace isoextract::extract {
-
-// The meshes in which threads make parts: the sizes of the largest part, and the largest number of threads.
-struct PartRoom {
-  MeshSizes sizes;
-  ExtractOptions options;
-  int threads = usable_threads();
-};
 
 // Calls work(slab, worker) for the slabs 0 to slabs - 1, in parallel. make() returns the buffers of one thread, in a
 // Result; the thread processes one slab after another in them. Uses at most `most_threads` threads, and fewer if a
