@@ -319,8 +319,8 @@ class DistanceProof {
     old_in_doubt = originals_near(changed);
   }
 
-  // Lists the original triangles whose bounds may not hold after triangles were restored: those near the forms before,
-  // of which upper bounds may be, and those near the present forms, which may be nearer than lower bounds.
+  // Lists the original triangles whose bounds may not hold after triangles were restored. Upper bounds may be those of
+  // the forms before; the present forms may be nearer than lower bounds.
   [[nodiscard]] std::vector<std::uint32_t> originals_near(const std::vector<RestoredTriangle>& changed) const {
     constexpr double kRounding = 1e-6;
     const double enough = options_.enough * (1 + kRounding);

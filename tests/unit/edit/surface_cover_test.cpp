@@ -260,7 +260,7 @@ TEST(SurfaceCover, ProvesAcrossTrianglesWithoutArea) {
   EXPECT_NEAR(found->upper, 0.125, 1e-12);
 }
 
-// Two triangles run along the common edge in each direction: which of them are neighbors cannot be told.
+// Two triangles run along the common edge in each direction, so none of them has a neighbor there.
 TEST(SurfaceCover, ProvesNothingAcrossNonManifoldEdges) {
   Terrain book(0);
   book.positions = {{0, -20, 0}, {0, 20, 0}, {-40, 0, 0}, {0.01F, 0, 0}, {40, 0, -400}};
