@@ -83,10 +83,12 @@ class EdgeSearch {
     std::ranges::sort(out, {}, by_next);
     std::ranges::sort(in, {}, by_previous);
     for (const Around& a : out) {
-      const auto same = std::ranges::equal_range(out, by_next(a), {}, by_next);
-      const auto opposite = std::ranges::equal_range(in, by_next(a), {}, by_previous);
-      const bool is_pair = same.size() == 1 && opposite.size() == 1 && opposite.front().corner / 3 != a.corner / 3;
-      visit(a.corner / 3, a.corner % 3, is_pair ? std::optional(opposite.front().corner / 3) : std::nullopt);
+      const auto same = std::ranges::upper_bound(out, by_next(a), {}, by_next) -
+                        std::ranges::lower_bound(out, by_next(a), {}, by_next);
+      const auto first = std::ranges::lower_bound(in, by_next(a), {}, by_previous);
+      const auto opposite = std::ranges::upper_bound(in, by_next(a), {}, by_previous) - first;
+      const bool is_pair = same == 1 && opposite == 1 && first->corner / 3 != a.corner / 3;
+      visit(a.corner / 3, a.corner % 3, is_pair ? std::optional(first->corner / 3) : std::nullopt);
     }
   }
 
