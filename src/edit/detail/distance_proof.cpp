@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <optional>
 
 #include "base/hash.hpp"
 #include "base/parallel.hpp"
@@ -346,8 +345,7 @@ class DistanceProof {
     constexpr std::size_t kGrain = 64;
     const auto find_both = [&](std::size_t i) {
       const std::uint32_t t = changed[i].triangle;
-      find(state_.sheet(t), changed[i].corners);
-      if (state_.gone[t] == 0) find(state_.sheet(t), state_.corners[t]);
+      for (const glm::uvec3& form : {changed[i].corners, state_.corners[t]}) find(state_.sheet(t), form);
     };
     for_each_index(changed.size(), find_both, kGrain);
     return listed([&](std::uint32_t t) { return is_near[t] != 0; });
