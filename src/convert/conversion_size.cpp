@@ -57,9 +57,11 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices, std::
   if (job.edits.simplify) {
     const std::uint64_t triangles = 2 * vertices;
     const auto& target = job.edits.simplify->triangles;
-    const std::uint64_t at_once =
-        edit::simplified_at_once(vertices, triangles, target ? wanted_triangles(*target, triangles) : 0, left);
+    const std::uint64_t wanted = target ? wanted_triangles(*target, triangles) : 0;
+    const std::uint64_t at_once = edit::simplified_at_once(vertices, triangles, wanted, left);
     most = 13 * kMiB + at_once * 250;
+    // The last patch of a target holds the rest of the mesh; above 70 % the first is the last.
+    if (target) most = 24 * kMiB + std::clamp(220 * at_once + 300 * wanted, 250 * at_once, 430 * at_once);
   }
   if (packing.compression == mesh_io::Compression::draco) most = std::max(most, 6 * kMiB + vertices * 300);
   if (packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);

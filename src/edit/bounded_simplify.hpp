@@ -73,7 +73,7 @@ struct SimplifiedMesh {
 // and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //
-// The whole mesh takes about 470 bytes a triangle, with a target 750. If the budget has less, windows of as many
+// The whole mesh takes about 540 bytes a triangle, with a target 750. If the budget has less, windows of as many
 // triangles as fit are simplified one after the other: the result then depends on the budget. With a target, windows
 // remove triangles by small distances until the rest fits as a whole. Fails with ErrorCode::out_of_memory if that is
 // impossible, too, with ErrorCode::input if the rounds of a window visit 2^32 - 1 triangles or more, or with
