@@ -10,8 +10,8 @@
 // are left. Then one patch collapses the cheapest edges first, down to the target, and the final distance is measured.
 //
 // No triangles intersect that did not before (mesh/self_intersections.hpp). Most rounds have a guard: it refuses
-// collapses that would make triangles of their patch intersect (detail/intersection_guard.hpp). The first round of a
-// small distance has none. Collapses after which triangles do intersect, of one patch or of several, are undone
+// collapses that would make triangles of their patch intersect (detail/intersection_guard.hpp). The first rounds of a
+// small distance have none. Collapses after which triangles do intersect, of one patch or of several, are undone
 // (detail/intersection_undo.hpp). Where triangles intersect already, the number of intersecting pairs does not grow. So
 // a mesh without intersections stays one, which printing needs.
 //
@@ -73,7 +73,7 @@ struct SimplifiedMesh {
 // and Euler number; that can need more triangles than were asked for. Adds no zero-area triangle and no duplicate
 // triangle. Returns the mesh unchanged if no collapse is possible.
 //
-// The whole mesh takes about 540 bytes a triangle, with a target 750. If the budget has less, windows of as many
+// The whole mesh takes about 520 bytes a triangle, with a target 750. If the budget has less, windows of as many
 // triangles as fit are simplified one after the other: the result then depends on the budget. With a target, windows
 // remove triangles by small distances until the rest fits as a whole. Fails with ErrorCode::out_of_memory if that is
 // impossible, too, with ErrorCode::input if the rounds of a window visit 2^32 - 1 triangles or more, or with

@@ -76,9 +76,8 @@ class Patch {
     std::vector<char> chosen(mesh.triangles.size(), 0);
     for_each_index(chosen.size(), [&](std::size_t t) {
       const glm::uvec3& c = mesh.triangles[t];
-      bool near = (kept[c.x] | kept[c.y] | kept[c.z]) != 0;
       const auto box = mesh::box_around(mesh.positions[c.x], mesh.positions[c.y], mesh.positions[c.z]);
-      if (!near) reached.for_each_near(box, [&](std::uint32_t) { near = true; });
+      const bool near = (kept[c.x] | kept[c.y] | kept[c.z]) != 0 || reached.any_leaf_near(box);
       chosen[t] = near ? 1 : 0;
     });
     std::vector<std::uint32_t> number(mesh.positions.size(), 0);

@@ -95,6 +95,24 @@ BoxTree::BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups) :
   std::ranges::transform(items, slots_.begin(), &Item::number);
 }
 
+BoxTree::Nodes BoxTree::nodes_near(const FloatBox& near) const {
+  const BoxQuery query(near);
+  Nodes nodes;
+  if (query.meets(boxes_[0])) nodes.add({0, 0});
+  for (std::size_t level = 0; level < depth_; ++level) {
+    Nodes below;
+    for (const Node& node : nodes.span()) {
+      for (const Node& child : {node.child(0), node.child(1)}) {
+        if (!query.meets(boxes_[child.index()])) continue;
+        if (below.span().size() == Nodes::kMost) return nodes;
+        below.add(child);
+      }
+    }
+    nodes = below;
+  }
+  return nodes;
+}
+
 void BoxTree::enlarge(std::size_t slot, const FloatBox& box) {
   for (Node node = leaf(leaf_of(slot));; node = {node.level - 1, node.number / 2}) {
     FloatBox& own = boxes_[node.index()];

@@ -4,6 +4,7 @@
 // items evenly for any input. The items of a node therefore follow from its number, and a node stores its box only.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -123,17 +124,47 @@ class BoxTree {
   // Enlarges the boxes of the nodes that hold this slot, so that they contain `box`.
   void enlarge(std::size_t slot, const FloatBox& box);
 
-  // Calls visit(number) for each item in a leaf whose box meets `near`. The item's own box may not meet it.
+  // A few nodes, without common items.
+  class Nodes {
+   public:
+    static constexpr std::size_t kMost = 8;
+    void add(const Node& node) { nodes_[count_++] = node; }
+    [[nodiscard]] std::span<const Node> span() const { return {nodes_.data(), count_}; }
+
+   private:
+    std::array<Node, kMost> nodes_{};
+    std::size_t count_ = 0;
+  };
+  // Returns nodes that hold all items in leaves whose boxes meet `near`. A search for a smaller box may start at them.
+  [[nodiscard]] Nodes nodes_near(const FloatBox& near) const;
+  static constexpr std::array<Node, 1> kRoot{{{0, 0}}};
+
+  // Returns whether the box of a leaf below `from`, at most Nodes::kMost nodes, meets `near`.
+  [[nodiscard]] bool any_leaf_near(const FloatBox& near, std::span<const Node> from = kRoot) const {
+    return any_leaf_near(near, from, [](const Node& /*leaf*/) { return true; });
+  }
+  // Calls visit(number) for each item below `from` in a leaf whose box meets `near`. The item's own box may not meet
+  // it.
   template <class Visit>
-  void for_each_near(const FloatBox& near, const Visit& visit) const {
-    for_each_slot_near(near, [&](std::size_t slot) { visit(slots_[slot]); });
+  void for_each_near(const FloatBox& near, const Visit& visit, std::span<const Node> from = kRoot) const {
+    for_each_slot_near(
+        near, [&](std::size_t slot) { visit(slots_[slot]); }, from);
   }
   // Calls visit(slot) for the same items.
   template <class Visit>
-  void for_each_slot_near(const FloatBox& near, const Visit& visit) const;
+  void for_each_slot_near(const FloatBox& near, const Visit& visit, std::span<const Node> from = kRoot) const {
+    const auto visit_slots = [&](const Node& leaf) {
+      const std::size_t end = end_slot(leaf);
+      for (std::size_t slot = first_slot(leaf); slot < end; ++slot) visit(slot);
+      return false;
+    };
+    static_cast<void>(any_leaf_near(near, from, visit_slots));
+  }
 
  private:
   BoxTree(std::span<Item> items, std::span<const std::uint32_t> groups);
+  template <class Holds>
+  [[nodiscard]] bool any_leaf_near(const FloatBox& near, std::span<const Node> from, const Holds& holds) const;
   void order(std::span<Item> items, const Node& node, std::span<const std::uint32_t> groups) const;
 
   std::size_t depth_ = 0;
@@ -160,12 +191,13 @@ void BoxTree::fit(std::span<Box> all, const BoxOf& box_of) const {
   }
 }
 
-template <class Visit>
-void BoxTree::for_each_slot_near(const FloatBox& near, const Visit& visit) const {
+// Returns whether holds(leaf) is true of a leaf below `from` whose box meets `near`; asks no other leaf after it.
+template <class Holds>
+bool BoxTree::any_leaf_near(const FloatBox& near, std::span<const Node> from, const Holds& holds) const {
   constexpr std::size_t kMostLevels = 34;  // slots have 32 bits
-  std::array<Node, kMostLevels> waiting;
-  std::size_t count = 0;
-  waiting[count++] = {0, 0};
+  std::array<Node, kMostLevels + Nodes::kMost> waiting;
+  std::size_t count = from.size();
+  std::ranges::reverse_copy(from, waiting.begin());
   const BoxQuery query(near);
   while (count > 0) {
     const Node node = waiting[--count];
@@ -173,11 +205,11 @@ void BoxTree::for_each_slot_near(const FloatBox& near, const Visit& visit) const
     if (node.level < depth_) {
       waiting[count++] = node.child(1);
       waiting[count++] = node.child(0);
-      continue;
+    } else if (holds(node)) {
+      return true;
     }
-    const std::size_t end = end_slot(node);
-    for (std::size_t slot = first_slot(node); slot < end; ++slot) visit(slot);
   }
+  return false;
 }
 
 }  // namespace isoextract::mesh

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
-#include "base/hash.hpp"
 #include "base/parallel.hpp"
+#include "edit/detail/near_triangles.hpp"
+#include "mesh/box_tree.hpp"
 #include "mesh/distance_bound.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/triangle_tree.hpp"
@@ -93,10 +94,7 @@ class DistanceProof {
     });
     if (context_.cancelled()) return {};
     // Later passes use only triangles near changes: other triangles could only lower the distance.
-    const std::vector<char> left_out = marked([&](std::uint32_t t) {
-      return state_.gone[t] != 0 ||
-             (!covers_all_ && !in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
-    });
+    const std::vector<char> left_out = covers_all_ ? state_.gone : far_from_changes();
     const SheetTrees trees(state_.positions, state_.corners, left_out, state_.sheets);
     const std::vector<std::uint32_t> slots = trees.slots(left_out.size());
     const SurfaceCover cover(trees, slots, state_.corners, state_.positions.size(), left_out, state_.sheets);
@@ -165,7 +163,7 @@ class DistanceProof {
     if (covered) return *covered;
     mesh::DistanceLimits limits = limits_;
     const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
-                         (options_.cell_size * options_.cell_size);
+                         (options_.original_size * options_.original_size);
     limits.max_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
     return mesh::bound_distance(places, tree, limits, 0, slots.front(), {slots.data(), count});
   }
@@ -176,59 +174,20 @@ class DistanceProof {
     return {state_.positions[t.x], state_.positions[t.y], state_.positions[t.z]};
   }
 
-  using Cell = std::array<std::int64_t, 3>;
-  static constexpr int kWideShift = 2;
-  static constexpr double kWide = 1 << kWideShift;
-
-  // Rounds down. std::floor() would be a call of a function on machines without SSE4.1.
-  static glm::i64vec3 cell_at(const glm::dvec3& p) {
-    const glm::i64vec3 toward_0(p);
-    return toward_0 - glm::i64vec3(glm::lessThan(p, glm::dvec3(toward_0)));
-  }
-
-  // Calls visit(cell) for each cell that meets the triangle's box, enlarged by `gap`, until visit returns true. Returns
-  // whether it did.
-  template <class Visit>
-  static bool any_cell(const std::array<glm::dvec3, 3>& triangle, double gap, double cell_size, const Visit& visit) {
-    const auto& [a, b, c] = triangle;
-    const double cells = 1 / cell_size;
-    const glm::i64vec3 low = cell_at((glm::min(a, glm::min(b, c)) - gap) * cells);
-    const glm::i64vec3 high = cell_at((glm::max(a, glm::max(b, c)) + gap) * cells);
-    for (std::int64_t z = low.z; z <= high.z; ++z) {
-      for (std::int64_t y = low.y; y <= high.y; ++y) {
-        for (std::int64_t x = low.x; x <= high.x; ++x) {
-          if (visit(Cell{z, y, x})) return true;
-        }
-      }
-    }
-    return false;
-  }
-
-  // A set of cells by hash: may_hold() may be true for a cell that was not added, but never misses one.
-  class CellBits {
-   public:
-    void clear(std::size_t cells) {
-      constexpr std::size_t kBitsOfCell = 16;
-      bits_.assign(std::bit_ceil(kBitsOfCell * cells + 1), false);
-    }
-    void add(const Cell& cell) { bits_[bit_of(cell)] = true; }
-    [[nodiscard]] bool may_hold(const Cell& cell) const { return bits_[bit_of(cell)]; }
-
-   private:
-    [[nodiscard]] std::size_t bit_of(const Cell& cell) const {
-      return hash_coordinates(static_cast<std::uint64_t>(cell[2]), static_cast<std::uint64_t>(cell[1]),
-                              static_cast<std::uint64_t>(cell[0])) &
-             (bits_.size() - 1);
-    }
-    std::vector<bool> bits_;
-  };
-
-  [[nodiscard]] bool in_doubtful_cell(const std::array<glm::dvec3, 3>& triangle, double gap) const {
-    const auto may_hold_wide = [&](const Cell& cell) { return wide_doubtful_.may_hold(cell); };
-    if (!any_cell(triangle, gap, kWide * options_.cell_size, may_hold_wide)) return false;
-    return any_cell(triangle, gap, options_.cell_size, [&](const Cell& cell) {
-      return maybe_doubtful_.may_hold(cell) && std::binary_search(doubtful_.begin(), doubtful_.end(), cell);
-    });
+  // Returns 0 for each remaining triangle that may be the nearest of an original one in doubt, else 1.
+  [[nodiscard]] std::vector<char> far_from_changes() const {
+    std::vector<char> is_far(state_.corners.size(), 1);
+    if (!changes_) return is_far;
+    const auto box_of = [&](std::uint32_t t) {
+      const glm::uvec3& c = state_.corners[t];
+      return mesh::box_around(state_.positions[c.x], state_.positions[c.y], state_.positions[c.z]);
+    };
+    using Nodes = std::span<const mesh::BoxTree::Node>;
+    for_each_triangle_near(*changes_, state_, box_of, context_,
+                           [&](std::uint32_t t, const mesh::FloatBox& box, Nodes nodes) {
+                             if (changes_->any_leaf_near(box, nodes)) is_far[t] = 0;
+                           });
+    return is_far;
   }
 
   // Returns 1 or 0 for each triangle: whether `holds`.
@@ -259,6 +218,20 @@ class DistanceProof {
   [[nodiscard]] Box box_of(const glm::uvec3& t) const {
     const auto [a, b, c] = corners(t);
     return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+  }
+
+  // Returns the box around a triangle, enlarged by `gap` and by rounding.
+  [[nodiscard]] mesh::FloatBox float_box(const glm::uvec3& t, double gap) const {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const Box around = box_of(t);
+    const glm::vec3 low(around.low - gap);
+    const glm::vec3 high(around.high + gap);
+    mesh::FloatBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min[axis] = std::nextafter(low[axis], -kInfinity);
+      box.max[axis] = std::nextafter(high[axis], kInfinity);
+    }
+    return box;
   }
 
   // Returns whether the triangle was there at the start, and has changed since.
@@ -294,27 +267,23 @@ class DistanceProof {
   void find_doubts(const std::vector<RestoredTriangle>& changed, std::vector<std::uint32_t>& new_in_doubt,
                    std::vector<std::uint32_t>& old_in_doubt) {
     new_in_doubt.clear();
-    doubtful_.clear();
+    // An original in doubt is within `enough` of a change, and so should its nearest triangle be of it. The original
+    // itself may be wide.
+    const double gap = 2 * (options_.enough + options_.original_size);
+    std::vector<mesh::FloatBox> boxes;
+    std::vector<mesh::BoxTree::Item> items;
     for (const RestoredTriangle& put_back : changed) {
       new_in_doubt.push_back(put_back.triangle);
       for (const glm::uvec3& form : {put_back.corners, state_.corners[put_back.triangle]}) {
-        any_cell(corners(form), options_.enough, options_.cell_size, [&](const Cell& cell) {
-          doubtful_.push_back(cell);
-          return false;
-        });
+        const Box around = box_of(form);  // the center of an enlarged one may be infinite
+        items.push_back({glm::vec3(0.5 * (around.low + around.high)), static_cast<std::uint32_t>(boxes.size())});
+        boxes.push_back(float_box(form, gap));
       }
     }
     std::sort(new_in_doubt.begin(), new_in_doubt.end());
     new_in_doubt.erase(std::unique(new_in_doubt.begin(), new_in_doubt.end()), new_in_doubt.end());
-    std::sort(doubtful_.begin(), doubtful_.end());
-    doubtful_.erase(std::unique(doubtful_.begin(), doubtful_.end()), doubtful_.end());
-    maybe_doubtful_.clear(doubtful_.size());
-    wide_doubtful_.clear(doubtful_.size());
-    for (const Cell& cell : doubtful_) {
-      maybe_doubtful_.add(cell);
-      // The shift rounds down, as the floor of coordinates does.
-      wide_doubtful_.add({cell[0] >> kWideShift, cell[1] >> kWideShift, cell[2] >> kWideShift});
-    }
+    changes_.reset();
+    if (!items.empty()) changes_.emplace(items, [&](std::uint32_t i) { return boxes[i]; });
     old_in_doubt = originals_near(changed);
   }
 
@@ -328,15 +297,7 @@ class DistanceProof {
       const mesh::TriangleTree* const tree = state_.original_trees.find(sheet);
       if (tree == nullptr) return;
       const Box around = box_of(form);
-      constexpr float kInfinity = std::numeric_limits<float>::infinity();
-      const glm::vec3 low(around.low - enough);
-      const glm::vec3 high(around.high + enough);
-      mesh::FloatBox box;  // rounded outward
-      for (int axis = 0; axis < 3; ++axis) {
-        box.min[axis] = std::nextafter(low[axis], -kInfinity);
-        box.max[axis] = std::nextafter(high[axis], kInfinity);
-      }
-      tree->for_each_near(box, [&](std::size_t slot) {
+      tree->for_each_near(float_box(form, enough), [&](std::size_t slot) {
         const std::uint32_t t = state_.original_trees.triangle(sheet, static_cast<std::uint32_t>(slot));
         if (!around.is_within(enough, box_of(state_.original[t]))) return;
         std::atomic_ref(is_near[t]).store(1, std::memory_order_relaxed);
@@ -368,10 +329,9 @@ class DistanceProof {
   const Context& context_;
   mesh::DistanceLimits limits_;
   ProvenDistances& proven_;
-  bool covers_all_ = true;      // the pass measures the whole mesh
-  std::vector<Cell> doubtful_;  // sorted
-  CellBits maybe_doubtful_;     // spares most searches in doubtful_
-  CellBits wide_doubtful_;      // cells kWide times as wide: spares most searches of small cells
+  bool covers_all_ = true;  // the pass measures the whole mesh
+  // Boxes around the triangles that the last pass restored, before and after; empty if there are none.
+  std::optional<mesh::BoxTree> changes_;
 };
 
 // Bounds all changed triangles, each within its sheet, in the order of the triangles.

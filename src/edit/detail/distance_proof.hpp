@@ -18,9 +18,9 @@
 namespace isoextract::edit {
 
 struct DistanceProofOptions {
-  double enough = 0;     // the distance to prove; finite
-  bool once = false;     // undo once, do not measure again: proves nothing
-  double cell_size = 1;  // cell width of the grid that finds triangles near changed ones
+  double enough = 0;         // the distance to prove; finite
+  bool once = false;         // undo once, do not measure again: proves nothing
+  double original_size = 1;  // about the width of large original triangles
 };
 
 struct Proof {

@@ -30,7 +30,7 @@ class PatchCollapse : private PatchMesh {
     if (limits.is_guarded) guard_.emplace(state, patch);
     log_.first = first;
     version_.assign(vertices_.size(), 0);
-    cheapest_.resize(vertices_.size());
+    least_.resize(vertices_.size());
     waits_.assign(vertices_.size(), 0);
     sum_quadrics();
   }
@@ -58,15 +58,6 @@ class PatchCollapse : private PatchMesh {
     std::uint32_t to;                               // kNone: not chosen yet, `cost` is a lower bound
     bool operator<(const Candidate& other) const {  // std::priority_queue has the greatest on top
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
-    }
-  };
-  // The cheapest target of a vertex.
-  struct Target {
-    double cost = std::numeric_limits<double>::infinity();
-    std::uint32_t vertex = kNone;
-
-    void add(const Target& other) {
-      if (other.cost < cost) *this = other;
     }
   };
   struct Near {
@@ -115,26 +106,25 @@ class PatchCollapse : private PatchMesh {
     ++version_[v];
     if (fixed_[v] != 0) return;
     look_around(v, pushed_);
-    cheapest_[v] = {};
-    for (const std::uint32_t to : pushed_.neighbors) cheapest_[v].add({least_cost(v, to), to});
+    least_[v] = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t to : pushed_.neighbors) least_[v] = std::min(least_[v], least_cost(v, to));
     queue(v);
   }
 
-  // Updates the candidate of v, a neighbor of `to`, after `removed` has collapsed to `to`.
-  void push_neighbor(std::uint32_t v, std::uint32_t removed, std::uint32_t to) {
-    Target& cheapest = cheapest_[v];
-    if (cheapest.vertex == kNone || cheapest.vertex == removed || cheapest.vertex == to) return push(v);
+  // Updates the candidate of v, a neighbor of `to`, after another vertex has collapsed to `to`. Collapses to others
+  // cost as much as before.
+  void push_neighbor(std::uint32_t v, std::uint32_t to) {
     if (fixed_[v] != 0) return;
-    const Target other{least_cost(v, to), to};
-    if (waits_[v] != 0 && !(other.cost < cheapest.cost)) return;  // its candidate still holds
+    const double cost = least_cost(v, to);
+    if (waits_[v] != 0 && !(cost < least_[v])) return;  // its candidate still holds
     ++version_[v];
-    cheapest.add(other);
+    least_[v] = std::min(least_[v], cost);
     queue(v);
   }
 
   void queue(std::uint32_t v) {
-    waits_[v] = cheapest_[v].cost <= limit_squared_ ? 1 : 0;
-    if (waits_[v] != 0) queue_.push({cheapest_[v].cost, v, version_[v], kNone});
+    waits_[v] = least_[v] <= limit_squared_ ? 1 : 0;
+    if (waits_[v] != 0) queue_.push({least_[v], v, version_[v], kNone});
   }
 
   void try_to_remove(const Candidate& candidate) {
@@ -160,6 +150,7 @@ class PatchCollapse : private PatchMesh {
 
   void collapse_if_near(std::uint32_t v, std::uint32_t to) {
     if (prepared_ != to) {
+      list_apexes(ring_, to, apexes_);
       make_new(v, to);
       attach(v);
       look_from_new(to, 0);
@@ -183,11 +174,19 @@ class PatchCollapse : private PatchMesh {
     // Tries the best targets by quadric error. A vertex that fails is tried again only after a change around it.
     constexpr std::size_t kTries = 2;
     targets_.clear();
+    double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t to : ring_.neighbors) {
       const double cost = least_cost(v, to);
+      least = std::min(least, cost);
       if (cost <= limit_squared_) targets_.emplace_back(cost, to);
     }
+    if (least > least_[v]) {  // other collapses have made all of v cost more
+      least_[v] = least;
+      if (!queue_.empty() && least > queue_.top().cost) return queue(v);
+    }
     std::sort(targets_.begin(), targets_.end());
+    shapes_.clear();
+    for (const Around& a : ring_.around) shapes_.push_back(shape(corners_[a.triangle]));
     std::size_t tries = 0;
     for (const auto& [cost, to] : targets_) {
       if (!keeps_topology(v, to)) continue;
@@ -209,11 +208,7 @@ class PatchCollapse : private PatchMesh {
   // and no triangular hole. A vertex of a curve stays on it, and no leaf between its two curve edges is a single
   // triangle, whose collapse would merge these edges. No new edge joins two locked vertices.
   [[nodiscard]] bool keeps_topology(std::uint32_t v, std::uint32_t to) {
-    apexes_.clear();
-    for (const Around& a : ring_.around) {
-      if (a.from == to) apexes_.push_back(a.next);
-      if (a.next == to) apexes_.push_back(a.from);
-    }
+    list_apexes(ring_, to, apexes_);
     const std::size_t leaves = leaves_[v];
     if (apexes_.size() != (leaves > 0 ? leaves : 2)) return false;
     if (leaves == 1 && leaves_[to] == 0) return false;
@@ -265,7 +260,8 @@ class PatchCollapse : private PatchMesh {
   }
 
   // No triangle may turn by more than about 75 degrees, or become a sliver unless one was nearly as thin. A sliver has
-  // no reliable normal, so its successor is compared with the sum of all triangles of its sheet around v.
+  // no reliable normal, so its successor is compared with the sum of all triangles of its sheet around v. `shapes_` are
+  // those of the triangles around v.
   [[nodiscard]] bool keeps_shape(std::uint32_t v) const {
     constexpr double kLeastCosine = 0.25;
     constexpr double kThin = 1e-2;
@@ -273,14 +269,17 @@ class PatchCollapse : private PatchMesh {
     if (new_.empty()) return false;
     constexpr double kOfThinnest = 0.5;
     double thin_enough = kThinnest;
-    for (const Around& a : ring_.around) {
-      thin_enough = std::min(thin_enough, kOfThinnest * thickness(corners_[a.triangle]));
-    }
-    for (const auto& [f, t] : new_) {
-      if (!(thickness(t) > thin_enough) || !has_area(t) || joins_sides(t)) return false;
-      const glm::dvec3 before = thickness(corners_[f]) > kThin ? cross_product(corners_[f]) : sum_around(sheet(f));
-      const glm::dvec3 after = cross_product(t);
-      if (!(glm::dot(before, after) > kLeastCosine * glm::length(before) * glm::length(after))) return false;
+    for (const Shape& shape : shapes_) thin_enough = std::min(thin_enough, kOfThinnest * shape.thickness);
+    auto next = new_.begin();  // they are in the order of the triangles around v
+    for (std::size_t i = 0; i < shapes_.size() && next != new_.end(); ++i) {
+      if (ring_.around[i].triangle != next->first) continue;
+      const auto& [f, t] = *next++;
+      const Shape after = shape(t);
+      if (!(after.thickness > thin_enough) || !has_area(t) || joins_sides(t)) return false;
+      const Shape& own = shapes_[i];
+      const glm::dvec3 before = own.thickness > kThin ? own.cross : sum_around(sheet(f));
+      if (!(glm::dot(before, after.cross) > kLeastCosine * glm::length(before) * glm::length(after.cross)))
+        return false;
     }
     return first_corner_[v] != kNone;
   }
@@ -288,8 +287,8 @@ class PatchCollapse : private PatchMesh {
   // Returns the sum of the cross products of a sheet's triangles around v.
   [[nodiscard]] glm::dvec3 sum_around(std::uint32_t of_sheet) const {
     glm::dvec3 sum(0.0);
-    for (const Around& a : ring_.around) {
-      if (sheet(a.triangle) == of_sheet) sum += cross_product(corners_[a.triangle]);
+    for (std::size_t i = 0; i < shapes_.size(); ++i) {
+      if (sheet(ring_.around[i].triangle) == of_sheet) sum += shapes_[i].cross;
     }
     return sum;
   }
@@ -318,7 +317,8 @@ class PatchCollapse : private PatchMesh {
       return least <= limit_squared_;
     };
     const auto beyond = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t of_sheet : sheets_around()) {
+    list_sheets(ring_, sheets_);
+    for (const std::uint32_t of_sheet : sheets_) {
       if (!add(vertices_[v], of_sheet)) return beyond;
     }
     keep_farthest();
@@ -331,21 +331,11 @@ class PatchCollapse : private PatchMesh {
     return greatest;
   }
 
-  // Lists the sheets of the triangles around v.
-  [[nodiscard]] std::span<const std::uint32_t> sheets_around() {
-    sheets_.clear();
-    for (const Around& a : ring_.around) {
-      const std::uint32_t s = sheet(a.triangle);
-      if (std::ranges::find(sheets_, s) == sheets_.end()) sheets_.push_back(s);
-    }
-    return sheets_;
-  }
-
   // A vertex can be a sample of one triangle only: keeps the sheet that is farthest from v.
   void keep_farthest() { attached_ = {*std::ranges::max_element(attached_, {}, &Attached::distance_squared)}; }
 
   // Returns the largest squared distance from the midpoints of new edges to the original mesh, at least `known`. Call
-  // attach(v) first.
+  // attach(v) first; `apexes_` are those of v and `to`, whose edges are not new.
   double look_from_new(std::uint32_t to, double known) {
     double farthest = known;
     near_.clear();
@@ -359,7 +349,9 @@ class PatchCollapse : private PatchMesh {
         slot = nearest.slot;
       };
       for (int corner = 0; corner < 3; ++corner) {
-        if (t[corner] == to) look(0.5 * (places_[to] + places_[t[(corner + 1) % 3]]));
+        const std::uint32_t end = t[(corner + 1) % 3];
+        if (t[corner] != to || std::ranges::find(apexes_, end) != apexes_.end()) continue;
+        look(0.5 * (places_[to] + places_[end]));
       }
       farthest = std::max(farthest, of_triangle);
       if (farthest > limit_squared_ && known > 0) return farthest;
@@ -443,7 +435,7 @@ class PatchCollapse : private PatchMesh {
     quadrics_[to].add(quadrics_[v]);
     push(to);
     look_around(to, ring_);
-    for (const std::uint32_t neighbor : ring_.neighbors) push_neighbor(neighbor, v, to);
+    for (const std::uint32_t neighbor : ring_.neighbors) push_neighbor(neighbor, to);
   }
 
   void keep_samples() {
@@ -473,11 +465,12 @@ class PatchCollapse : private PatchMesh {
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // counts changes around a vertex; candidates with an older version are void
-  std::vector<Target> cheapest_;        // when the vertex was pushed
+  std::vector<double> least_;           // lower bounds of the costs of vertices; 0 before the first push
   std::vector<char> waits_;             // 1: the queue holds a candidate of the present version without a chosen target
   std::priority_queue<Candidate> queue_;
   Ring ring_, pushed_;
   std::vector<std::pair<double, std::uint32_t>> targets_;
+  std::vector<Shape> shapes_;  // of ring_.around
   std::vector<std::uint32_t> apexes_, sheets_;
   std::uint32_t prepared_ = kNone;  // the target that the members below belong to, or kNone
   std::vector<std::pair<std::uint32_t, Corners>> new_;

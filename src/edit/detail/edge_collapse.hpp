@@ -29,7 +29,7 @@ struct CollapseLimits {
   // triangles whose samples are all nearer than half of this limit.
   double proven = std::numeric_limits<double>::infinity();
   // Rejects a collapse that makes triangles of the patch intersect. Without the guard, undo_intersections() must look
-  // at all pairs before the next round.
+  // at all pairs before the next round with it.
   bool is_guarded = true;
   std::size_t triangles = 0;  // of the patch: stop here, or a few below (collapse_state.hpp: triangles of a collapse)
 };

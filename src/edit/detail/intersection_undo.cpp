@@ -13,6 +13,7 @@
 
 #include "base/buffer.hpp"
 #include "base/parallel.hpp"
+#include "edit/detail/near_triangles.hpp"
 #include "edit/detail/patch_triangles.hpp"
 #include "mesh/box_tree.hpp"
 #include "mesh/exact_sign.hpp"
@@ -157,27 +158,29 @@ struct SearchedTriangle {
   [[nodiscard]] mesh::FloatBox box() const { return mesh::box_around(corners[0], corners[1], corners[2]); }
 };
 
-// Finds intersections with unchecked triangles, of all pairs or between different patches. The patch of an unchecked
-// triangle is the one that changed it last; of any other, the one that had it in the first round since the check.
+// Returns the patch of a triangle: of an unchecked one, the patch that changed it last; of any other, the patch that
+// had it in the first round since the check.
+std::uint32_t patch_of(const CollapseState& state, std::uint32_t t, std::span<const CollapseLog> logs) {
+  return state.is_unchecked(t) ? find_log(state.changed_by[t], logs).first : state.first_patch[t];
+}
+
+// Finds intersections with unchecked triangles, of all pairs or between different patches.
 class PairsOfPatches {
  public:
   // The numbers of `items` are indices into `triangles`.
   PairsOfPatches(const CollapseState& state, std::span<const CollapseLog> logs, bool skips_patches,
                  std::span<const SearchedTriangle> triangles, std::span<mesh::BoxTree::Item> items,
                  const Context& context)
-      : state_(state),
-        context_(context),
-        triangles_(triangles),
-        tree_(items, [&](std::uint32_t i) { return triangles[i].box(); }) {
-    boxes_ = Buffer<PatchBox>(tree_.nodes());
-    tree_.fit(boxes_.span(), [&](std::uint32_t i) {
+      : context_(context), triangles_(triangles), tree_(items, [&](std::uint32_t i) { return triangles[i].box(); }) {
+    patches_ = Buffer<Patch>(tree_.nodes());
+    tree_.fit(patches_.span(), [&](std::uint32_t i) {
       const SearchedTriangle& t = triangles[i];
-      return PatchBox{t.box(), skips_patches ? patch_of(t.number, logs) : kSeveral, t.is_unchecked};
+      return Patch{skips_patches ? patch_of(state, t.number, logs) : kSeveral, t.is_unchecked};
     });
   }
 
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
-    return BoxTree::bytes(triangles) + triangles * sizeof(SearchedTriangle) + (triangles + 1) * sizeof(PatchBox);
+    return BoxTree::bytes(triangles) + triangles * sizeof(SearchedTriangle) + (triangles + 1) * sizeof(Patch);
   }
 
   void find(FoundPairs& found) const { within({0, 0}, found); }
@@ -187,27 +190,24 @@ class PairsOfPatches {
   using Node = BoxTree::Node;
   static constexpr std::uint32_t kSeveral = kNone - 1;
 
-  struct PatchBox {
-    mesh::FloatBox box;
-    std::uint32_t patch;
-    bool is_unchecked;  // a triangle below the node is unchecked
-    [[nodiscard]] PatchBox with(const PatchBox& other) const {
-      return {box.with(other.box), patch == other.patch ? patch : kSeveral, is_unchecked || other.is_unchecked};
+  // The patch of all triangles below a node.
+  struct Patch {
+    std::uint32_t number;
+    bool is_unchecked;  // a triangle is unchecked
+    [[nodiscard]] Patch with(const Patch& other) const {
+      return {number == other.number ? number : kSeveral, is_unchecked || other.is_unchecked};
     }
   };
 
-  [[nodiscard]] std::uint32_t patch_of(std::uint32_t t, std::span<const CollapseLog> logs) const {
-    return state_.is_unchecked(t) ? find_log(state_.changed_by[t], logs).first : state_.first_patch[t];
-  }
-
-  [[nodiscard]] const PatchBox& box(const Node& node) const { return boxes_[node.index()]; }
+  [[nodiscard]] const Patch& patch(const Node& node) const { return patches_[node.index()]; }
+  [[nodiscard]] const mesh::FloatBox& box(const Node& node) const { return tree_.box(node.index()); }
   [[nodiscard]] bool is_large(const Node& node) const {
     constexpr std::size_t kParallelTriangles = 1 << 11;
     return (tree_.numbers().size() >> node.level) > kParallelTriangles;
   }
 
   void within(const Node& node, FoundPairs& found) const {
-    if (context_.cancelled() || box(node).patch != kSeveral || !box(node).is_unchecked) return;
+    if (context_.cancelled() || patch(node).number != kSeveral || !patch(node).is_unchecked) return;
     if (node.level == tree_.depth()) {
       const auto triangles = tree_.numbers_of(node);
       for (std::size_t i = 0; i < triangles.size(); ++i) look_at(triangles[i], triangles.subspan(i + 1), found);
@@ -227,12 +227,12 @@ class PairsOfPatches {
 
   // Compares two nodes of one level.
   void between(const Node& a, const Node& b, FoundPairs& found) const {
-    if (box(a).patch == box(b).patch && box(a).patch != kSeveral) return;
-    if (!box(a).is_unchecked && !box(b).is_unchecked) return;
-    if (!box(a).box.meets(box(b).box)) return;
+    if (patch(a).number == patch(b).number && patch(a).number != kSeveral) return;
+    if (!patch(a).is_unchecked && !patch(b).is_unchecked) return;
+    if (!box(a).meets(box(b))) return;
     if (a.level == tree_.depth()) {
       for (const std::uint32_t t : tree_.numbers_of(a)) {
-        if (box(b).box.meets(triangles_[t].box())) look_at(t, tree_.numbers_of(b), found);
+        if (box(b).meets(triangles_[t].box())) look_at(t, tree_.numbers_of(b), found);
       }
       return;
     }
@@ -256,17 +256,73 @@ class PairsOfPatches {
     }
   }
 
-  const CollapseState& state_;
   const Context& context_;
   std::span<const SearchedTriangle> triangles_;
   BoxTree tree_;
-  Buffer<PatchBox> boxes_;  // by node
+  Buffer<Patch> patches_;  // by node
 };
 
-Result<void> find_pairs_of_patches(const CollapseState& state, std::span<const CollapseLog> logs, bool skips_patches,
-                                   const std::string& name, const Context& context, FoundPairs& found) {
+// Finds new pairs of which at least one triangle is in `listed`, in ascending order and without duplicates.
+// skips(t, i) tells whether not to look at the pair of t and listed[i].
+template <class Skips>
+Result<void> find_pairs_of(std::span<const std::uint32_t> listed, const CollapseState& state, const std::string& name,
+                           const Context& context, const Skips& skips, FoundPairs& found) {
+  if (listed.empty()) return {};
+  const auto memory = TRY(context.reserve(intersection_search_bytes(listed.size()),
+                                          name + ": the search for intersections of changed triangles"));
+  const auto box = [&](std::uint32_t t) { return box_of(state, t); };
+  Buffer<mesh::BoxTree::Item> items(listed.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i) items[i] = {box(listed[i]).center(), i};
+  const mesh::BoxTree tree(items.span(), [&](std::uint32_t i) { return box(listed[i]); });
+  using Nodes = std::span<const mesh::BoxTree::Node>;
+  for_each_triangle_near(tree, state, box, context, [&](std::uint32_t t, const mesh::FloatBox& of_t, Nodes nodes) {
+    const auto look_at = [&](std::uint32_t i) {
+      const std::uint32_t other = listed[i];
+      if (other == t || !of_t.meets(box(other))) return;
+      if (t < other && std::ranges::binary_search(listed, t)) return;  // `other` finds the pair
+      if (!skips(t, i)) found.look_at(t, other);
+    };
+    tree.for_each_near(of_t, look_at, nodes);
+  });
+  return context.check();
+}
+
+// Finds new pairs of which at least one triangle was restored.
+Result<void> find_pairs_of_restored(std::span<const RestoredTriangle> restored, const CollapseState& state,
+                                    const std::string& name, const Context& context, FoundPairs& found) {
+  std::vector<std::uint32_t> came_back;
+  for (const RestoredTriangle& r : restored) {
+    if (state.gone[r.triangle] == 0) came_back.push_back(r.triangle);
+  }
+  std::ranges::sort(came_back);
+  came_back.erase(std::unique(came_back.begin(), came_back.end()), came_back.end());
+  return find_pairs_of(
+      came_back, state, name, context, [](std::uint32_t, std::uint32_t) { return false; }, found);
+}
+
+// Finds new pairs of which at least one triangle is unchecked.
+Result<void> find_unchecked_pairs(const CollapseState& state, std::span<const CollapseLog> logs, bool skips_patches,
+                                  const std::string& name, const Context& context, FoundPairs& found) {
+  constexpr std::size_t kFew = 16;  // of so many triangles, one is unchecked
   std::vector<PatchTriangle> remaining = remaining_triangles(state, [](const glm::uvec3& /*corners*/) { return true; });
   const std::size_t triangles = remaining.size();
+  std::vector<std::uint32_t> unchecked;
+  for (const PatchTriangle& listed : remaining) {
+    if (!state.is_unchecked(listed.triangle)) continue;
+    if (unchecked.size() > triangles / kFew) break;
+    unchecked.push_back(listed.triangle);
+  }
+  if (unchecked.size() <= triangles / kFew) {
+    std::vector<std::uint32_t> patches;
+    for (const std::uint32_t t : unchecked) patches.push_back(skips_patches ? patch_of(state, t, logs) : 0);
+    const auto skips = [&](std::uint32_t t, std::uint32_t i) {
+      return skips_patches && patch_of(state, t, logs) == patches[i];
+    };
+    // Many triangles at one vertex would have very many pairs.
+    const auto is_in_patch_of_first = [&](const PatchTriangle& listed) { return skips(listed.triangle, 0); };
+    if (unchecked.empty() || std::ranges::all_of(remaining, is_in_patch_of_first)) return {};
+    return find_pairs_of(unchecked, state, name, context, skips, found);
+  }
   const auto memory = TRY(context.reserve(intersection_search_bytes(triangles),
                                           name + ": the search for intersections of the simplified mesh"));
   Buffer<SearchedTriangle> searched(triangles);
@@ -279,37 +335,6 @@ Result<void> find_pairs_of_patches(const CollapseState& state, std::span<const C
   for_each_index(static_cast<std::uint32_t>(triangles), add, kTriangleGrain);
   remaining = {};
   PairsOfPatches(state, logs, skips_patches, searched.span(), items.span(), context).find(found);
-  return context.check();
-}
-
-// Finds new pairs of which at least one triangle is in `restored`.
-Result<void> find_pairs_of(std::span<const RestoredTriangle> restored, const CollapseState& state,
-                           const std::string& name, const Context& context, FoundPairs& found) {
-  std::vector<std::uint32_t> came_back;
-  for (const RestoredTriangle& r : restored) {
-    if (state.gone[r.triangle] == 0) came_back.push_back(r.triangle);
-  }
-  std::ranges::sort(came_back);
-  came_back.erase(std::unique(came_back.begin(), came_back.end()), came_back.end());
-  if (came_back.empty()) return {};
-  const auto memory = TRY(context.reserve(intersection_search_bytes(came_back.size()),
-                                          name + ": the search for intersections of restored triangles"));
-  Buffer<mesh::BoxTree::Item> items(came_back.size());
-  for (std::uint32_t i = 0; i < items.size(); ++i) items[i] = {box_of(state, came_back[i]).center(), i};
-  const mesh::BoxTree tree(items.span(), [&](std::uint32_t i) { return box_of(state, came_back[i]); });
-  for_each_range(state.corners.size(), 1 << 10, [&](std::size_t begin, std::size_t end) {
-    if (context.cancelled()) return;
-    for (auto t = static_cast<std::uint32_t>(begin); t < end; ++t) {
-      if (state.gone[t] != 0) continue;
-      const mesh::FloatBox box = box_of(state, t);
-      tree.for_each_near(box, [&](std::uint32_t i) {
-        const std::uint32_t other = came_back[i];
-        if (other == t || !box.meets(box_of(state, other))) return;
-        if (t < other && std::ranges::binary_search(came_back, t)) return;  // `other` finds the pair
-        found.look_at(t, other);
-      });
-    }
-  });
   return context.check();
 }
 
@@ -344,11 +369,11 @@ Result<UndoneIntersections> undo_intersections(CollapseState& state, std::span<c
   UndoneIntersections undone;
   FoundPairs found(state, logs, skipped == SkippedPairs::none);
   if (skipped != SkippedPairs::without_restored_triangle) {
-    TRY(find_pairs_of_patches(state, logs, skipped == SkippedPairs::within_a_patch, name, context, found));
+    TRY(find_unchecked_pairs(state, logs, skipped == SkippedPairs::within_a_patch, name, context, found));
   }
   std::vector<RestoredTriangle> changed(restored.begin(), restored.end());
   for (int pass = 1;; ++pass) {
-    TRY(find_pairs_of(changed, state, name, context, found));
+    TRY(find_pairs_of_restored(changed, state, name, context, found));
     const std::vector<std::size_t> crowded = found.take_crowded_logs();
     const std::vector<ChangedTriangle> wrong = found.take_changed_triangles();
     if (crowded.empty() && wrong.empty()) return undone;

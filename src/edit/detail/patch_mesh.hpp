@@ -57,7 +57,8 @@ class PatchMesh {
       link = &next_corner_[corner];
     }
     if (leaves_[v] == 0) {
-      for (const Around& a : ring.around) ring.neighbors.push_back(a.from);
+      ring.neighbors.resize(ring.around.size());
+      std::ranges::transform(ring.around, ring.neighbors.begin(), &Around::from);
       return;
     }
     const auto add = [&](std::uint32_t w) {
@@ -65,6 +66,24 @@ class PatchMesh {
     };
     for (const Around& a : ring.around) add(a.from);
     for (const Around& a : ring.around) add(a.next);
+  }
+
+  // Lists the vertices opposite the edges from the ring's vertex to w.
+  static void list_apexes(const Ring& ring, std::uint32_t w, std::vector<std::uint32_t>& apexes) {
+    apexes.clear();
+    for (const Around& a : ring.around) {
+      if (a.from == w) apexes.push_back(a.next);
+      if (a.next == w) apexes.push_back(a.from);
+    }
+  }
+
+  // Lists the sheets of the ring's triangles.
+  void list_sheets(const Ring& ring, std::vector<std::uint32_t>& sheets) const {
+    sheets.clear();
+    for (const Around& a : ring.around) {
+      const std::uint32_t s = sheet(a.triangle);
+      if (std::ranges::find(sheets, s) == sheets.end()) sheets.push_back(s);
+    }
   }
 
   // Returns whether the edge from the ring's vertex to w is part of a curve: not between two triangles of one sheet
@@ -125,14 +144,19 @@ class PatchMesh {
     return least < 0 && most > 0;
   }
 
-  // Returns height divided by longest side.
-  [[nodiscard]] double thickness(const Corners& t) const {
+  // The cross product of a triangle's edges, and its height divided by its longest side.
+  struct Shape {
+    glm::dvec3 cross;
+    double thickness;
+  };
+  [[nodiscard]] Shape shape(const Corners& t) const {
     double longest = 0;
     for (int corner = 0; corner < 3; ++corner) {
       const glm::dvec3 edge = places_[t[(corner + 1) % 3]] - places_[t[corner]];
       longest = std::max(longest, glm::dot(edge, edge));
     }
-    return longest > 0 ? glm::length(cross_product(t)) / longest : 0;
+    const glm::dvec3 cross = cross_product(t);
+    return {cross, longest > 0 ? glm::length(cross) / longest : 0};
   }
 
   CollapseState& state_;

@@ -22,9 +22,6 @@ inline constexpr std::size_t kTriangleGrain = 1 << 13;  // of parallel loops ove
 struct PatchTriangle {
   std::uint64_t cell;
   std::uint32_t triangle;
-  bool operator<(const PatchTriangle& other) const {
-    return cell != other.cell ? cell < other.cell : triangle < other.triangle;
-  }
 };
 
 // Returns the remaining triangles whose corners satisfy `holds`, in their order, all in cell 0. Several threads call

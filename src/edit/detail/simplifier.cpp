@@ -38,6 +38,33 @@ void mark(std::vector<char>& vertices, const glm::uvec3& c) {
   for (const std::uint32_t v : {c.x, c.y, c.z}) std::atomic_ref(vertices[v]).store(1, std::memory_order_relaxed);
 }
 
+// Sorts triangles by their cells; those of a cell keep their order. Neighbors in the list are often in one cell, so it
+// sorts runs of them.
+std::vector<PatchTriangle> sorted_by_cell(const std::vector<PatchTriangle>& places) {
+  struct Run {
+    std::uint64_t cell;
+    std::size_t begin, end;
+  };
+  const auto starts_run = [&](std::size_t i) { return i == 0 || places[i].cell != places[i - 1].cell; };
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) count += starts_run(i) ? 1 : 0;
+  std::vector<Run> runs;
+  runs.reserve(count);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (starts_run(i)) runs.push_back({places[i].cell, i, i});
+    runs.back().end = i + 1;
+  }
+  tbb::parallel_sort(runs.begin(), runs.end(),
+                     [](const Run& a, const Run& b) { return a.cell != b.cell ? a.cell < b.cell : a.begin < b.begin; });
+  std::vector<PatchTriangle> sorted;
+  sorted.reserve(places.size());
+  for (const Run& run : runs) {
+    const std::span<const PatchTriangle> of_run(&places[run.begin], run.end - run.begin);
+    sorted.insert(sorted.end(), of_run.begin(), of_run.end());
+  }
+  return sorted;
+}
+
 }  // namespace
 
 void add_counts(SimplifyFigures& sum, const SimplifyFigures& part) {
@@ -161,29 +188,34 @@ Result<void> Simplifier::within(double enough) {
   return {};
 }
 
-// Small distances make few triangles intersect. So their first round has no guard, which saves much time. The next
+// Small distances make few triangles intersect. So their first rounds have no guard, which saves much time. The next
 // round tries again near undone collapses; where a whole patch was undone, patches do not grow.
 Result<void> Simplifier::sweep(double distance) {
   constexpr double kLargerPatches = 4;
   constexpr double kMostUnguarded = 1.0 / 300;  // fraction of the patch size
+  constexpr int kUnguardedRounds = 2;           // later ones visit few triangles
   want_all();
   std::uint64_t work = kSweepWork;
-  bool is_guarded = distance > kMostUnguarded * options_.patch_size;
+  int unguarded = distance > kMostUnguarded * options_.patch_size ? 0 : kUnguardedRounds;  // still to come
   for (double size = options_.patch_size;;) {
+    const bool is_guarded = unguarded == 0;
     const std::uint64_t share = work - work / 4;  // later rounds visit few triangles
     const double least_part =
         static_cast<double>(least_triangles_) / static_cast<double>(std::max<std::size_t>(left_, 1));
-    auto patches = TRY(round(size, {kOfVertices * distance, distance, is_guarded, 0}, {least_part, share}));
+    const std::size_t patches =
+        TRY(round(size, {kOfVertices * distance, distance, is_guarded, 0}, {least_part, share}));
     work -= share;
     UndoneIntersections undone;
-    if (!is_guarded) undone = TRY(undo_new_intersections({}, is_guarded));
+    if (!is_guarded) {
+      unguarded = patches <= 1 ? 0 : unguarded - 1;
+      if (unguarded == 0) undone = TRY(undo_new_intersections({}, is_guarded));
+    }
     for (const RestoredTriangle& r : undone.restored) {
       mark(wanted_, r.corners);
       mark(wanted_, state_.corners[r.triangle]);
     }
     if (patches <= 1 && undone.collapses == 0) break;
     if (undone.patches == 0) size *= kLargerPatches;
-    is_guarded = true;
   }
   context_.progress().advance(work);
   return {};
@@ -260,7 +292,7 @@ Result<void> Simplifier::replace_worst(double enough) {
 
 DistanceProofOptions Simplifier::proof_options(double distance) const {
   constexpr double kTrianglesOfPatch = 16;
-  return {.enough = distance, .cell_size = options_.patch_size / kTrianglesOfPatch};
+  return {.enough = distance, .original_size = options_.patch_size / kTrianglesOfPatch};
 }
 
 // Collapses edges in patches of this size. Returns the number of patches.
@@ -376,8 +408,7 @@ std::vector<PatchTriangle> Simplifier::split(double size) const {
                      static_cast<std::uint64_t>(cell.x);
   };
   for_each_index(places.size(), place, kTriangleGrain);
-  tbb::parallel_sort(places.begin(), places.end());
-  return places;
+  return sorted_by_cell(places);
 }
 
 // Locks vertices that several patches share, vertices with triangles outside all patches, and refused_ vertices.
@@ -429,7 +460,7 @@ void Simplifier::want_patch_borders(const std::vector<std::uint32_t>& triangles,
 
 std::uint64_t Simplifier::bytes(std::uint64_t vertices, std::uint64_t triangles, bool has_target) {
   constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
-  constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
+  constexpr std::uint64_t kPlaces = 2 * sizeof(PatchTriangle) + 3 * sizeof(std::uint64_t);  // sorted_by_cell()
   constexpr std::uint64_t kVertex = CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 5;
   const std::uint64_t tree = mesh::TriangleTree::bytes(triangles) + triangles * sizeof(std::uint32_t);
   const std::uint64_t proof = tree + triangles * kProofTriangleBytes;

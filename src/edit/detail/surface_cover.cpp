@@ -206,8 +206,9 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
   constexpr double kLeastArea = 1.0 / (4 * kMostTriangles);
   // Walks to the triangle over the center.
   constexpr int kMostSteps = 16;
+  FlatTriangle t{};
   for (int step = 0;; ++step) {
-    const FlatTriangle t = frame.flat(tree.corners(slot));
+    t = frame.flat(tree.corners(slot));
     if (step == kMostSteps || !frame.is_near(t)) return std::nullopt;
     const std::array sides{side_of_center(t[0], t[1]), side_of_center(t[1], t[2]), side_of_center(t[2], t[0])};
     const double area = sides[0] + sides[1] + sides[2];
@@ -250,8 +251,8 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
   const auto covers = [&](std::span<const std::uint32_t> triangles) {
     double sum = 0;
     for (const std::uint32_t number : triangles) {
-      const FlatTriangle t = frame.flat(tree.corners(number));
-      sum += FlatPart(t, beyond_sides(t[0]) | beyond_sides(t[1]) | beyond_sides(t[2])).area();
+      const FlatTriangle flat = frame.flat(tree.corners(number));
+      sum += FlatPart(flat, beyond_sides(flat[0]) | beyond_sides(flat[1]) | beyond_sides(flat[2])).area();
     }
     constexpr double kAlmost = 1e-3;
     const double layers = std::round(sum);
@@ -264,7 +265,7 @@ std::optional<mesh::TriangleBound> SurfaceCover::bound(const std::array<glm::dve
   found[0] = slot;
   std::size_t count = 1;
   for (std::size_t next = 0; next < count; ++next) {
-    const FlatTriangle t = frame.flat(tree.corners(found[next]));
+    if (next > 0) t = frame.flat(tree.corners(found[next]));
     if (!frame.is_near(t)) return std::nullopt;
     const std::array beyond{beyond_sides(t[0]), beyond_sides(t[1]), beyond_sides(t[2])};
     if ((beyond[0] & beyond[1] & beyond[2]) != 0) continue;

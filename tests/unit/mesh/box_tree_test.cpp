@@ -174,5 +174,37 @@ TEST(BoxTree, FindsItemsThatGrew) {
   EXPECT_LE(found().size(), BoxTree::kLeafSize);
 }
 
+TEST(BoxTree, SearchesSmallBoxesFromNodesNearLargeOne) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> at(-20, 110);
+  for (const std::size_t count : {1, 5, 40, 3000}) {
+    const std::vector<FloatBox> boxes = random_boxes(count);
+    const BoxTree tree = tree_of(boxes);
+    std::size_t starts_below_root = 0;
+    std::size_t met = 0;
+    for (int i = 0; i < 300; ++i) {
+      const glm::vec3 low(at(random), at(random), at(random));
+      const BoxTree::Nodes nodes = tree.nodes_near({low, low + 6.0F});
+      EXPECT_LE(nodes.span().size(), BoxTree::Nodes::kMost);
+      if (!nodes.span().empty() && nodes.span()[0].level > 0) ++starts_below_root;
+      for (const float step : {0.0F, 2.0F, 5.0F}) {
+        const FloatBox small{low + step, low + (step + 1)};
+        std::vector<std::uint32_t> from_root, from_nodes;
+        tree.for_each_near(small, [&](std::uint32_t item) { from_root.push_back(item); });
+        tree.for_each_near(
+            small, [&](std::uint32_t item) { from_nodes.push_back(item); }, nodes.span());
+        EXPECT_EQ(from_nodes, from_root);
+        EXPECT_EQ(tree.any_leaf_near(small, nodes.span()), !from_root.empty());
+        EXPECT_EQ(tree.any_leaf_near(small), !from_root.empty());
+        met += from_root.size();
+      }
+    }
+    if (count == 3000) {
+      EXPECT_GT(starts_below_root, 100U);
+      EXPECT_GT(met, 100U);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace isoextract::mesh
