@@ -189,7 +189,8 @@ Result<void> Simplifier::within(double enough) {
 }
 
 // Small distances make few triangles intersect. So their first rounds have no guard, which saves much time. The next
-// round tries again near undone collapses; where a whole patch was undone, patches do not grow.
+// round tries again near undone collapses; where a whole patch was undone, patches do not grow. Every other round has
+// patches of the same size half a width on: threads share most of the work that earlier patches left between them.
 Result<void> Simplifier::sweep(double distance) {
   constexpr double kLargerPatches = 4;
   constexpr double kMostUnguarded = 1.0 / 300;  // fraction of the patch size
@@ -197,7 +198,8 @@ Result<void> Simplifier::sweep(double distance) {
   want_all();
   std::uint64_t work = kSweepWork;
   int unguarded = distance > kMostUnguarded * options_.patch_size ? 0 : kUnguardedRounds;  // still to come
-  for (double size = options_.patch_size;;) {
+  double size = options_.patch_size;
+  for (int done = 1;; ++done) {
     const bool is_guarded = unguarded == 0;
     const std::uint64_t share = work - work / 4;  // later rounds visit few triangles
     const double least_part =
@@ -215,7 +217,7 @@ Result<void> Simplifier::sweep(double distance) {
       mark(wanted_, state_.corners[r.triangle]);
     }
     if (patches <= 1 && undone.collapses == 0) break;
-    if (undone.patches == 0) size *= kLargerPatches;
+    if (undone.patches == 0 && done % 2 == 1) size *= kLargerPatches;
   }
   context_.progress().advance(work);
   return {};
