@@ -1,5 +1,6 @@
 #include "base/pages.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 #include <malloc.h>
@@ -9,15 +10,49 @@
 #include "base/buffer.hpp"
 
 namespace isoextract {
+namespace {
+
+std::size_t page_size() {
+  static const auto size = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  return size;
+}
+
+// Only advice: if the system ignores it, nothing changes but the time. `begin` must be the start of a page.
+void advise(const std::byte* begin, std::size_t bytes, int advice) {
+  static_cast<void>(::madvise(const_cast<std::byte*>(begin), bytes, advice));
+}
+
+}  // namespace
 
 void release_pages(const void* begin, std::size_t bytes) {
-  static const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  const auto within = static_cast<std::size_t>(reinterpret_cast<std::uintptr_t>(begin) % page);
+  const std::size_t page = page_size();
+  const std::size_t within = reinterpret_cast<std::uintptr_t>(begin) % page;
   const std::size_t lead = (page - within) % page;  // before the first whole page
   if (bytes < lead + page) return;
   const std::size_t whole = (bytes - lead) / page * page;
-  // Only advice: if the system ignores it, the pages stay. The read-only mapping itself does not change.
-  static_cast<void>(::madvise(static_cast<char*>(const_cast<void*>(begin)) + lead, whole, MADV_DONTNEED));
+  // The pages stay if the system ignores this. The read-only mapping itself does not change.
+  advise(static_cast<const std::byte*>(begin) + lead, whole, MADV_DONTNEED);
+}
+
+PageRequests::PageRequests(const void* begin, std::size_t bytes)
+    : begin_(static_cast<const std::byte*>(begin)), bytes_(bytes), is_requested_((bytes + kBlock - 1) / kBlock) {}
+
+void PageRequests::come_to(const void* place) {
+  if (is_requested_.empty()) return;
+  const auto at = static_cast<std::size_t>(static_cast<const std::byte*>(place) - begin_);
+  const std::size_t last = std::min(is_requested_.size(), (at + kAhead - 1) / kBlock + 1);
+  for (std::size_t block = at / kBlock; block < last; ++block) {
+    std::atomic<bool>& is_requested = is_requested_[block];
+    const bool was_requested = is_requested.load(std::memory_order_relaxed) || is_requested.exchange(true);
+    if (!was_requested) request(block);
+  }
+}
+
+// Linux reads a part of a long request only: as much as its device takes at once.
+void PageRequests::request(std::size_t block) const {
+  const std::byte* begin = begin_ + block * kBlock;
+  const std::size_t within = reinterpret_cast<std::uintptr_t>(begin) % page_size();
+  advise(begin - within, within + std::min(kBlock, bytes_ - block * kBlock), MADV_WILLNEED);
 }
 
 void return_large_blocks() { static_cast<void>(::mallopt(M_MMAP_THRESHOLD, 1 << 20)); }

@@ -32,10 +32,12 @@ BoundarySides DenseMasks::boundary_of_row(int j, int k) const {
 }
 
 template <class T>
-SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k) {
+SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k,
+                          PageRequests& requests) {
   SliceSides slice;
   for (int j = 0; j < view.dims.y; ++j) {
     std::uint64_t* bits = masks.row(j, k);
+    requests.come_to(view.row(j, k));
     slice.nan += classify_samples(view.row(j, k), static_cast<std::size_t>(view.dims.x), threshold, bits);
     bits[masks.words()] = 0;
     slice.add({0, masks.boundary_of_row(j, k)});
@@ -48,9 +50,10 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
                        Progress* progress) {
   std::mutex mutex;
   SliceSides all;
+  PageRequests requests = view.page_requests();
   if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(view.dims.z));
   for_each_index(view.dims.z, [&](int k) {
-    const SliceSides slice = classify_slice(view, threshold, masks, k);
+    const SliceSides slice = classify_slice(view, threshold, masks, k, requests);
     view.leave_slices(k, k + 1);
     {
       const std::lock_guard lock(mutex);
@@ -62,8 +65,8 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
   return all.nan;
 }
 
-#define ISOEXTRACT_INSTANTIATE(T)                                                                       \
-  template SliceSides classify_slice(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, int); \
+#define ISOEXTRACT_INSTANTIATE(T)                                                                                      \
+  template SliceSides classify_slice(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, int, PageRequests&); \
   template std::uint64_t classify(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, Progress*);
 ISOEXTRACT_EACH_SAMPLE_TYPE(ISOEXTRACT_INSTANTIATE)
 #undef ISOEXTRACT_INSTANTIATE

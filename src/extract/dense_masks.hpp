@@ -31,9 +31,19 @@ struct DenseView {
   // Releases the memory pages of slices begin to end - 1 (planes of equal z). The slices can still be read later.
   void leave_slices(int begin, int end) const {
     if (!transient || begin >= end) return;
-    const T* first = row(0, begin);
-    const T* last = row(dims.y - 1, end - 1) + dims.x;
-    release_pages(first, static_cast<std::size_t>(last - first) * sizeof(T));
+    release_pages(row(0, begin), bytes_of_slices(begin, end));
+  }
+
+  // Returns the page requests for a pass over all samples of the view.
+  [[nodiscard]] PageRequests page_requests() const {
+    // Between the rows of a narrow view there are pages that nothing reads.
+    const bool is_narrow = 2 * std::int64_t{dims.x} * dims.y < stride_z;
+    return transient && !is_narrow ? PageRequests(row(0, 0), bytes_of_slices(0, dims.z)) : PageRequests();
+  }
+
+ private:
+  [[nodiscard]] std::size_t bytes_of_slices(int begin, int end) const {
+    return static_cast<std::size_t>(row(dims.y - 1, end - 1) + dims.x - row(0, begin)) * sizeof(T);
   }
 };
 
@@ -118,8 +128,10 @@ struct SliceSides {
 };
 
 // Fills the masks of slice `k` of the view; returns its NaN count and boundary sides. `masks` has the dims of the view.
+// `requests` are those of the pass over the view.
 template <class T>
-SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k);
+SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k,
+                          PageRequests& requests);
 
 // Reads every sample once, in parallel. Fills `masks`, which have the dims of the view, and their boundary sides.
 // Returns the number of NaN samples. `progress` may be null.

@@ -185,6 +185,7 @@ class DenseExtraction final {
       mesh::Mesh part = {};
     };
     const SlabReach reach{region_, options_.smooth_normals ? SlabReach::kOfGradients : 0};
+    PageRequests requests = masks_ ? PageRequests() : view_.page_requests();
     bool is_first = true;
     const auto make = [&]() -> Result<Worker> {
       if (layers_ != nullptr && !std::exchange(is_first, false)) TRY(check_room_for_window(field_, whole_, reach));
@@ -198,8 +199,8 @@ class DenseExtraction final {
                      [&](int number, Worker& worker) -> Result<void> {
                        const int bk = slabs.begin + number;
                        Slab slab{bk, worker.masks ? *worker.masks : *masks_, TRY(worker.views.show(bk)), {}};
-                       if (worker.masks)
-                         slab.sides = mark_slab(part_of(slab.whole, region_), threshold_, bk, *worker.masks);
+                       const DenseView<T> view = part_of(slab.whole, region_);
+                       if (worker.masks) slab.sides = mark_slab(view, threshold_, bk, *worker.masks, requests);
                        TRY(work(slab, worker.part));
                        leave(bk);
                        return {};
@@ -489,9 +490,8 @@ Result<Extraction> extract_dense(const field::ScalarField& field, const field::D
     // Without masks of all samples, each sample is compared twice. Holes need the masks.
     const glm::ivec3 dims(region.dims());
     const bool is_short = DenseMasks::bytes(dims) > context.memory().left() / 2 && options.nan != NanPolicy::hole;
-    const bool by_slabs = is_short || samples.layers != nullptr;
     std::optional<DenseMasks> masks;
-    if (!by_slabs) masks = TRY(make_masks(field, dims, context));
+    if (!is_short && samples.layers == nullptr) masks = TRY(make_masks(field, dims, context));
     DenseExtraction<T> surface(field, samples, region, std::move(masks), options, context);
     return extract_surface(field, options, surface, context);
   });

@@ -68,14 +68,15 @@ template <class T>
 }
 
 // Compares the samples of slab `bk` of a region, which `view` shows, and of the slice behind it with iso. Fills their
-// masks; returns the facts about the samples of the slab alone.
+// masks; returns the facts about the samples of the slab alone. `requests` are those of the pass over the region.
 template <class T>
-SliceSides mark_slab(const DenseView<T>& view, const InsideThreshold<T>& threshold, int bk, DenseMasks& masks) {
+SliceSides mark_slab(const DenseView<T>& view, const InsideThreshold<T>& threshold, int bk, DenseMasks& masks,
+                     PageRequests& requests) {
   SliceSides sides;
   const int end = std::min(kBrickRows * (bk + 1), view.dims.z);
   masks.move_to(kBrickRows * bk);
   for (int k = kBrickRows * bk; k < std::min(end + 1, view.dims.z); ++k) {
-    const SliceSides slice = classify_slice(view, threshold, masks, k);
+    const SliceSides slice = classify_slice(view, threshold, masks, k, requests);
     if (k < end) sides.add(slice);
   }
   return sides;

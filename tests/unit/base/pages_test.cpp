@@ -1,5 +1,6 @@
 #include "base/pages.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -28,28 +29,88 @@ std::vector<bool> present(const char* begin, std::size_t pages, std::size_t page
   return known ? result : std::vector<bool>();
 }
 
-TEST(Pages, GivesBackWholePagesAndReadsThemAgain) {
-  const auto page_size = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  constexpr std::size_t kPages = 40;
-  std::string bytes(kPages * page_size, '\0');
-  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i % 251);
-  const TempFolder folder;
-  write_bytes(folder / "pages", bytes);
-  const int file = ::open((folder / "pages").c_str(), O_RDONLY | O_CLOEXEC);
-  ASSERT_GE(file, 0);
-  void* mapping = ::mmap(nullptr, bytes.size(), PROT_READ, MAP_PRIVATE, file, 0);
-  ::close(file);
-  ASSERT_NE(mapping, MAP_FAILED);
-  const char* begin = static_cast<const char*>(mapping);
-  EXPECT_EQ(std::memcmp(begin, bytes.data(), bytes.size()), 0);
+// A mapped file that repeats the numbers 0 to 250.
+class PagesOfFile : public testing::Test {
+ protected:
+  void map(std::size_t bytes) {
+    content_.resize(bytes);
+    for (std::size_t i = 0; i < bytes; ++i) content_[i] = static_cast<char>(i % 251);
+    write_bytes(folder_ / "pages", content_);
+    file_ = ::open((folder_ / "pages").c_str(), O_RDONLY | O_CLOEXEC);
+    ASSERT_GE(file_, 0);
+    mapping_ = ::mmap(nullptr, bytes, PROT_READ, MAP_PRIVATE, file_, 0);
+    ASSERT_NE(mapping_, MAP_FAILED);
+  }
+  void TearDown() override {
+    if (mapping_ != MAP_FAILED) ::munmap(mapping_, content_.size());
+    if (file_ >= 0) ::close(file_);
+  }
 
-  release_pages(begin + 4 * page_size + 1, 30 * page_size);      // ends within page 34
-  release_pages(begin + 36 * page_size + 1, 2 * page_size - 2);  // holds no whole page
-  release_pages(begin, 0);
-  const std::vector<bool> held = present(begin, kPages, page_size);
+  [[nodiscard]] const char* begin() const { return static_cast<const char*>(mapping_); }
+
+  // Returns how many bytes of [first, first + bytes) are in the system's cache of the file.
+  [[nodiscard]] std::size_t cached(std::size_t first, std::size_t bytes) const {
+    std::vector<unsigned char> pages(bytes / page_size_);
+    if (::mincore(const_cast<char*>(begin()) + first, bytes, pages.data()) != 0) return 0;
+    return page_size_ * static_cast<std::size_t>(std::ranges::count_if(pages, [](auto page) { return page & 1U; }));
+  }
+
+  // Removes the file from the system's cache. Returns false if the system keeps some of it.
+  [[nodiscard]] bool drop_cached() const {
+    ::madvise(mapping_, content_.size(), MADV_DONTNEED);
+    ::fsync(file_);
+    ::posix_fadvise(file_, 0, 0, POSIX_FADV_DONTNEED);
+    return cached(0, content_.size()) == 0;
+  }
+
+  std::size_t page_size_ = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  std::string content_;
+  TempFolder folder_;
+  int file_ = -1;
+  void* mapping_ = MAP_FAILED;
+};
+
+TEST_F(PagesOfFile, GivesBackWholePagesAndReadsThemAgain) {
+  constexpr std::size_t kPages = 40;
+  map(kPages * page_size_);
+  EXPECT_EQ(std::memcmp(begin(), content_.data(), content_.size()), 0);
+
+  release_pages(begin() + 4 * page_size_ + 1, 30 * page_size_);      // ends within page 34
+  release_pages(begin() + 36 * page_size_ + 1, 2 * page_size_ - 2);  // holds no whole page
+  release_pages(begin(), 0);
+  const std::vector<bool> held = present(begin(), kPages, page_size_);
   for (std::size_t page = 0; page < held.size(); ++page) EXPECT_EQ(held[page], page < 5 || page >= 34) << page;
-  EXPECT_EQ(std::memcmp(begin, bytes.data(), bytes.size()), 0);
-  ::munmap(mapping, bytes.size());
+  EXPECT_EQ(std::memcmp(begin(), content_.data(), content_.size()), 0);
+}
+
+TEST_F(PagesOfFile, AreRequestedAheadOfReadingOnce) {
+  constexpr std::size_t kStart = 100;  // the range begins within a page
+  constexpr std::size_t kBytes = 3 * PageRequests::kAhead;
+  map(kBytes);
+  if (!drop_cached()) GTEST_SKIP() << "the system keeps the test file in its cache";
+  // The system reads without being waited for, and what it rounds to is less than a block.
+  const auto becomes_cached = [&](std::size_t first, std::size_t bytes) {
+    for (int tries = 0; tries < 1000 && cached(first, bytes) < bytes; ++tries) ::usleep(10'000);
+    return cached(first, bytes) == bytes;
+  };
+  PageRequests requests(begin() + kStart, kBytes - kStart);
+  requests.come_to(begin() + kStart);
+  EXPECT_TRUE(becomes_cached(0, PageRequests::kAhead));
+  EXPECT_EQ(cached(PageRequests::kAhead + PageRequests::kBlock, kBytes - PageRequests::kAhead - PageRequests::kBlock),
+            0U);
+  requests.come_to(begin() + kBytes - 1);
+  EXPECT_TRUE(becomes_cached(kBytes - page_size_, page_size_));
+
+  ASSERT_TRUE(drop_cached());
+  requests.come_to(begin() + kStart);
+  requests.come_to(begin() + kBytes - 1);
+  PageRequests().come_to(begin());
+  ::usleep(100'000);
+  EXPECT_EQ(cached(0, kBytes), 0U);
+
+  requests.come_to(begin() + PageRequests::kAhead);  // the rest
+  EXPECT_TRUE(becomes_cached(PageRequests::kAhead + PageRequests::kBlock, PageRequests::kAhead - PageRequests::kBlock));
+  EXPECT_EQ(std::memcmp(begin(), content_.data(), content_.size()), 0);
 }
 
 }  // namespace
