@@ -34,6 +34,12 @@ struct DenseView {
     release_pages(row(0, begin), bytes_of_slices(begin, end));
   }
 
+  // Releases those of rows begin to end - 1 of slice `k`.
+  void leave_rows(int begin, int end, int k) const {
+    if (!transient || begin >= end) return;
+    release_pages(row(begin, k), static_cast<std::size_t>(row(end - 1, k) + dims.x - row(begin, k)) * sizeof(T));
+  }
+
   // Returns the page requests for a pass over all samples of the view.
   [[nodiscard]] PageRequests page_requests() const {
     // Between the rows of a narrow view there are pages that nothing reads.

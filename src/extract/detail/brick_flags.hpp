@@ -85,4 +85,17 @@ void leave_slab(const DenseView<T>& view, int bk, int around) {
   view.leave_slices(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z));
 }
 
+// Releases the pages of the slices of slab `bk`, some rows of bricks at a time: call it after each row of bricks `bj`.
+template <class T>
+void leave_brick_row(const DenseView<T>& view, int bk, int bj) {
+  constexpr std::int64_t kRun = std::int64_t{1} << 18U;  // bytes; the system needs microseconds to release a run
+  const int rows =
+      static_cast<int>(std::max(kRun / (kBrickRows * view.stride_y * std::int64_t{sizeof(T)}), std::int64_t{1}));
+  if ((bj + 1) % rows != 0) return;
+  const int end = std::min(kBrickRows * (bj + 1), view.dims.y);
+  for (int k = kBrickRows * bk; k < std::min(kBrickRows * bk + kSlabSlices, view.dims.z); ++k) {
+    view.leave_rows(kBrickRows * (bj + 1 - rows), end, k);
+  }
+}
+
 }  // namespace isoextract::extract

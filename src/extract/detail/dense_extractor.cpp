@@ -250,7 +250,6 @@ class DenseExtraction final {
   }
 
   [[nodiscard]] std::uint64_t& slab_hash(int bk) { return slab_hashes_[static_cast<std::size_t>(bk - counted_.begin)]; }
-
   [[nodiscard]] std::uint64_t hash_of(const Slab& slab) const {
     return slab.masks.hash(kBrickRows * slab.bk, std::min(kBrickRows * slab.bk + kSlabSlices, view_.dims.z));
   }
@@ -370,8 +369,9 @@ class DenseExtraction final {
   void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const Slab& slab, int bj) {
     if (!bricks_.is_row_crossed(bj, slab.bk)) return;
     if (!mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
-    if (mesh.triangles.empty()) return;
-    for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
+    if (!mesh.triangles.empty())
+      for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
+    leave_brick_row(view_, slab.bk, bj);
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const Slab& slab, int bj) {

@@ -11,23 +11,11 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "support/resident_pages.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::test {
 namespace {
-
-// Returns for each page whether it is in this process's memory: bit 63 of its entry in pagemap.
-std::vector<bool> present(const char* begin, std::size_t pages, std::size_t page_size) {
-  const int file = ::open("/proc/self/pagemap", O_RDONLY | O_CLOEXEC);
-  std::vector<std::uint64_t> entries(pages);
-  const std::size_t bytes = pages * sizeof(std::uint64_t);
-  const auto at = static_cast<off_t>(reinterpret_cast<std::uintptr_t>(begin) / page_size * sizeof(std::uint64_t));
-  const bool known = file >= 0 && ::pread(file, entries.data(), bytes, at) == static_cast<ssize_t>(bytes);
-  if (file >= 0) ::close(file);
-  std::vector<bool> result;
-  for (const std::uint64_t entry : entries) result.push_back((entry >> 63) != 0);
-  return known ? result : std::vector<bool>();
-}
 
 // A mapped file that repeats the numbers 0 to 250.
 class PagesOfFile : public testing::Test {
@@ -78,7 +66,7 @@ TEST_F(PagesOfFile, GivesBackWholePagesAndReadsThemAgain) {
   release_pages(begin() + 4 * page_size_ + 1, 30 * page_size_);      // ends within page 34
   release_pages(begin() + 36 * page_size_ + 1, 2 * page_size_ - 2);  // holds no whole page
   release_pages(begin(), 0);
-  const std::vector<bool> held = present(begin(), kPages, page_size_);
+  const std::vector<bool> held = resident_pages(begin(), kPages);
   for (std::size_t page = 0; page < held.size(); ++page) EXPECT_EQ(held[page], page < 5 || page >= 34) << page;
   EXPECT_EQ(std::memcmp(begin(), content_.data(), content_.size()), 0);
 }

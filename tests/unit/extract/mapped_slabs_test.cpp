@@ -1,0 +1,85 @@
+// An extraction from a large mapped file gives pages back while it works.
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include "extract/dense_input.hpp"
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+#include "support/resident_pages.hpp"
+#include "support/temp_folder.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+constexpr glm::ivec3 kVolumeDims{512, 512, 64};
+constexpr std::size_t kVolumeBytes = std::size_t{512} * 512 * 64 * sizeof(float);
+
+// Returns a field in a mapped file whose surface is a plane that crosses all rows of bricks.
+field::ScalarField mapped_plane(const std::string& path) {
+  field::ScalarField field =
+      test::dense_field<float>(kVolumeDims, [](int i, int j, int k) { return i - 200 - 0.1 * j - 0.2 * k; });
+  auto& samples = std::get<field::DenseSamples>(field.samples);
+  test::write_bytes(path, {static_cast<const char*>(samples.data), kVolumeBytes});
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  void* mapping = ::mmap(nullptr, kVolumeBytes, PROT_READ, MAP_PRIVATE, file, 0);
+  ::close(file);
+  if (mapping == MAP_FAILED) throw std::runtime_error("mmap failed");
+  samples.owner =
+      std::shared_ptr<const void>(mapping, [](const void* begin) { ::munmap(const_cast<void*>(begin), kVolumeBytes); });
+  samples.data = mapping;
+  samples.file_backed = true;
+  return field;
+}
+
+// Notes the largest number of bytes of a mapping that are in memory when a part of the mesh is ready.
+class ResidentSink final : public mesh::MeshSink {
+ public:
+  explicit ResidentSink(const void* mapping) : mapping_(mapping) {}
+
+  Result<bool> begin(const mesh::MeshShape& /*shape*/) override { return true; }
+  Result<void> take(const mesh::MeshPart& part) override {
+    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    const std::vector<bool> pages = test::resident_pages(mapping_, kVolumeBytes / page);
+    most_bytes = std::max(most_bytes, page * static_cast<std::size_t>(std::ranges::count(pages, true)));
+    vertices += part.positions.size();
+    is_known = is_known && !pages.empty();
+    return {};
+  }
+
+  std::size_t most_bytes = 0;
+  std::size_t vertices = 0;
+  bool is_known = true;
+
+ private:
+  const void* mapping_;
+};
+
+TEST(MappedSlabs, HoldFewRowsOfSamples) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const test::TempFolder folder;
+  const field::ScalarField field = mapped_plane((folder / "samples").string());
+  const auto& samples = std::get<field::DenseSamples>(field.samples);
+  ASSERT_TRUE(samples.releases_pages());
+  ResidentSink sink(samples.data);
+  ExtractOptions options = test::options_of(Method::mc, 0);
+  options.sink = &sink;
+  const auto made = make_cpu_extractor()->extract(field, options, Context());
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_TRUE(made->taken);
+  EXPECT_GE(sink.vertices, std::size_t{512} * 64);
+  if (!sink.is_known) GTEST_SKIP() << "the system does not tell which pages are in memory";
+  // A slab has 9 slices of 1 MiB. A page between two runs of rows may come back.
+  EXPECT_LT(sink.most_bytes, std::size_t{2} << 20U);
+}
+
+}  // namespace
+}  // namespace isoextract::extract
