@@ -48,11 +48,15 @@ void PageRequests::come_to(const void* place) {
   }
 }
 
-// Linux reads a part of a long request only: as much as its device takes at once.
+// Of a long request, Linux reads the missing pages of the first part only: as much as the device takes at once, which
+// is 128 KiB or more. Requests of pages that are being read cost a microsecond.
 void PageRequests::request(std::size_t block) const {
-  const std::byte* begin = begin_ + block * kBlock;
-  const std::size_t within = reinterpret_cast<std::uintptr_t>(begin) % page_size();
-  advise(begin - within, within + std::min(kBlock, bytes_ - block * kBlock), MADV_WILLNEED);
+  constexpr std::size_t kLeastRead = std::size_t{1} << 17U;
+  const std::size_t end = std::min((block + 1) * kBlock, bytes_);
+  for (std::size_t at = block * kBlock; at < end; at += kLeastRead) {
+    const std::size_t within = reinterpret_cast<std::uintptr_t>(begin_ + at) % page_size();
+    advise(begin_ + at - within, within + end - at, MADV_WILLNEED);
+  }
 }
 
 void return_large_blocks() { static_cast<void>(::mallopt(M_MMAP_THRESHOLD, 1 << 20)); }

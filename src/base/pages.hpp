@@ -12,7 +12,7 @@ namespace isoextract {
 // contents. Safe while other threads use the same pages.
 void release_pages(const void* begin, std::size_t bytes);
 
-// Asks the system to read pages of a mapped file shortly before threads read them, each page at most once. Large
+// Asks the system to read pages of a mapped file shortly before threads read them, each block at most once. Large
 // requests are faster than the short ones that the system makes where threads reach missing pages. For a pass in which
 // every thread moves towards higher addresses.
 class PageRequests {

@@ -34,10 +34,15 @@ BoundarySides DenseMasks::boundary_of_row(int j, int k) const {
 template <class T>
 SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks, int k,
                           PageRequests& requests) {
+  constexpr auto kBlock = static_cast<std::ptrdiff_t>(PageRequests::kBlock / sizeof(T));
   SliceSides slice;
+  const T* next_request = view.row(0, k);
   for (int j = 0; j < view.dims.y; ++j) {
     std::uint64_t* bits = masks.row(j, k);
-    requests.come_to(view.row(j, k));
+    if (view.row(j, k) >= next_request) {
+      requests.come_to(view.row(j, k));
+      next_request = view.row(j, k) + kBlock;
+    }
     slice.nan += classify_samples(view.row(j, k), static_cast<std::size_t>(view.dims.x), threshold, bits);
     bits[masks.words()] = 0;
     slice.add({0, masks.boundary_of_row(j, k)});
@@ -50,7 +55,7 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
                        Progress* progress) {
   std::mutex mutex;
   SliceSides all;
-  PageRequests requests = view.page_requests();
+  PageRequests requests = view.page_requests(0, view.dims.z);
   if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(view.dims.z));
   for_each_index(view.dims.z, [&](int k) {
     const SliceSides slice = classify_slice(view, threshold, masks, k, requests);

@@ -2,6 +2,7 @@
 // only near crossed edges.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -40,14 +41,21 @@ struct DenseView {
     release_pages(row(begin, k), static_cast<std::size_t>(row(end - 1, k) + dims.x - row(begin, k)) * sizeof(T));
   }
 
-  // Returns the page requests for a pass over all samples of the view.
-  [[nodiscard]] PageRequests page_requests() const {
-    // Between the rows of a narrow view there are pages that nothing reads.
-    const bool is_narrow = 2 * std::int64_t{dims.x} * dims.y < stride_z;
-    return transient && !is_narrow ? PageRequests(row(0, 0), bytes_of_slices(0, dims.z)) : PageRequests();
+  // Returns the page requests for a pass over the samples of slices begin to end - 1.
+  [[nodiscard]] PageRequests page_requests(int begin, int end) const {
+    if (!transient || begin >= end || has_wide_gaps()) return {};
+    return {row(0, begin), bytes_of_slices(begin, end)};
   }
 
  private:
+  // Returns whether much of the file between rows or slices is not part of the view, so requests should not cover it.
+  [[nodiscard]] bool has_wide_gaps() const {
+    constexpr std::int64_t kWide = std::int64_t{1} << 16U;  // bytes; the system reads up to so much ahead on its own
+    const std::int64_t between_rows = stride_y - dims.x;
+    const std::int64_t between_slices = stride_z - (dims.y - 1) * stride_y - dims.x;
+    return std::max(between_rows, between_slices) * std::int64_t{sizeof(T)} > kWide;
+  }
+
   [[nodiscard]] std::size_t bytes_of_slices(int begin, int end) const {
     return static_cast<std::size_t>(row(dims.y - 1, end - 1) + dims.x - row(0, begin)) * sizeof(T);
   }

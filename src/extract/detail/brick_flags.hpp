@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "base/parallel.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/cell_rows.hpp"
 #include "extract/detail/slab_shares.hpp"
@@ -78,6 +79,9 @@ class BrickFlags {
   Buffer<std::uint8_t> crossed_;
 };
 
+// Returns how many slices on either side of a slab the extraction may read.
+inline int slices_around(const ExtractOptions& options) { return options.smooth_normals ? 2 : 1; }
+
 // Releases the pages of the slices of slab `bk` and of `around` slices on either side. Slab `bk` reads these outer
 // slices, too, and may have brought their pages back after the neighboring slab released them.
 template <class T>
@@ -85,17 +89,19 @@ void leave_slab(const DenseView<T>& view, int bk, int around) {
   view.leave_slices(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z));
 }
 
-// Releases the pages of the slices of slab `bk`, some rows of bricks at a time: call it after each row of bricks `bj`.
+// Releases them in runs of rows while slab `bk` is at work: call it after each row of bricks `bj`, in order.
 template <class T>
-void leave_brick_row(const DenseView<T>& view, int bk, int bj) {
-  constexpr std::int64_t kRun = std::int64_t{1} << 18U;  // bytes; the system needs microseconds to release a run
-  const int rows =
-      static_cast<int>(std::max(kRun / (kBrickRows * view.stride_y * std::int64_t{sizeof(T)}), std::int64_t{1}));
-  if ((bj + 1) % rows != 0) return;
+void leave_brick_row(const DenseView<T>& view, int bk, int bj, int around) {
+  // Every release interrupts all threads, so many threads release less often.
+  const std::int64_t run = std::int64_t{1} << (usable_threads() > 8 ? 20U : 18U);  // bytes
+  const std::int64_t touched = std::min<std::int64_t>(view.stride_y * sizeof(T), view.dims.x * sizeof(T) + 4096);
+  const int rows = static_cast<int>(std::max<std::int64_t>(run / (kBrickRows * touched), 1));
   const int end = std::min(kBrickRows * (bj + 1), view.dims.y);
-  for (int k = kBrickRows * bk; k < std::min(kBrickRows * bk + kSlabSlices, view.dims.z); ++k) {
-    view.leave_rows(kBrickRows * (bj + 1 - rows), end, k);
-  }
+  if ((bj + 1) % rows != 0 && end != view.dims.y) return;
+  // The run reads the last row of the run before it again, and the system maps pages around it.
+  const int begin = kBrickRows * std::max(bj / rows * rows - 1, 0);
+  const int end_z = std::min(kBrickRows * (bk + 1) + around, view.dims.z);
+  for (int k = std::max(kBrickRows * bk - around, 0); k < end_z; ++k) view.leave_rows(begin, end, k);
 }
 
 }  // namespace isoextract::extract

@@ -185,7 +185,8 @@ class DenseExtraction final {
       mesh::Mesh part = {};
     };
     const SlabReach reach{region_, options_.smooth_normals ? SlabReach::kOfGradients : 0};
-    PageRequests requests = masks_ ? PageRequests() : view_.page_requests();
+    const int end = std::min(slices_below(slabs.end) + 1, view_.dims.z);
+    PageRequests requests = masks_ ? PageRequests() : view_.page_requests(slices_below(slabs.begin), end);
     bool is_first = true;
     const auto make = [&]() -> Result<Worker> {
       if (layers_ != nullptr && !std::exchange(is_first, false)) TRY(check_room_for_window(field_, whole_, reach));
@@ -293,7 +294,7 @@ class DenseExtraction final {
     });
   }
 
-  void leave(int bk) const { leave_slab(view_, bk, options_.smooth_normals ? 2 : 1); }
+  void leave(int bk) const { leave_slab(view_, bk, slices_around(options_)); }
 
   // Runs f(j, k) for every row of samples in a row of bricks.
   template <class F>
@@ -318,7 +319,7 @@ class DenseExtraction final {
     return row;
   }
 
-  // Counts the vertices and triangles of all rows. Returns how many cells NanPolicy::hole leaves out.
+  // Counts the vertices and triangles, here of all rows. Returns how many cells NanPolicy::hole leaves out.
   std::uint64_t count_rows() {
     std::atomic<std::uint64_t> left_out{0};
     for_each_brick_row("counting", [&](int bj, int bk) {
@@ -327,7 +328,6 @@ class DenseExtraction final {
     return left_out.load();
   }
 
-  // Does the same for one row of bricks.
   std::uint64_t count_brick_row(const Slab& slab, int bj) {
     std::uint64_t left_out = 0;
     const SampleChooser<T> chooser = chooser_in(slab);
@@ -367,11 +367,11 @@ class DenseExtraction final {
   // Writes the vertices and triangles of a row of bricks to a mesh that begins with vertex and triangle `first`, if the
   // mesh has memory for them.
   void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const Slab& slab, int bj) {
-    if (!bricks_.is_row_crossed(bj, slab.bk)) return;
-    if (!mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
-    if (!mesh.triangles.empty())
+    const bool is_crossed = bricks_.is_row_crossed(bj, slab.bk);
+    if (is_crossed && !mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
+    if (is_crossed && !mesh.triangles.empty())
       for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
-    leave_brick_row(view_, slab.bk, bj);
+    if (masks_) leave_brick_row(view_, slab.bk, bj, slices_around(options_));
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const Slab& slab, int bj) {
