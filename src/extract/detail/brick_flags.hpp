@@ -79,9 +79,6 @@ class BrickFlags {
   Buffer<std::uint8_t> crossed_;
 };
 
-// Returns how many slices on either side of a slab the extraction may read.
-inline int slices_around(const ExtractOptions& options) { return options.smooth_normals ? 2 : 1; }
-
 // Releases the pages of the slices of slab `bk` and of `around` slices on either side. Slab `bk` reads these outer
 // slices, too, and may have brought their pages back after the neighboring slab released them.
 template <class T>
@@ -89,9 +86,10 @@ void leave_slab(const DenseView<T>& view, int bk, int around) {
   view.leave_slices(std::max(kBrickRows * bk - around, 0), std::min(kBrickRows * (bk + 1) + around, view.dims.z));
 }
 
-// Releases them in runs of rows while slab `bk` is at work: call it after each row of bricks `bj`, in order.
+// Releases the pages of runs of rows while slab `bk` is at work: call it after each row of bricks `bj`, in order. Keeps
+// slices that the next slab begins with, as another thread may be reading them.
 template <class T>
-void leave_brick_row(const DenseView<T>& view, int bk, int bj, int around) {
+void leave_brick_row(const DenseView<T>& view, int bk, int bj) {
   // Every release interrupts all threads, so many threads release less often.
   const std::int64_t run = std::int64_t{1} << (usable_threads() > 8 ? 20U : 18U);  // bytes
   const std::int64_t touched = std::min<std::int64_t>(view.stride_y * sizeof(T), view.dims.x * sizeof(T) + 4096);
@@ -100,8 +98,8 @@ void leave_brick_row(const DenseView<T>& view, int bk, int bj, int around) {
   if ((bj + 1) % rows != 0 && end != view.dims.y) return;
   // The run reads the last row of the run before it again, and the system maps pages around it.
   const int begin = kBrickRows * std::max(bj / rows * rows - 1, 0);
-  const int end_z = std::min(kBrickRows * (bk + 1) + around, view.dims.z);
-  for (int k = std::max(kBrickRows * bk - around, 0); k < end_z; ++k) view.leave_rows(begin, end, k);
+  const int end_z = std::min(kBrickRows * (bk + 1), view.dims.z);
+  for (int k = kBrickRows * bk; k < end_z; ++k) view.leave_rows(begin, end, k);
 }
 
 }  // namespace isoextract::extract

@@ -294,7 +294,7 @@ class DenseExtraction final {
     });
   }
 
-  void leave(int bk) const { leave_slab(view_, bk, slices_around(options_)); }
+  void leave(int bk) const { leave_slab(view_, bk, options_.smooth_normals ? 2 : 1); }
 
   // Runs f(j, k) for every row of samples in a row of bricks.
   template <class F>
@@ -371,7 +371,7 @@ class DenseExtraction final {
     if (is_crossed && !mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
     if (is_crossed && !mesh.triangles.empty())
       for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
-    if (masks_) leave_brick_row(view_, slab.bk, bj, slices_around(options_));
+    if (masks_) leave_brick_row(view_, slab.bk, bj);
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const Slab& slab, int bj) {

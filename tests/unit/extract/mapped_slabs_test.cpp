@@ -80,8 +80,9 @@ TEST(MappedSlabs, HoldFewRowsOfSamples) {
   ASSERT_TRUE(made->taken);
   EXPECT_GE(sink.vertices, std::size_t{450} * 66);
   if (!sink.is_known) GTEST_SKIP() << "the system does not tell which pages are in memory";
-  // A slab reads 12 slices of 1 MiB. Pages between two runs of rows may come back.
-  EXPECT_LT(sink.most_bytes, std::size_t{2} << 20U);
+  // A slab reads 8 slices of 1 MiB that it gives back, and up to 4 around them. Pages between runs of rows may come
+  // back.
+  EXPECT_LT(sink.most_bytes, std::size_t{6} << 20U);
 }
 
 }  // namespace
