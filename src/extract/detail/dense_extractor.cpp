@@ -319,7 +319,7 @@ class DenseExtraction final {
     return row;
   }
 
-  // Counts the vertices and triangles, here of all rows. Returns how many cells NanPolicy::hole leaves out.
+  // Counts the vertices and triangles: here of all rows, below of a row of bricks. Returns how many cells are left out.
   std::uint64_t count_rows() {
     std::atomic<std::uint64_t> left_out{0};
     for_each_brick_row("counting", [&](int bj, int bk) {

@@ -1,17 +1,16 @@
 // An extraction from a large mapped file gives the pages of a slab back before the slab ends.
 #include <algorithm>
 #include <memory>
-#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/mman.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
 
 #include "extract/dense_input.hpp"
+#include "files/mapped_file.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 #include "support/resident_pages.hpp"
@@ -31,13 +30,11 @@ field::ScalarField mapped_planes(const std::string& path) {
   });
   auto& samples = std::get<field::DenseSamples>(field.samples);
   test::write_bytes(path, {static_cast<const char*>(samples.data), kVolumeBytes});
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  void* mapping = ::mmap(nullptr, kVolumeBytes, PROT_READ, MAP_PRIVATE, file, 0);
-  ::close(file);
-  if (mapping == MAP_FAILED) throw std::runtime_error("mmap failed");
-  samples.owner =
-      std::shared_ptr<const void>(mapping, [](const void* begin) { ::munmap(const_cast<void*>(begin), kVolumeBytes); });
-  samples.data = mapping;
+  const auto file = files::InputFile::open(path, Context());
+  auto mapped = files::MappedFile::map(file.value(), 0, kVolumeBytes);
+  const auto owner = std::make_shared<const files::MappedFile>(std::move(mapped.value()));
+  samples.owner = owner;
+  samples.data = owner->data();
   samples.file_backed = true;
   return field;
 }
