@@ -189,6 +189,17 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
   return facts;
 }
 
+// Returns the times of the steps before the mesh is made.
+std::string counting_text(const extract::ExtractStats& stats) {
+  if (!stats.counts_while_comparing) {
+    return fmt::format("{:.3f} s to compare samples, {:.3f} s to count", stats.classify.wall_seconds,
+                       stats.count.wall_seconds);
+  }
+  const std::string done =
+      stats.early_vertices > 0 ? fmt::format(", count and make {} vertices", stats.early_vertices) : " and count";
+  return fmt::format("{:.3f} s to compare samples{}", stats.count.wall_seconds, done);
+}
+
 }  // namespace
 
 StageReport extraction_report(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
@@ -205,8 +216,8 @@ StageReport extraction_report(const extract::ExtractStats& stats, const extract:
   report.entries.push_back(std::move(figures));
   report.time = time;
   report.did = surface.taken ? "extracted and written" : "extracted";
-  report.details.push_back(fmt::format("{:.3f} s to compare samples, {:.3f} s to count, {:.3f} s to make the mesh",
-                                       stats.classify.wall_seconds, stats.count.wall_seconds, stats.emit.wall_seconds));
+  report.details.push_back(fmt::format("{}, {:.3f} s to make {}", counting_text(stats), stats.emit.wall_seconds,
+                                       stats.early_vertices > 0 ? "the rest of the mesh" : "the mesh"));
   report.parts.push_back({StageName::classify, surface.id, stats.classify});
   if (const auto& device = stats.device) {
     report.parts.push_back({StageName::compile, surface.id, device->compile});

@@ -1,5 +1,7 @@
 #include "extract/dense_masks.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <mutex>
 
 #define XXH_INLINE_ALL
@@ -52,19 +54,24 @@ SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& th
 
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
-                       Progress* progress) {
+                       Progress* progress, const std::function<bool(int slice, const SliceSides& facts)>& after_slice) {
   std::mutex mutex;
   SliceSides all;
   PageRequests requests = view.page_requests(0, view.dims.z);
   if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(view.dims.z));
-  for_each_index(view.dims.z, [&](int k) {
+  std::atomic<int> next{0};
+  const auto work = [&](int k) {
     const SliceSides slice = classify_slice(view, threshold, masks, k, requests);
-    view.leave_slices(k, k + 1);
+    if (!after_slice) view.leave_slices(k, k + 1);
     {
       const std::lock_guard lock(mutex);
       all.add(slice);
     }
+    if (after_slice && !after_slice(k, slice)) next = view.dims.z;
     if (progress != nullptr) progress->advance(1);
+  };
+  for_each_index(std::min(usable_threads(), view.dims.z), [&](int /*worker*/) {
+    for (int k = next++; k < view.dims.z; k = next++) work(k);
   });
   masks.set_boundary(all.boundary);
   return all.nan;
@@ -72,7 +79,8 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
 
 #define ISOEXTRACT_INSTANTIATE(T)                                                                                      \
   template SliceSides classify_slice(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, int, PageRequests&); \
-  template std::uint64_t classify(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, Progress*);
+  template std::uint64_t classify(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, Progress*,              \
+                                  const std::function<bool(int, const SliceSides&)>&);
 ISOEXTRACT_EACH_SAMPLE_TYPE(ISOEXTRACT_INSTANTIATE)
 #undef ISOEXTRACT_INSTANTIATE
 

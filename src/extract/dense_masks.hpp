@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -148,9 +149,12 @@ SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& th
                           PageRequests& requests);
 
 // Reads every sample once, in parallel. Fills `masks`, which have the dims of the view, and their boundary sides.
-// Returns the number of NaN samples. `progress` may be null.
+// Returns the number of NaN samples. `progress` may be null. Calls after_slice(k, facts) once the masks of slice `k`
+// are filled; several threads may do so at once. Slices come in about ascending order. The pass ends if after_slice()
+// returns false. Without after_slice(), releases the pages of each slice.
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
-                       Progress* progress);
+                       Progress* progress,
+                       const std::function<bool(int slice, const SliceSides& facts)>& after_slice = {});
 
 }  // namespace isoextract::extract

@@ -111,6 +111,8 @@ struct ExtractStats {
   // them).
   bool inside_at_boundary = false;
   bool meets_boundary = false;
+  bool counts_while_comparing = false;  // one pass did both; `count` is its time, and `classify` is zero
+  std::uint64_t early_vertices = 0;     // vertices that the sink got during that pass (MeshSink::begin_early())
   StageTime classify;
   StageTime count;
   StageTime emit;

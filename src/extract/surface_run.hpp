@@ -25,11 +25,12 @@ template <class S>
 concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats, mesh::Mesh& mesh, const glm::ivec3& p,
                                  int direction) {
   { seen.placement() } -> std::convertible_to<const OutputPlacement&>;
-  // Compares the samples with iso and fills the classification figures; without memory for all masks, count() does so
-  // instead. Returns false if there can be no surface.
+  // Compares the samples with iso and fills the classification figures, or leaves both to count(). Returns false if
+  // there can be no surface.
   { surface.classify(stats) } -> std::same_as<Result<bool>>;
-  // Counts vertices and triangles; fills `count` and other figures of `stats`. On a GPU, count() also captures the
-  // triangles, in portions that fit on the device, and adds the times of capture, read-back and weld to `stats.emit`.
+  // Counts vertices and triangles; fills `count` and other figures of `stats`. May already deliver vertices to the sink
+  // (MeshSink::begin_early()). On a GPU, count() also captures the triangles, in portions that fit on the device, and
+  // adds the times of capture, read-back and weld to `stats.emit`.
   { surface.count(stats) } -> std::same_as<Result<MeshSizes>>;
   // Writes vertices and triangles to the start of a mesh that has room for as many as were counted.
   { surface.emit(mesh) } -> std::same_as<Result<void>>;

@@ -396,6 +396,11 @@ Result<std::uint64_t> OutputFile::extend(std::uint64_t count) {
   return place;
 }
 
+Result<void> OutputFile::resize(std::uint64_t size) {
+  TRY(state_->prepare_change());
+  return state_->set_size(size);
+}
+
 Result<void> OutputFile::fill(std::uint64_t place, std::span<const std::byte> bytes) const {
   const int code = write_at(state_->fd, place, bytes);
   if (code != 0) return tl::unexpected<Error>(system_error(state_->shown, "write", code));

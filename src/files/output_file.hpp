@@ -57,7 +57,7 @@ class OutputFile {
   // Creates a regular file that several ranks (base/ranks.hpp) write, each a part of it. Rank 0 creates and commits the
   // file. The other ranks join it by the name that shared_name() returns at rank 0, and then make the same calls.
   // There, write() and extend() only count bytes, which rank 0 writes. fill() writes the given bytes; commit() closes
-  // the file; overwrite() and move_end() fail. All ranks must see one file system, and rank 0 commits last.
+  // the file; resize(), overwrite() and move_end() fail. All ranks must see one file system, and rank 0 commits last.
   [[nodiscard]] static Result<OutputFile> create_shared(const std::filesystem::path& path);
   [[nodiscard]] static Result<OutputFile> join(const std::filesystem::path& path, const std::string& shared_name);
   [[nodiscard]] std::string shared_name() const;
@@ -71,11 +71,13 @@ class OutputFile {
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> write(std::string_view text);
 
-  // extend(), overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard output, which
-  // cannot be rewritten.
+  // extend(), resize(), overwrite() and move_end() need a regular file; they fail for a device, a pipe or standard
+  // output, which cannot be rewritten.
   //
   // Makes room for `count` bytes at the end and returns the file offset of the first. Fill all of it with fill().
   [[nodiscard]] Result<std::uint64_t> extend(std::uint64_t count);
+  // Gives the file this size: cuts its end off, or makes room there as extend() does.
+  [[nodiscard]] Result<void> resize(std::uint64_t size);
   // Writes into room that extend() made, from file offset `place` on. Several threads may fill disjoint ranges at once.
   // Do not commit after a failure: commit() does not know of the failure.
   [[nodiscard]] Result<void> fill(std::uint64_t place, std::span<const std::byte> bytes) const;
@@ -87,8 +89,8 @@ class OutputFile {
 
   // Hashes everything written from now on; call before the first byte.
   void keep_hash();
-  // Returns the hash in the form of content_hash.hpp, or nothing without keep_hash(). After extend(), overwrite() or
-  // move_end(), returns nothing until commit(), which then reads the whole file back.
+  // Returns the hash in the form of content_hash.hpp, or nothing without keep_hash(). After extend(), resize(),
+  // overwrite() or move_end(), returns nothing until commit(), which then reads the whole file back.
   [[nodiscard]] std::optional<std::string> hash() const;
 
   [[nodiscard]] std::uint64_t bytes_written() const;

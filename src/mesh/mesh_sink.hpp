@@ -75,16 +75,22 @@ class MeshSink {
   // with the same shape but for the far vertices, and each delivers some of the parts. If the sinks decline, rank 0
   // makes the mesh alone.
   [[nodiscard]] virtual Ranks* ranks() const { return nullptr; }
-  // Prepares for a mesh of this shape. Call once, before the first part. Returns false if the sink declines the mesh:
-  // the caller then makes the whole mesh in memory.
+  // Prepares for vertices that come before begin(), while the extraction still counts. In `estimate`, the numbers of
+  // vertices and triangles and may_be_open may be wrong, and far_vertices is empty. Returns false if the sink takes
+  // no vertices yet. Otherwise take() may get parts without triangles until begin(), from several threads, and the
+  // passes leave out these vertices. So a sink that needs vertices in several passes declines. If begin() is not called
+  // or returns false, the sink forgets them. Never with ranks.
+  [[nodiscard]] virtual Result<bool> begin_early(const MeshShape& /*estimate*/) { return false; }
+  // Prepares for a mesh of this shape. Call once, before the first part but early ones. Returns false if the sink
+  // declines the mesh: the caller then makes the whole mesh in memory.
   [[nodiscard]] virtual Result<bool> begin(const MeshShape& shape) = 0;
   // Returns the passes in which the sink takes the parts; the mesh is made once for each. Call after begin(), and again
   // after each end_pass(), which may have added passes.
   [[nodiscard]] virtual std::vector<PartPass> passes() const { return {PartPass()}; }
   // Called before the parts of each pass, with its index in passes().
   [[nodiscard]] virtual Result<void> begin_pass(std::size_t /*pass*/) { return {}; }
-  // Takes one part, as passes() says. In each pass, the parts cover the mesh, without overlap. The arrays of the part
-  // are valid only during the call.
+  // Takes one part, as passes() says. In each pass, the parts cover the mesh but for early vertices, without overlap.
+  // The arrays of the part are valid only during the call.
   [[nodiscard]] virtual Result<void> take(const MeshPart& part) = 0;
   // Called after the parts of each pass.
   [[nodiscard]] virtual Result<void> end_pass() { return {}; }

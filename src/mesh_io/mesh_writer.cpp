@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/ascii.hpp"
 #include "mesh_io/write/attempt.hpp"
 #include "mesh_io/write/coordinate_rounding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
@@ -21,21 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kFormats = {
-    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true, false, false,
-                   true},
-    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true,
-                   false, false, true},
-    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true, false,
-                   false, true},
-    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false, false, false, true},
-    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false, true, true, true},
-    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true, true, false, false},
-};
-
 std::string names_of_formats(bool MeshFormatInfo::*property) {
   std::string names;
-  for (const MeshFormatInfo& info : kFormats) {
+  for (const MeshFormatInfo& info : mesh_formats()) {
     if (info.*property) names += fmt::format("{}{}", names.empty() ? "" : ", ", info.name);
   }
   return names;
@@ -118,40 +105,6 @@ mesh::Bounds bounds_of(std::span<const mesh::Mesh> meshes) {
 
 }  // namespace
 
-bool has_fixed_places(MeshFormat format, bool ascii) {
-  return format == MeshFormat::glb || (format == MeshFormat::ply && !ascii);
-}
-
-bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
-
-std::span<const MeshFormatInfo> mesh_formats() { return kFormats; }
-
-std::string mesh_extensions() {
-  std::string text;
-  for (const MeshFormatInfo& info : kFormats) {
-    const std::string_view between = &info == &kFormats.front() ? "" : &info == &kFormats.back() ? " or " : ", ";
-    text += fmt::format("{}.{}", between, info.name);
-  }
-  return text;
-}
-
-const MeshFormatInfo& mesh_format_info(MeshFormat format) {
-  return *std::find_if(kFormats.begin(), kFormats.end(),
-                       [format](const MeshFormatInfo& info) { return info.format == format; });
-}
-
-std::optional<MeshFormat> mesh_format_by_name(std::string_view name) {
-  for (const MeshFormatInfo& info : kFormats) {
-    if (info.name == name) return info.format;
-  }
-  return std::nullopt;
-}
-
-std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
-  const std::string extension = to_lower(path.extension().string());
-  return extension.empty() ? std::nullopt : mesh_format_by_name(std::string_view(extension).substr(1));
-}
-
 Result<void> check_packing(const MeshPacking& packing, MeshFormat format) {
   const std::string_view name = mesh_format_info(format).name;
   const bool draco = packing.compression == Compression::draco || format == MeshFormat::drc;
@@ -193,6 +146,7 @@ struct MeshWriter::State {
   std::unique_ptr<FormatWriter> format;
   mesh::Mesh head;                        // the mesh that comes in parts, without its arrays
   std::unique_ptr<PartwiseWriter> parts;  // writes these parts; null if all meshes come whole
+  bool is_early = false;                  // the writer takes vertices before begin_parts()
   Ranks* ranks = nullptr;                 // processes that write the parts; null: one process
   std::vector<std::string> left_out;      // names of attributes that the format cannot store
   Notes notes;
@@ -213,6 +167,8 @@ struct MeshWriter::State {
   [[nodiscard]] Result<void> open();
   [[nodiscard]] std::unique_ptr<PartwiseWriter> make_partwise_writer();
   [[nodiscard]] Result<std::unique_ptr<PartwiseWriter>> begin_parts(const mesh::MeshShape& shape);
+  [[nodiscard]] bool takes_parts(const mesh::Mesh& one, const mesh::MeshShape& shape, const Ranks* others) const;
+  void drop_early();
   [[nodiscard]] Result<bool> join_ranks(const mesh::MeshShape& shape);
   [[nodiscard]] Result<void> finish_parts();
   [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
@@ -310,6 +266,7 @@ std::string MeshWriter::State::left_out_note() const {
 
 // `last` holds the meshes that are not written yet.
 Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> last) {
+  if (count == 0) drop_early();
   auto done = check(count, path, options);
   if (options.packing.quantizes() && !options.packing.box) options.packing.box = bounds_of(last);
   if (done) done = open();
@@ -348,6 +305,7 @@ MeshWriter::~MeshWriter() = default;
 Result<void> MeshWriter::add(mesh::Mesh mesh) {
   State& state = *state_;
   return state.attempt([&]() -> Result<void> {
+    if (state.count == 0) state.drop_early();
     TRY(check(++state.count, state.path, state.options));
     TRY(state.check_vertex_precision(mesh));
     if (state.options.packing.optimize_order) {
@@ -379,9 +337,9 @@ std::unique_ptr<PartwiseWriter> MeshWriter::State::make_partwise_writer() {
   return nullptr;
 }
 
-// Returns null if the format declines the mesh; it has then written nothing.
+// Returns null if the format declines the mesh; it has then written nothing but early vertices.
 Result<std::unique_ptr<PartwiseWriter>> MeshWriter::State::begin_parts(const mesh::MeshShape& shape) {
-  auto writer = make_partwise_writer();
+  auto writer = is_early ? std::move(parts) : make_partwise_writer();
   const bool takes = TRY(writer->begin(shape));
   if (!takes) writer = nullptr;
   return writer;
@@ -416,28 +374,62 @@ Result<void> MeshWriter::State::finish_parts() {
   return parts->finish(notes);
 }
 
-Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks) {
-  State& state = *state_;
-  const MeshWriteOptions& options = state.options;
+bool MeshWriter::State::takes_parts(const mesh::Mesh& one, const mesh::MeshShape& shape, const Ranks* others) const {
   const bool splits_triangles = options.flat_normals && is_gltf(options.format);
-  const bool omits_attributes = !head.attributes.empty() && !mesh_format_info(options.format).has_attributes;
-  const bool has_stream = options.format == MeshFormat::gltf && files::is_stream(state.binary_path());
+  const bool omits_attributes = !one.attributes.empty() && !mesh_format_info(options.format).has_attributes;
+  const bool has_stream = options.format == MeshFormat::gltf && files::is_stream(binary_path());
   const bool needs_whole_mesh = !mesh_format_info(options.format).takes_parts || splits_triangles || has_stream ||
                                 options.packing.packs() || options.packing.optimize_order || omits_attributes ||
-                                shape.origin != glm::dvec3(0) ||
-                                (ranks != nullptr && !takes_any_order(state.path, options));
-  if (needs_whole_mesh || state.count > 0) return false;
+                                shape.origin != glm::dvec3(0) || (others != nullptr && !takes_any_order(path, options));
+  return !needs_whole_mesh && count == 0;
+}
+
+// Forgets the vertices that came before begin_parts(), with the file.
+void MeshWriter::State::drop_early() {
+  if (!std::exchange(is_early, false)) return;
+  parts.reset();
+  file.reset();
+  binary.reset();
+}
+
+Result<bool> MeshWriter::begin_early(mesh::Mesh head, const mesh::MeshShape& estimate) {
+  State& state = *state_;
+  state.drop_early();
+  const bool has_places = state.options.format == MeshFormat::gltf || takes_any_order(state.path, state.options);
+  // The normals of glTF follow all positions, so they have no place yet.
+  const bool has_no_place = is_gltf(state.options.format) && estimate.has_normals;
+  if (!has_places || has_no_place || !state.takes_parts(head, estimate, nullptr)) return false;
   return state.attempt([&]() -> Result<bool> {
-    TRY(check(1, state.path, options));
+    TRY(check(1, state.path, state.options));
+    state.head = std::move(head);
+    TRY(state.open_file());
+    state.parts = state.make_partwise_writer();
+    state.is_early = true;
+    const bool takes = TRY(state.parts->begin_early(estimate));
+    if (!takes) state.drop_early();
+    return takes;
+  });
+}
+
+Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks) {
+  State& state = *state_;
+  if (!state.takes_parts(head, shape, ranks)) {
+    state.drop_early();
+    return false;
+  }
+  return state.attempt([&]() -> Result<bool> {
+    TRY(check(1, state.path, state.options));
     state.head = std::move(head);
     state.ranks = ranks;
     if (ranks != nullptr) {
       const bool takes = TRY(state.join_ranks(shape));
       if (!takes) state.ranks = nullptr;
     } else {
-      TRY(state.open_file());
+      if (!state.is_early) TRY(state.open_file());
       state.parts = TRY(state.begin_parts(shape));
+      if (state.parts == nullptr) state.drop_early();
     }
+    state.is_early = false;
     if (state.parts != nullptr) state.count = 1;
     return state.parts != nullptr;
   });

@@ -123,6 +123,9 @@ class MeshWriter {
   // like add(). If `ranks` is not null, these ranks write a binary PLY without flat normals or a GLB together: all of
   // them call it with the same mesh, each writes its parts, and all call finish(). Only rank 0 knows the hash.
   [[nodiscard]] Result<bool> begin_parts(mesh::Mesh head, const mesh::MeshShape& shape, Ranks* ranks = nullptr);
+  // Prepares for vertices that come before begin_parts(), as mesh::MeshSink::begin_early() says; take_part() takes
+  // them. Works for binary PLY without normals of faces and for glTF without normals, in a regular file.
+  [[nodiscard]] Result<bool> begin_early(mesh::Mesh head, const mesh::MeshShape& estimate);
   // After begin_parts() returned true, part_passes() are the passes of mesh::MeshSink, begin_pass() comes before each
   // of them, and take_part() writes a part. They fail with ErrorCode::output, for STL and flat normals with
   // ErrorCode::out_of_memory, too. After a failure, every later call returns the first error, also finish(). A stream

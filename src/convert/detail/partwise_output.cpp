@@ -92,7 +92,15 @@ void add_partwise_hint(Error& error) {
       "PLY, glTF, OBJ and STL files take a mesh in parts, unless edits or tests need it whole");
 }
 
+Result<bool> PartwiseOutput::begin_early(const mesh::MeshShape& estimate) {
+  const bool has_work = bodies_ != nullptr || attributes_ != nullptr || measuring_ != nullptr;
+  if (has_work || ranks() != nullptr || (needs_.distinct_positions && !estimate.distinct_positions)) return false;
+  is_early_ = TRY(writer_.begin_early(hooks_.head(estimate), estimate));
+  return is_early_;
+}
+
 Result<bool> PartwiseOutput::begin(const mesh::MeshShape& shape) {
+  is_early_ = false;
   if (needs_.distinct_positions && !shape.distinct_positions) return false;
   if (needs_.near_vertices && !shape.uses_near_vertices) return false;
   if (bodies_ != nullptr) {
@@ -160,6 +168,7 @@ Result<void> PartwiseOutput::begin_pass(std::size_t pass) {
 }
 
 Result<void> PartwiseOutput::take(const mesh::MeshPart& part) {
+  if (is_early_) return writer_.take_part(part);
   if (pass_ < selecting_end_) return bodies_->take(part);
   if (pass_ < looking_end_) TRY(attributes_->measure(part));
   if (bodies_ == nullptr) return take_rest(part);

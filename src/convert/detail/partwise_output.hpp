@@ -57,6 +57,7 @@ class PartwiseOutput final : public mesh::MeshSink {
         context_(context) {}
 
   [[nodiscard]] Ranks* ranks() const override { return ranks_ != nullptr && ranks_->is_shared() ? ranks_ : nullptr; }
+  Result<bool> begin_early(const mesh::MeshShape& estimate) override;
   Result<bool> begin(const mesh::MeshShape& shape) override;
   [[nodiscard]] std::vector<mesh::PartPass> passes() const override { return passes_; }
   Result<void> begin_pass(std::size_t pass) override;
@@ -110,6 +111,7 @@ class PartwiseOutput final : public mesh::MeshSink {
   std::size_t measuring_end_ = 0;
   mesh::MeshShape shape_;  // of the written mesh
   std::size_t pass_ = 0;
+  bool is_early_ = false;  // begin_early() returned true, and begin() was not called yet
   bool has_declined_ = false;
   bool is_collecting_ = false;
   std::optional<mesh::Mesh> collected_;

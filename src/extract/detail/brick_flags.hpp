@@ -1,4 +1,4 @@
-// Marks the bricks of dense samples that the surface crosses.
+// Marks the bricks of dense samples that the surface crosses. Gives pages of mapped samples back.
 #pragma once
 
 #include <algorithm>
@@ -78,6 +78,30 @@ class BrickFlags {
   int rows_z_;
   Buffer<std::uint8_t> crossed_;
 };
+
+// Returns the cells of row (j, k). `masks` and `bricks` cover them; `dims` is the number of samples along each axis.
+[[nodiscard]] inline CellRow cell_row(const DenseMasks& masks, const BrickFlags& bricks, const glm::ivec3& dims, int j,
+                                      int k) {
+  CellRow row;
+  row.origin = {0, j, k};
+  for (int r = 0; r < 4; ++r) {
+    const int y = j + (r & 1);
+    const int z = k + (r >> 1);
+    row.bits[static_cast<std::size_t>(r)] = y < dims.y && z < dims.z ? masks.row(y, z) : nullptr;
+  }
+  row.samples = dims.x;
+  row.crossed_bricks = bricks.row(j / kBrickRows, k / kBrickRows);
+  return row;
+}
+
+inline constexpr int kSlicesAtWork = 4;  // read for the vertices of one slice, with normals
+
+// Returns whether pages of a mapped file may stay in memory for as many slices a thread.
+template <class T>
+[[nodiscard]] bool may_stay(const DenseView<T>& view, int slices) {
+  constexpr std::int64_t kMost = std::int64_t{96} << 20U;  // bytes
+  return !view.transient || usable_threads() * slices * view.stride_z * std::int64_t{sizeof(T)} <= kMost;
+}
 
 // Releases the pages of the slices of slab `bk` and of `around` slices on either side. Slab `bk` reads these outer
 // slices, too, and may have brought their pages back after the neighboring slab released them.

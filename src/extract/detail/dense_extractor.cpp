@@ -11,16 +11,19 @@
 
 #include <fmt/format.h>
 
+#include "base/first_error.hpp"
 #include "base/parallel.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/brick_flags.hpp"
 #include "extract/detail/cell_rows.hpp"
-#include "extract/detail/cell_streams.hpp"
+#include "extract/detail/early_vertices.hpp"
 #include "extract/detail/row_ends.hpp"
 #include "extract/detail/row_table.hpp"
+#include "extract/detail/row_vertices.hpp"
 #include "extract/detail/sample_chooser.hpp"
-#include "extract/detail/sample_gradient.hpp"
+#include "extract/detail/slab_countdown.hpp"
+#include "extract/detail/slab_hashes.hpp"
 #include "extract/detail/slab_shares.hpp"
 #include "extract/detail/slab_views.hpp"
 #include "extract/detail/slab_workers.hpp"
@@ -65,7 +68,16 @@ class DenseExtraction final {
     stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
     stats.bricks = bricks_.count();
     if (!masks_) return find_threshold(stats);
-    const auto threshold = TRY(classify_dense(field_, view_, region_.min, options_, *masks_, stats, context_));
+    const auto threshold = find_inside_threshold<T>(rule_, field_.scale);
+    // Counting needs to know whether there are holes.
+    const bool may_have_holes = field::is_floating_sample<T> && options_.nan == NanPolicy::hole;
+    const bool has_slab_for_each_thread = bricks_.rows_z() >= usable_threads();
+    if (threshold && !may_have_holes && has_slab_for_each_thread) {
+      threshold_ = *threshold;
+      return true;
+    }
+    is_classified_ = true;
+    TRY(classify_dense(field_, view_, region_.min, options_, *masks_, stats, context_));
     sides_ = masks_->boundary_sides();
     has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
     return threshold.has_value();
@@ -80,11 +92,15 @@ class DenseExtraction final {
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
     rows_.allocate();
     row_ends_.allocate();
-    if (masks_) {
+    if (!masks_) {
+      TRY(count_slabs());
+    } else if (is_classified_) {
       stats.hole_cells = count_rows();
     } else {
-      TRY(count_slabs(stats));
+      TRY(classify_and_count(stats));
     }
+    const glm::u64vec3 dims(view_.dims);
+    stats.samples_classified = dims.x * dims.y * dims.z;
     const MeshSizes sizes = TRY(place_rows(stats));
     stats.count = watch.elapsed();
     return sizes;
@@ -107,19 +123,20 @@ class DenseExtraction final {
   Result<void> deliver(mesh::MeshSink& sink, const mesh::PartPass& pass) {
     PartRoom room{{}, options_in(pass, options_), pass.in_order ? 1 : usable_threads()};
     for (int bk = own_.begin; bk < own_.end; ++bk) {
-      const MeshSizes sizes = sizes_in(pass, slab_sizes(bk));
+      const MeshSizes sizes = sizes_in(rest_of(pass, bk), slab_sizes(bk));
       room.sizes = {std::max(room.sizes.vertices, sizes.vertices), std::max(room.sizes.triangles, sizes.triangles)};
     }
     TRY(for_each_slab("extracting", own_, room, [&](const Slab& slab, mesh::Mesh& part) -> Result<void> {
       const MeshSizes first = rows_.numbers_at(slices_below(slab.bk));
-      const MeshSizes sizes = sizes_in(pass, slab_sizes(slab.bk));
+      const mesh::PartPass rest = rest_of(pass, slab.bk);
+      const MeshSizes sizes = sizes_in(rest, slab_sizes(slab.bk));
       const bool is_empty = sizes.vertices == 0 && sizes.triangles == 0;
       if (is_empty && !options_.cap) return {};  // the cap of a slab without a surface compares its samples again
       if (!is_as_counted(slab) || is_empty) return check_samples();
-      const auto emit = [&](int bj) { emit_brick_row(part, first, slab, bj); };
+      const auto emit = [&](int bj) { emit_brick_row(part, first, slab, bj, sizes.vertices > 0); };
       if (pass.in_order) for_each_index(bricks_.rows_y(), emit);
       for (int bj = 0; bj < bricks_.rows_y() && !pass.in_order; ++bj) emit(bj);
-      return deliver_part(sink, pass, part, first, sizes);
+      return deliver_part(sink, rest, part, first, sizes);
     }));
     return check_samples();
   }
@@ -148,14 +165,8 @@ class DenseExtraction final {
   // Returns the number of one vertex by counting; slow, for the few vertices that are not visited in order.
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& sample, int direction) const {
     const glm::ivec3 p = sample - region_.min;
-    const glm::ivec3 upper = p + direction_step(direction & ~1);
-    std::uint32_t number = rows_.vertices(rows_.index(p.y, p.z))[table_.index_of(direction)];
-    for (int w = 0; w <= p.x / 64; ++w) {
-      const std::uint64_t here = mask_word(upper.y, upper.z, w);
-      const std::uint64_t ends = (direction & 1) != 0 ? here >> 1U | mask_word(upper.y, upper.z, w + 1) << 63U : here;
-      number += static_cast<std::uint32_t>(std::popcount((mask_word(p.y, p.z, w) ^ ends) & bits_below(w, p.x)));
-    }
-    return number;
+    const std::uint32_t first = rows_.vertices(rows_.index(p.y, p.z))[table_.index_of(direction)];
+    return first + crossed_edges_before(p, direction, [this](int j, int k, int w) { return mask_word(j, k, w); });
   }
 
  private:
@@ -213,8 +224,7 @@ class DenseExtraction final {
     return {table_, rule_, field_.scale, has_holes_, part_of(slab.whole, region_)};
   }
 
-  // Replaces classify() if there is no memory for masks of all samples. Returns false if no sample can be inside;
-  // otherwise count() compares the samples.
+  // Replaces classify() if there is no memory for masks of all samples. Returns false if no sample can be inside.
   Result<bool> find_threshold(ExtractStats& stats) {
     const auto threshold = find_inside_threshold<T>(rule_, field_.scale);
     threshold_ = threshold.value_or(InsideThreshold<T>{});
@@ -235,29 +245,69 @@ class DenseExtraction final {
   }
 
   // Compares the samples and counts, slab by slab.
-  Result<void> count_slabs(ExtractStats& stats) {
+  Result<void> count_slabs() {
     std::mutex mutex;
-    slab_hashes_.resize(static_cast<std::size_t>(counted_.count()));
+    slab_hashes_ = SlabHashes(counted_);
     TRY(for_each_slab("counting", counted_, {}, [&](const Slab& slab, mesh::Mesh& /*part*/) -> Result<void> {
-      slab_hash(slab.bk) = hash_of(slab);
+      slab_hashes_.keep(slab.bk, slab.masks);
       for (int bj = 0; bj < bricks_.rows_y(); ++bj) count_brick_row(slab, bj);
       const std::lock_guard lock(mutex);
       if (slab.bk < own_.end) counted_sides_.add(slab.sides);
       return {};
     }));
-    const glm::u64vec3 dims(view_.dims);
-    stats.samples_classified = dims.x * dims.y * dims.z;
     return {};
   }
 
-  [[nodiscard]] std::uint64_t& slab_hash(int bk) { return slab_hashes_[static_cast<std::size_t>(bk - counted_.begin)]; }
-  [[nodiscard]] std::uint64_t hash_of(const Slab& slab) const {
-    return slab.masks.hash(kBrickRows * slab.bk, std::min(kBrickRows * slab.bk + kSlabSlices, view_.dims.z));
+  // Compares the samples, and counts each slab as soon as its samples are compared.
+  Result<void> classify_and_count(ExtractStats& stats) {
+    early_.emplace(field_, options_, context_, placement_, bricks_.rows_z(),
+                   !options_.edge_keys && may_stay(view_, kSlicesAtWork));
+    SlabCountdown countdown(view_.dims.z);
+    FirstError failure;
+    const auto count = [&](int bk) {
+      for (int bj = 0; bj < bricks_.rows_y(); ++bj) count_brick_row(slab_in_memory(bk), bj);
+      auto done = early_->add(
+          bk, rows_.counted_in(slices_below(bk), slices_below(bk + 1)),
+          [this](int slab, mesh::Mesh& part) { emit_early_vertices(part, slab); }, [this](int slab) { leave(slab); });
+      if (!done) failure.keep(std::move(done.error()));
+    };
+    stats.nan_samples =
+        extract::classify(view_, threshold_, *masks_, &context_.progress(), [&](int k, const SliceSides& slice) {
+          if (!may_stay(view_, kSlabSlices)) view_.leave_slices(k, k + 1);
+          early_->see(slice);
+          countdown.tell(k, count);
+          return !failure.any() && !context_.cancelled();
+        });
+    stats.early_vertices = early_->vertices();
+    stats.counts_while_comparing = true;
+    sides_ = masks_->boundary_sides();
+    if (failure.error()) return tl::unexpected(std::move(*failure.error()));
+    TRY(context_.check());
+    return check_nan(stats.nan_samples, stats);
+  }
+
+  // Writes the vertices of a slab, before the rows are placed, to a mesh that begins with the first of them.
+  void emit_early_vertices(mesh::Mesh& mesh, int bk) {
+    EdgeList edges(directions_, view_.dims.x);
+    VertexWriter writer({placement_, rule_, field_.scale}, mesh, 0);
+    for (int k = slices_below(bk); k < slices_below(bk + 1); ++k) {
+      for (int j = 0; j < view_.dims.y; ++j) {
+        if (rows_.counted_vertices(rows_.index(j, k)) > 0) emit_row(writer, edges, slab_in_memory(bk), j, k);
+      }
+      if (!may_stay(view_, kSlabSlices)) view_.leave_slices(std::max(k - 1, slices_below(bk)), k);
+    }
+    writer.flush();
+  }
+
+  // Returns the arrays of a slab that the sink has yet to get in this pass.
+  [[nodiscard]] mesh::PartPass rest_of(mesh::PartPass pass, int bk) const {
+    if (early_ && early_->is_delivered(bk)) pass.positions = pass.normals = false;
+    return pass;
   }
 
   // Returns whether the masks of a slab are equal to the counted masks. If not, the counts must not be used.
   [[nodiscard]] bool is_as_counted(const Slab& slab) {
-    if (masks_ || hash_of(slab) == slab_hash(slab.bk)) return true;
+    if (masks_ || slab_hashes_.is_kept(slab.bk, slab.masks)) return true;
     samples_changed_ = true;
     return false;
   }
@@ -307,16 +357,7 @@ class DenseExtraction final {
   }
 
   [[nodiscard]] CellRow cell_row(const DenseMasks& masks, int j, int k) const {
-    CellRow row;
-    row.origin = {0, j, k};
-    for (int r = 0; r < 4; ++r) {
-      const int y = j + (r & 1);
-      const int z = k + (r >> 1);
-      row.bits[static_cast<std::size_t>(r)] = y < view_.dims.y && z < view_.dims.z ? masks.row(y, z) : nullptr;
-    }
-    row.samples = view_.dims.x;
-    row.crossed_bricks = bricks_.row(j / kBrickRows, k / kBrickRows);
-    return row;
+    return extract::cell_row(masks, bricks_, view_.dims, j, k);
   }
 
   // Counts the vertices and triangles: here of all rows, below of a row of bricks. Returns how many cells are left out.
@@ -366,80 +407,37 @@ class DenseExtraction final {
 
   // Writes the vertices and triangles of a row of bricks to a mesh that begins with vertex and triangle `first`, if the
   // mesh has memory for them.
-  void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const Slab& slab, int bj) {
+  void emit_brick_row(mesh::Mesh& mesh, const MeshSizes& first, const Slab& slab, int bj, bool has_vertices = true) {
     const bool is_crossed = bricks_.is_row_crossed(bj, slab.bk);
-    if (is_crossed && !mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
+    if (is_crossed && has_vertices && !mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
     if (is_crossed && !mesh.triangles.empty())
       for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
-    if (masks_) leave_brick_row(view_, slab.bk, bj);
+    const bool is_early = early_ && early_->is_delivered(slab.bk) && !has_vertices;  // then few samples are read
+    if (masks_ && !is_early) leave_brick_row(view_, slab.bk, bj);
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const Slab& slab, int bj) {
     EdgeList edges(directions_, view_.dims.x);
     VertexWriter writer({placement_, rule_, field_.scale}, mesh, 0);
-    VertexBatch& batch = writer.batch();
     for_each_row(bj, slab.bk, [&](int j, int k) {
       // The rows of a slice have consecutive numbers within a brick row, but not from slice to slice.
       if (j == kBrickRows * bj) writer.continue_at(rows_.vertices(rows_.index(j, k))[0] - first);
       const std::size_t row = rows_.index(j, k);
-      if (rows_.vertices(row)[0] == rows_.vertices(row + 1)[0]) return;
-      list_edges(*drawings_, cell_row(slab.masks, j, k), edges);
-      for (int d = 0; d < directions_; ++d) {
-        const int direction = table_.directions[static_cast<std::size_t>(d)];
-        for (const std::int32_t* x = edges.begin(d); x != edges.end(d);) {
-          const auto room = static_cast<std::ptrdiff_t>(VertexBatch::kCapacity - batch.count);
-          const std::int32_t* end = x + std::min(room, edges.end(d) - x);
-          add_edges(slab.whole, batch, std::span(x, end), j, k, direction, writer.wants_gradients());
-          x = end;
-          writer.flush_if_full();
-        }
-      }
+      if (rows_.vertices(row)[0] != rows_.vertices(row + 1)[0]) emit_row(writer, edges, slab, j, k);
     });
     writer.flush();
   }
 
-  void add_edges(const DenseView<T>& whole, VertexBatch& batch, std::span<const std::int32_t> positions, int j, int k,
-                 int direction, bool gradients) const {
-    const glm::ivec3 low = region_.min + glm::ivec3(0, j, k);
-    const glm::ivec3 step = direction_step(direction);
-    const T* ends[2] = {whole.row(low.y, low.z) + low.x, whole.row(low.y + step.y, low.z + step.z) + low.x + step.x};
-    const int first = batch.count;
-    int i = first;
-    for (const std::int32_t x : positions) {
-      batch.value[0][i] = static_cast<double>(ends[0][x]);
-      batch.value[1][i] = static_cast<double>(ends[1][x]);
-      batch.low[0][i] = low.x + x;
-      batch.low[1][i] = low.y;
-      batch.low[2][i] = low.z;
-      batch.direction[i] = direction;
-      ++i;
-    }
-    batch.count = i;
-    if (!gradients) return;
-    for (int end = 0; end < 2; ++end) {
-      const glm::ivec3 row = low + end * step;
-      for (i = first; i < batch.count; ++i) {
-        const glm::dvec3 g =
-            sample_gradient(whole, {row.x + positions[static_cast<std::size_t>(i - first)], row.y, row.z});
-        for (int axis = 0; axis < 3; ++axis) batch.gradient[end][axis][i] = g[axis];
-      }
-    }
+  // Writes the vertices of row (j, k). `edges` is memory for them.
+  void emit_row(VertexWriter& writer, EdgeList& edges, const Slab& slab, int j, int k) const {
+    write_row_vertices(table_, *drawings_, cell_row(slab.masks, j, k), slab.whole, region_.min + glm::ivec3(0, j, k),
+                       edges, writer);
   }
 
   void emit_triangles(mesh::Mesh& mesh, std::uint64_t first_triangle, const Slab& slab, int j, int k) {
     const std::size_t index = rows_.index(j, k);
     if (rows_.triangles(index) == rows_.triangles(index + 1)) return;
-    const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
-      std::array<std::uint32_t, kMaxStreams> first{};
-      std::size_t s = 0;
-      for (const auto& stream : kCellStreams<kDirections>.streams) {
-        first[s++] = rows_.vertices(
-            rows_.index(j + (stream.row & 1), k + (stream.row >> 1)))[direction_index<kDirections>(stream.direction)];
-      }
-      return first;
-    };
-    const auto first = directions_ == 3 ? first_numbers(std::integral_constant<int, 3>{})
-                                        : first_numbers(std::integral_constant<int, 7>{});
+    const auto first = rows_.first_of_streams(j, k);
     const auto room = mesh.triangles.span().subspan(rows_.triangles(index) - first_triangle,
                                                     rows_.triangles(index + 1) - rows_.triangles(index));
     const SampleChooser<T> chooser = chooser_in(slab);
@@ -458,10 +456,11 @@ class DenseExtraction final {
   const CaseTable& table_;
   int directions_;
   OutputPlacement placement_;
-  std::optional<DenseMasks> masks_;         // of all samples; nullopt: passes compare the samples slab by slab
-  InsideThreshold<T> threshold_{};          // if there are no masks of all samples
-  std::vector<std::uint64_t> slab_hashes_;  // of the counted masks, if there are no masks of all samples
-  SliceSides counted_sides_;                // of the own slabs, if there are no masks of all samples
+  std::optional<DenseMasks> masks_;  // of all samples; nullopt: passes compare the samples slab by slab
+  InsideThreshold<T> threshold_{};   // if count() compares the samples
+  bool is_classified_ = false;       // classify() filled the masks of all samples
+  SlabHashes slab_hashes_;           // of the counted masks, if there are no masks of all samples
+  SliceSides counted_sides_;         // of the own slabs, if there are no masks of all samples
   BoundarySides sides_;
   SlabRange own_;      // of this rank
   SlabRange counted_;  // and the next rank's first slab
@@ -471,7 +470,8 @@ class DenseExtraction final {
   std::optional<CellDrawings> drawings_;
   Reservation rows_memory_;  // for the bricks and the table below
   RowTable rows_;
-  RowEnds row_ends_;  // if a cap needs them
+  RowEnds row_ends_;                    // if a cap needs them
+  std::optional<EarlyVertices> early_;  // if count() compares the samples of all slabs
 };
 
 }  // namespace

@@ -1,9 +1,12 @@
 // The number of the first vertex and the first triangle of each row of samples.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -11,7 +14,10 @@
 
 #include "base/buffer.hpp"
 #include "base/parallel.hpp"
+#include "extract/detail/cell_rows.hpp"
+#include "extract/detail/cell_streams.hpp"
 #include "extract/mesh_assembly.hpp"
+#include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
 
@@ -46,14 +52,26 @@ class RowTable {
   [[nodiscard]] std::uint64_t& triangles(std::size_t row) { return triangles_[row]; }
   [[nodiscard]] const std::uint64_t& triangles(std::size_t row) const { return triangles_[row]; }
 
+  // Returns the counted vertices of a row. Call before place(), as counted_in().
+  [[nodiscard]] std::uint64_t counted_vertices(std::size_t row) const {
+    return std::accumulate(vertices(row), vertices(row) + directions_, std::uint64_t{0});
+  }
+  // Returns the sizes of the slices from `begin` to end - 1.
+  [[nodiscard]] MeshSizes counted_in(int begin, int end) const {
+    MeshSizes sizes;
+    for (std::size_t row = index(0, begin); row < index(0, end); ++row) {
+      sizes.vertices += counted_vertices(row);
+      sizes.triangles += triangles_[row];
+    }
+    return sizes;
+  }
+
   // Sums the counts, so that counted_below() is valid.
   void sum() {
     below_.assign(slices_ + 1, {});
     for_each_index(slices_, [&](std::size_t k) {
-      const auto vertex_counts = vertices_.span().subspan(k * rows_ * directions_, rows_ * directions_);
-      const auto triangle_counts = triangles_.span().subspan(k * rows_, rows_);
-      below_[k] = {std::accumulate(vertex_counts.begin(), vertex_counts.end(), std::uint64_t{0}),
-                   std::accumulate(triangle_counts.begin(), triangle_counts.end(), std::uint64_t{0})};
+      const int slice = first_slice_ + static_cast<int>(k);
+      below_[k] = counted_in(slice, slice + 1);
     });
     MeshSizes sizes;
     for (MeshSizes& slice : below_) {
@@ -89,7 +107,25 @@ class RowTable {
     return {vertices(row)[0], triangles(row)};
   }
 
+  // Returns the number of the first vertex of each stream of row (j, k), as CellStreams lists them. Call after place().
+  [[nodiscard]] std::array<std::uint32_t, kMaxStreams> first_of_streams(int j, int k) const {
+    return directions_ == 3 ? first_of_streams(j, k, std::integral_constant<int, 3>{})
+                            : first_of_streams(j, k, std::integral_constant<int, 7>{});
+  }
+
  private:
+  template <int kDirections>
+  [[nodiscard]] std::array<std::uint32_t, kMaxStreams> first_of_streams(
+      int j, int k, std::integral_constant<int, kDirections> /*directions*/) const {
+    std::array<std::uint32_t, kMaxStreams> first{};
+    std::size_t s = 0;
+    for (const auto& stream : kCellStreams<kDirections>.streams) {
+      const std::size_t row = index(j + (stream.row & 1), k + (stream.row >> 1));
+      first[s++] = vertices(row)[direction_index<kDirections>(stream.direction)];
+    }
+    return first;
+  }
+
   std::size_t rows_;
   std::size_t directions_;
   int first_slice_;
@@ -98,5 +134,19 @@ class RowTable {
   Buffer<std::uint64_t> triangles_;  // per row
   std::vector<MeshSizes> below_;
 };
+
+// Returns how many samples before `p` in its row have a crossed edge toward `direction`. mask_word(j, k, w) returns
+// word `w` of the mask of row (j, k), zero behind the last.
+template <class MaskWord>
+[[nodiscard]] std::uint32_t crossed_edges_before(const glm::ivec3& p, int direction, const MaskWord& mask_word) {
+  const glm::ivec3 upper = p + direction_step(direction & ~1);
+  std::uint32_t count = 0;
+  for (int w = 0; w <= p.x / 64; ++w) {
+    const std::uint64_t here = mask_word(upper.y, upper.z, w);
+    const std::uint64_t ends = (direction & 1) != 0 ? here >> 1U | mask_word(upper.y, upper.z, w + 1) << 63U : here;
+    count += static_cast<std::uint32_t>(std::popcount((mask_word(p.y, p.z, w) ^ ends) & bits_below(w, p.x)));
+  }
+  return count;
+}
 
 }  // namespace isoextract::extract

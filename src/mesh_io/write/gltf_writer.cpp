@@ -15,6 +15,7 @@
 
 #include "base/packed_values.hpp"
 #include "files/record_stream.hpp"
+#include "mesh_io/write/first_array.hpp"
 #include "mesh_io/write/glb_container.hpp"
 #include "mesh_io/write/gltf_model.hpp"
 #include "mesh_io/write/gltf_packed_part.hpp"
@@ -155,6 +156,16 @@ class PartwiseJson {
   [[nodiscard]] const GltfPart& layout() const { return *part_; }
   [[nodiscard]] bool has_attributes() const { return !part_->semantics.empty(); }
 
+  // Returns the JSON's length for a mesh of this shape in a GLB; nothing if it depends on the bounds or the mesh is too
+  // large.
+  [[nodiscard]] std::optional<std::size_t> glb_bytes_of(const mesh::MeshShape& shape) const {
+    Notes notes;  // begin() adds them
+    const GltfPart part(head_, shape, notes);
+    const std::size_t bytes = longest_json(part, placement_);
+    const bool fits = mesh_io::glb_bytes(bytes, part.bytes()) <= std::numeric_limits<std::uint32_t>::max();
+    return reserves_bounds(part) && fits ? std::optional(bytes) : std::nullopt;
+  }
+
   // Returns the bytes of the JSON of a GLB. Fails if the file would be too large.
   [[nodiscard]] Result<std::size_t> glb_bytes(const files::OutputFile& file) const {
     const std::size_t bytes = longest_json(*part_, placement_);
@@ -233,10 +244,13 @@ std::size_t attribute_index_of(const GltfSemantic& semantic, const GltfPart& lay
 // File offsets of the arrays of one mesh.
 class PartPlaces {
  public:
-  // Makes room at the end of the file.
-  Result<void> extend(files::OutputFile& file, const GltfPart& layout) {
+  // Positions can be filled in from file offset `at` on, a guess. begin() follows.
+  void begin_early(std::uint64_t at) { positions_.begin_early(at); }
+
+  // Writes the start of the file, and makes room for the arrays behind it.
+  Result<void> begin(files::OutputFile& file, const std::string& start, const GltfPart& layout) {
     const mesh::MeshShape& shape = layout.shape;
-    positions_at_ = TRY(file.extend(shape.vertices * sizeof(glm::vec3)));
+    TRY(positions_.begin(file, start, shape.vertices * sizeof(glm::vec3)));
     normals_at_ = TRY(file.extend(shape.has_normals ? shape.vertices * sizeof(glm::vec3) : 0));
     for (const GltfSemantic& semantic : layout.semantics) {
       const std::uint64_t at = TRY(file.extend(shape.vertices * semantic.stride()));
@@ -248,7 +262,7 @@ class PartPlaces {
 
   // Several threads may fill in parts at once.
   Result<void> fill(const files::OutputFile& file, const mesh::MeshPart& part) const {
-    TRY(file.fill(positions_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.positions)));
+    TRY(file.fill(positions_.place() + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.positions)));
     TRY(file.fill(normals_at_ + part.first_vertex * sizeof(glm::vec3), std::as_bytes(part.normals)));
     for (const Values& values : attributes_) {
       if (part.attributes.empty()) break;  // a part without vertices
@@ -265,7 +279,7 @@ class PartPlaces {
     std::uint64_t at;
   };
 
-  std::uint64_t positions_at_ = 0;
+  FirstArray positions_;
   std::uint64_t normals_at_ = 0;
   std::vector<Values> attributes_;
   std::uint64_t triangles_at_ = 0;
@@ -277,13 +291,19 @@ class PartwiseGlbWriter final : public PartwiseWriter {
   PartwiseGlbWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
       : json_(head, options), file_(file) {}
 
+  Result<bool> begin_early(const mesh::MeshShape& estimate) override {
+    const auto json_bytes = json_.glb_bytes_of(estimate);
+    if (json_bytes) places_.begin_early(glb_start(0, 0).size() + *json_bytes + glb_binary_head(0).size());
+    return json_bytes.has_value();
+  }
+
   Result<bool> begin(const mesh::MeshShape& shape) override {
     if (!json_.begin(shape)) return false;
     json_bytes_ = TRY(json_.glb_bytes(file_));
-    TRY(file_.write(glb_start(json_bytes_, json_.binary_bytes())));
-    json_at_ = TRY(file_.extend(json_bytes_));
-    TRY(file_.write(glb_binary_head(json_.binary_bytes())));
-    TRY(places_.extend(file_, json_.layout()));
+    const std::string start = glb_start(json_bytes_, json_.binary_bytes());
+    json_at_ = start.size();
+    const std::string room(json_bytes_, ' ');
+    TRY(places_.begin(file_, start + room + glb_binary_head(json_.binary_bytes()), json_.layout()));
     return true;
   }
 
@@ -317,9 +337,14 @@ class PartwiseGltfWriter final : public PartwiseWriter {
                      files::OutputFile& binary, const std::string& binary_name)
       : json_(head, options), model_(model), binary_(binary), uri_(uri_of(binary_name)) {}
 
+  Result<bool> begin_early(const mesh::MeshShape& /*estimate*/) override {
+    places_.begin_early(0);
+    return true;
+  }
+
   Result<bool> begin(const mesh::MeshShape& shape) override {
     if (!json_.begin(shape)) return false;
-    TRY(places_.extend(binary_, json_.layout()));
+    TRY(places_.begin(binary_, {}, json_.layout()));
     return true;
   }
 

@@ -1,7 +1,8 @@
 // Writers of a file with one mesh, which they get in parts (mesh/mesh_sink.hpp). The file has the same bytes as one
 // written from the whole mesh. In binary PLY and glTF, whose records have one size, take() writes each part to its
 // place, in any order. Text and streams are written in order, and so are STL and normals of faces, which need the
-// vertices of the next part.
+// vertices of the next part. Vertices may come before the numbers of vertices and triangles are known
+// (begin_early()): the first ones of a file with places.
 #pragma once
 
 #include <memory>

@@ -12,6 +12,7 @@
 #include "base/version.hpp"
 #include "files/record_stream.hpp"
 #include "mesh_io/detail/placement_entry.hpp"
+#include "mesh_io/write/first_array.hpp"
 #include "mesh_io/write/mesh_encoding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
 #include "mesh_io/write/partwise_writer.hpp"
@@ -283,10 +284,16 @@ class PartwisePlyWriter final : public PartwiseWriter {
   PartwisePlyWriter(const mesh::Mesh& head, const MeshWriteOptions& options, files::OutputFile& file)
       : head_(head), options_(options), file_(file) {}
 
+  Result<bool> begin_early(const mesh::MeshShape& estimate) override {
+    Notes notes;  // begin() adds them
+    vertex_bytes_ = vertex_record_bytes(head_, estimate.has_normals);
+    vertices_.begin_early(header(head_, estimate, options_, notes).size());
+    return true;
+  }
+
   Result<bool> begin(const mesh::MeshShape& shape) override {
-    TRY(file_.write(header(head_, shape, options_, notes_)));
     vertex_bytes_ = vertex_record_bytes(head_, shape.has_normals);
-    vertices_at_ = TRY(file_.extend(shape.vertices * vertex_bytes_));
+    TRY(vertices_.begin(file_, header(head_, shape, options_, notes_), shape.vertices * vertex_bytes_));
     triangles_at_ = TRY(file_.extend(shape.triangles * kFaceBytes));
     return true;
   }
@@ -296,7 +303,7 @@ class PartwisePlyWriter final : public PartwiseWriter {
   }
 
   Result<void> take(const mesh::MeshPart& part) override {
-    const std::uint64_t vertices_at = vertices_at_ + part.first_vertex * vertex_bytes_;
+    const std::uint64_t vertices_at = vertices_.place() + part.first_vertex * vertex_bytes_;
     if (has_positions_only(part)) {
       TRY(file_.fill(vertices_at, std::as_bytes(part.positions)));
     } else {
@@ -317,7 +324,7 @@ class PartwisePlyWriter final : public PartwiseWriter {
   files::OutputFile& file_;
   Notes notes_;  // notes about the attributes
   std::size_t vertex_bytes_ = 0;
-  std::uint64_t vertices_at_ = 0;   // file offset of the first vertex
+  FirstArray vertices_;
   std::uint64_t triangles_at_ = 0;  // file offset of the first triangle
 };
 

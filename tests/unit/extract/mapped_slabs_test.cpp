@@ -42,24 +42,36 @@ field::ScalarField mapped_planes(const std::string& path) {
 // Notes the largest number of bytes of a mapping that are in memory when a part of the mesh is ready.
 class ResidentSink final : public mesh::MeshSink {
  public:
-  explicit ResidentSink(const void* mapping) : mapping_(mapping) {}
+  explicit ResidentSink(const void* mapping, bool takes_early = false) : mapping_(mapping), takes_early_(takes_early) {}
 
-  Result<bool> begin(const mesh::MeshShape& /*shape*/) override { return true; }
+  Result<bool> begin_early(const mesh::MeshShape& /*estimate*/) override { return takes_early_; }
+  Result<bool> begin(const mesh::MeshShape& /*shape*/) override {
+    early_vertices = vertices;
+    bytes_after_counting = resident_bytes();
+    return true;
+  }
   Result<void> take(const mesh::MeshPart& part) override {
-    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-    const std::vector<bool> pages = test::resident_pages(mapping_, kVolumeBytes / page);
-    most_bytes = std::max(most_bytes, page * static_cast<std::size_t>(std::ranges::count(pages, true)));
+    most_bytes = std::max(most_bytes, resident_bytes());
     vertices += part.positions.size();
-    is_known = is_known && !pages.empty();
     return {};
   }
 
   std::size_t most_bytes = 0;
+  std::size_t bytes_after_counting = 0;
   std::size_t vertices = 0;
+  std::size_t early_vertices = 0;
   bool is_known = true;
 
  private:
+  std::size_t resident_bytes() {
+    const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    const std::vector<bool> pages = test::resident_pages(mapping_, kVolumeBytes / page);
+    is_known = is_known && !pages.empty();
+    return page * static_cast<std::size_t>(std::ranges::count(pages, true));
+  }
+
   const void* mapping_;
+  bool takes_early_;
 };
 
 TEST(MappedSlabs, HoldFewRowsOfSamples) {
@@ -80,6 +92,26 @@ TEST(MappedSlabs, HoldFewRowsOfSamples) {
   // A slab reads 8 slices of 1 MiB that it gives back, and up to 4 around them. Pages between runs of rows may come
   // back.
   EXPECT_LT(sink.most_bytes, std::size_t{6} << 20U);
+  EXPECT_LT(sink.bytes_after_counting, std::size_t{2} << 20U);
+}
+
+// A slab of 9 slices of 1 MiB stays until its vertices are made. They read 3 more; the system maps pages around these.
+TEST(MappedSlabs, HoldOneSlabWithEarlyVertices) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const test::TempFolder folder;
+  const field::ScalarField field = mapped_planes((folder / "samples").string());
+  ResidentSink sink(std::get<field::DenseSamples>(field.samples).data, true);
+  ExtractOptions options = test::options_of(Method::mc, 0);
+  options.smooth_normals = true;
+  options.sink = &sink;
+  const auto made = make_cpu_extractor()->extract(field, options, Context());
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_EQ(made->stats.early_vertices, sink.early_vertices);
+  EXPECT_GT(sink.early_vertices, sink.vertices / 4);
+  EXPECT_EQ(sink.vertices, made->taken->vertices);
+  if (!sink.is_known) GTEST_SKIP() << "the system does not tell which pages are in memory";
+  EXPECT_LT(sink.most_bytes, std::size_t{16} << 20U);
+  EXPECT_LT(sink.bytes_after_counting, std::size_t{2} << 20U);
 }
 
 }  // namespace

@@ -110,6 +110,80 @@ TEST_P(PartwiseFile, HasHashOfTheBytesOfAllRanks) {
   EXPECT_EQ(read_bytes(path("parts")), read_bytes(path("whole")));
 }
 
+// Early vertices move if the start of the file is shorter or longer than expected.
+TEST_P(PartwiseFile, HasSameBytesWithEarlyVertices) {
+  for (const bool normals : {false, true}) {
+    const std::vector<mesh::Mesh> meshes = one(sphere(kRings, normals, "a name"));
+    const MeshWriteOptions options{.format = GetParam(), .hash_files = true};
+    const MeshWriteResult whole = must_write(meshes, path("whole"), options);
+    const auto parts = parts_of(meshes[0], 7);
+    for (const double factor : {0.001, 0.8, 1.0, 1.3, 100.0}) {
+      SCOPED_TRACE(factor);
+      mesh::MeshShape estimate = mesh::shape_of(meshes[0]);
+      estimate.vertices = static_cast<std::uint64_t>(factor * static_cast<double>(estimate.vertices));
+      estimate.triangles = static_cast<std::uint64_t>(factor * static_cast<double>(estimate.triangles));
+      mesh::Mesh head = head_of(meshes[0]);
+      MeshWriter writer(path("parts"), options, Context());
+      head.material = mesh::Material{glm::dvec3(0.1, 0.2, 0.3), 0.5, true};  // the later one differs
+      const bool is_short = GetParam() == MeshFormat::glb && factor < 0.01;  // its indices have 16 bits
+      const bool takes = !is_short && (GetParam() == MeshFormat::ply || !normals);
+      ASSERT_EQ(writer.begin_early(std::move(head), estimate), takes);
+      const auto is_early = [&](std::size_t p) { return takes && p % 2 == 0; };
+      for_each_index(parts.size(), [&](std::size_t p) {
+        mesh::MeshPart vertices = parts[p];
+        vertices.triangles = {};
+        if (is_early(p)) {
+          EXPECT_TRUE(writer.take_part(vertices));
+        }
+      });
+      ASSERT_EQ(writer.begin_parts(head_of(meshes[0]), mesh::shape_of(meshes[0])), true);
+      for_each_index(parts.size(), [&](std::size_t p) {
+        mesh::MeshPart rest = parts[p];
+        if (is_early(p)) rest.positions = rest.normals = {};
+        EXPECT_TRUE(writer.take_part(rest));
+      });
+      const auto done = writer.finish();
+      ASSERT_TRUE(done) << done.error().message;
+      EXPECT_EQ(done->files.at(0).hash, whole.files.at(0).hash);
+      EXPECT_EQ(read_bytes(path("parts")), read_bytes(path("whole")));
+    }
+  }
+}
+
+TEST_P(PartwiseFile, ForgetsEarlyVertices) {
+  std::vector<mesh::Mesh> meshes = one(sphere(kRings, false, "a name"));
+  const MeshWriteOptions options{.format = GetParam()};
+  (void)must_write(meshes, path("whole"), options);
+  const mesh::MeshShape shape = mesh::shape_of(meshes[0]);
+  {
+    MeshWriter writer(path("parts"), options, Context());
+    ASSERT_EQ(writer.begin_early(head_of(meshes[0]), shape), true);
+    ASSERT_TRUE(writer.take_part({5, meshes[0].positions.span(), {}, 0, {}}));
+    ASSERT_TRUE(writer.add(mesh::copy(meshes[0])));
+    ASSERT_TRUE(writer.finish());
+  }
+  EXPECT_EQ(read_bytes(path("parts")), read_bytes(path("whole")));
+  fs::remove(path("parts"));
+  {
+    MeshWriter writer(path("parts"), options, Context());
+    ASSERT_EQ(writer.begin_early(head_of(meshes[0]), shape), true);
+    mesh::MeshShape moved = shape;
+    moved.origin = {1e7, 0, 0};
+    ASSERT_EQ(writer.begin_parts(head_of(meshes[0]), moved), false);
+    ASSERT_TRUE(writer.add(std::move(meshes[0])));
+    ASSERT_TRUE(writer.finish());
+  }
+  EXPECT_EQ(read_bytes(path("parts")), read_bytes(path("whole")));
+  fs::remove(path("parts"));
+  {
+    MeshWriter writer(path("parts"), options, Context());
+    ASSERT_EQ(writer.begin_early(head_of(sphere(kRings, false)), shape), true);
+  }
+  EXPECT_FALSE(fs::exists(path("parts")));
+  MeshWriter to_stream("-", options, Context());
+  EXPECT_EQ(to_stream.begin_early({}, shape), false);
+}
+
 TEST_P(PartwiseFile, LeavesNothingIfNotFinished) {
   const mesh::Mesh mesh = sphere(kRings, false);
   {
