@@ -151,7 +151,7 @@ SliceSides classify_slice(const DenseView<T>& view, const InsideThreshold<T>& th
 // Reads every sample once, in parallel. Fills `masks`, which have the dims of the view, and their boundary sides.
 // Returns the number of NaN samples. `progress` may be null. Calls after_slice(k, facts) once the masks of slice `k`
 // are filled; several threads may do so at once. Slices come in about ascending order. The pass ends if after_slice()
-// returns false. Without after_slice(), releases the pages of each slice.
+// returns false; the facts are then those of some slices. Without after_slice(), releases the pages of each slice.
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
                        Progress* progress,

@@ -155,6 +155,7 @@ template <SurfacePasses Surface>
 
   watch.restart();
   TRY(offer_to_sink(options, surface, sizes, cap, box, context, result));
+  if (!result.taken) result.stats.early_vertices = 0;  // the sink has forgotten them
   if (result.taken || share) {
     result.stats.emit += watch.elapsed();
     return result;

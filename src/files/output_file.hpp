@@ -78,8 +78,8 @@ class OutputFile {
   [[nodiscard]] Result<std::uint64_t> extend(std::uint64_t count);
   // Gives the file this size: cuts its end off, or makes room there as extend() does.
   [[nodiscard]] Result<void> resize(std::uint64_t size);
-  // Writes into room that extend() made, from file offset `place` on. Several threads may fill disjoint ranges at once.
-  // Do not commit after a failure: commit() does not know of the failure.
+  // Writes into room that extend() made, or behind the end before resize(), from file offset `place` on. Several
+  // threads may fill disjoint ranges at once. Do not commit after a failure: commit() does not know of the failure.
   [[nodiscard]] Result<void> fill(std::uint64_t place, std::span<const std::byte> bytes) const;
   // Replaces bytes from file offset `place` on; the whole range must have been written already.
   [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);

@@ -422,6 +422,7 @@ Result<bool> MeshWriter::begin_parts(mesh::Mesh head, const mesh::MeshShape& sha
     state.head = std::move(head);
     state.ranks = ranks;
     if (ranks != nullptr) {
+      state.drop_early();
       const bool takes = TRY(state.join_ranks(shape));
       if (!takes) state.ranks = nullptr;
     } else {

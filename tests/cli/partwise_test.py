@@ -139,6 +139,28 @@ class PartwiseTest(ProgramTest):
         for name in ("a.gltf", "a.glb"):
             self.assert_by_parts(False, *GYROID, "--normals", "flat", "-o", name)
 
+    def assert_early(self, early, *arguments):
+        """Whether vertices go to the file while others are counted."""
+        err = self.convert(*arguments, "-v").err
+        found = re.search(r"s to compare samples, count and make (\d+) vertices, .* s to make the rest of the mesh", err)
+        self.assertEqual(found is not None, early, err)
+        if early:
+            self.assertGreater(int(found[1]), 20000)
+
+    def test_which_files_get_vertices_while_counting(self):
+        none = ("--normals", "none")
+        one = ("--threads", 1, "-o")  # several threads may leave all vertices to the later pass
+        for name in ("a.ply", "a.glb", "a.gltf"):
+            self.assert_early(True, *GYROID, *none, *one, name)
+            self.assert_early(True, *GYROID, *none, "--cap", "--method", "mt", *one, name)
+            self.assert_early(False, *GYROID, *none, "--report", "a.json", *one, name)  # measures the parts first
+        self.assert_early(True, *GYROID, *one, "a.ply")
+        self.assert_early(False, *GYROID, *one, "a.glb")  # normals follow all positions
+        for name, *form in ORDERED:
+            self.assert_early(False, *GYROID, *form, "-o", name)
+        self.assert_early(False, *GYROID, *none, "--nan", "hole", "-o", "a.ply")
+        self.assert_early(False, *GYROID, *none, "--drop-components", 10, "-o", "a.ply")
+
     def written_to_pipe(self, name, *arguments):
         """The bytes that a named pipe gets."""
         pipe = self.folder / name

@@ -412,8 +412,8 @@ class DenseExtraction final {
     if (is_crossed && has_vertices && !mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
     if (is_crossed && !mesh.triangles.empty())
       for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
-    const bool is_early = early_ && early_->is_delivered(slab.bk) && !has_vertices;  // then few samples are read
-    if (masks_ && !is_early) leave_brick_row(view_, slab.bk, bj);
+    const bool keeps_pages = early_ && !has_vertices && may_stay(view_, kSlabSlices);
+    if (masks_ && !keeps_pages) leave_brick_row(view_, slab.bk, bj);
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::uint64_t first, const Slab& slab, int bj) {

@@ -115,21 +115,22 @@ class EarlyVertices {
     constexpr std::uint64_t kLeastVertices = 20000;  // fewer take no time
     constexpr std::uint64_t kMostVertices = std::uint64_t{1} << 28U;
     const int count = static_cast<int>(slabs_.size());
-    if (next_ <= count / kLeastPart || below_.vertices < kLeastVertices) return {};
+    if (next_ <= count / kLeastPart || next_ == count || below_.vertices < kLeastVertices) return {};
+    state_ = State::ended;
     const double part = static_cast<double>(next_) / count;
     shape_.vertices = static_cast<std::uint64_t>(static_cast<double>(below_.vertices) / part);
     shape_.triangles = static_cast<std::uint64_t>(static_cast<double>(below_.triangles) / part);
     shape_.may_be_open = !options_.cap && sides_.boundary.inside && sides_.boundary.outside;
     const bool takes = shape_.vertices <= kMostVertices && TRY(options_.sink->begin_early(shape_));
-    state_ = takes ? State::accepted : State::ended;
+    if (takes) state_ = State::accepted;
     return {};
   }
 
   const field::ScalarField& field_;
   const ExtractOptions& options_;
   const Context& context_;
-  mesh::MeshShape shape_;  // an estimate
   std::mutex mutex_;       // guards the members below, but not slabs that were numbered
+  mesh::MeshShape shape_;  // an estimate
   std::vector<Slab> slabs_;
   int next_ = 0;     // the first slab that is not numbered
   MeshSizes below_;  // of the slabs before it

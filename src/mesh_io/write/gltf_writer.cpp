@@ -156,6 +156,12 @@ class PartwiseJson {
   [[nodiscard]] const GltfPart& layout() const { return *part_; }
   [[nodiscard]] bool has_attributes() const { return !part_->semantics.empty(); }
 
+  // Returns whether begin() would return true for a mesh of this shape.
+  [[nodiscard]] bool has_places(const mesh::MeshShape& shape) const {
+    Notes notes;  // begin() adds them
+    return reserves_bounds(GltfPart(head_, shape, notes));
+  }
+
   // Returns the JSON's length for a mesh of this shape in a GLB; nothing if it depends on the bounds or the mesh is too
   // large.
   [[nodiscard]] std::optional<std::size_t> glb_bytes_of(const mesh::MeshShape& shape) const {
@@ -163,7 +169,7 @@ class PartwiseJson {
     const GltfPart part(head_, shape, notes);
     const std::size_t bytes = longest_json(part, placement_);
     const bool fits = mesh_io::glb_bytes(bytes, part.bytes()) <= std::numeric_limits<std::uint32_t>::max();
-    return reserves_bounds(part) && fits ? std::optional(bytes) : std::nullopt;
+    return has_places(shape) && fits ? std::optional(bytes) : std::nullopt;
   }
 
   // Returns the bytes of the JSON of a GLB. Fails if the file would be too large.
@@ -337,9 +343,9 @@ class PartwiseGltfWriter final : public PartwiseWriter {
                      files::OutputFile& binary, const std::string& binary_name)
       : json_(head, options), model_(model), binary_(binary), uri_(uri_of(binary_name)) {}
 
-  Result<bool> begin_early(const mesh::MeshShape& /*estimate*/) override {
+  Result<bool> begin_early(const mesh::MeshShape& estimate) override {
     places_.begin_early(0);
-    return true;
+    return json_.has_places(estimate);
   }
 
   Result<bool> begin(const mesh::MeshShape& shape) override {
