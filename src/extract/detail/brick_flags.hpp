@@ -103,6 +103,15 @@ template <class T>
   return !view.transient || usable_threads() * slices * view.stride_z * std::int64_t{sizeof(T)} <= kMost;
 }
 
+// Returns whether the pages of slabs may stay until their vertices are made. Otherwise each slice is released after
+// each look at it, which takes longer. So much memory is for volumes beside which it is little.
+template <class T>
+[[nodiscard]] bool slabs_may_stay(const DenseView<T>& view) {
+  constexpr int kLeastPart = 50;  // a fiftieth of the samples
+  const bool is_small_part = kLeastPart * usable_threads() * kSlabSlices <= view.dims.z;
+  return !view.transient || (is_small_part && may_stay(view, kSlabSlices));
+}
+
 // Releases the pages of the slices of slab `bk` and of `around` slices on either side. Slab `bk` reads these outer
 // slices, too, and may have brought their pages back after the neighboring slab released them.
 template <class T>

@@ -273,7 +273,7 @@ class DenseExtraction final {
     };
     stats.nan_samples =
         extract::classify(view_, threshold_, *masks_, &context_.progress(), [&](int k, const SliceSides& slice) {
-          if (!may_stay(view_, kSlabSlices)) view_.leave_slices(k, k + 1);
+          if (!slabs_may_stay(view_)) view_.leave_slices(k, k + 1);
           early_->see(slice);
           countdown.tell(k, count);
           return !failure.any() && !context_.cancelled();
@@ -294,7 +294,7 @@ class DenseExtraction final {
       for (int j = 0; j < view_.dims.y; ++j) {
         if (rows_.counted_vertices(rows_.index(j, k)) > 0) emit_row(writer, edges, slab_in_memory(bk), j, k);
       }
-      if (!may_stay(view_, kSlabSlices)) view_.leave_slices(std::max(k - 1, slices_below(bk)), k);
+      if (!slabs_may_stay(view_)) view_.leave_slices(std::max(k - 1, slices_below(bk)), k);
     }
     writer.flush();
   }
@@ -412,7 +412,7 @@ class DenseExtraction final {
     if (is_crossed && has_vertices && !mesh.positions.empty()) emit_vertices(mesh, first.vertices, slab, bj);
     if (is_crossed && !mesh.triangles.empty())
       for_each_row(bj, slab.bk, [&](int j, int k) { emit_triangles(mesh, first.triangles, slab, j, k); });
-    const bool keeps_pages = early_ && !has_vertices && may_stay(view_, kSlabSlices);
+    const bool keeps_pages = early_ && !has_vertices && slabs_may_stay(view_);
     if (masks_ && !keeps_pages) leave_brick_row(view_, slab.bk, bj);
   }
 
