@@ -50,16 +50,16 @@ Result<CapPlaces> place_in_cap(const std::vector<std::uint32_t>& counts, const s
   if (share) told = TRY(share->ranks->gather(own));
   const std::size_t rank = share ? static_cast<std::size_t>(share->ranks->rank()) : 0;
   CapPlaces places;
-  places.first_of_rows.resize(counts.size());
+  places.first_of_rows.reserve(counts.size());
   for (std::size_t row = 0; row < counts.size(); ++row) {
-    places.first_of_rows[row] = places.all;
+    std::uint64_t first = places.all;
     for (std::size_t r = 0; r < told.size(); ++r) {
-      if (r == rank) places.first_of_rows[row] = places.all;
+      if (r == rank) first = places.all;
       places.all += count_at(told[r], row);
     }
     if (!share) places.all += counts[row];
+    places.first_of_rows.push_back(first);
     if (counts[row] == 0) continue;
-    const std::uint64_t first = places.first_of_rows[row];
     if (!places.runs.empty() && places.runs.back().first + places.runs.back().count == first) {
       places.runs.back().count += counts[row];
     } else {
