@@ -183,6 +183,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   const std::string alone = reason_to_convert_alone(plan);
   if (is_later_rank() && (plan.flags.dry_run || !alone.empty())) return {};
   if (plan.flags.dry_run) {
+    TRY(limit_threads(plan.common.threads));
     TRY(find_sequence_values(flags, plan, messages));
     return print_batch_plan(plan, messages);
   }
@@ -200,7 +201,7 @@ Result<void> run_planned(const ConvertFlags& flags, BatchPlan& plan, const std::
   if (alone.empty()) options.ranks = ranks_of_run();
   options.keeps_figures = shows_rows(plan);
   options.scheduler = {.jobs = plan.jobs,
-                       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
+                       .threads = plan.threads,
                        .fail_fast = plan.flags.fail_fast,
                        .extras = {.mesh_facts = plan.measures_meshes(),
                                   .volume_hint = std::string(kHowToKeepVolumes),

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tbb/task_arena.h>
 
 #include "base/byte_size.hpp"
 #include "base/counted.hpp"
@@ -57,12 +58,15 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   std::vector<std::int64_t> estimated;
   std::optional<FrameMemory> most;
   std::optional<Error> failed;
+  const int at_once = static_cast<int>(std::min(static_cast<std::size_t>(plan.jobs), plan.frames.size()));
+  tbb::task_arena arena(std::max(1, plan.threads / std::max(at_once, 1)));  // the threads of a frame
   for (const std::size_t i : sampled_frames(plan)) {
     const batch::FrameJob& frame = plan.batch.frames[i];
     const auto use = plan.batch.animation     ? convert::MeshUse::whole
                      : plan.measures_meshes() ? convert::MeshUse::figures
                                               : convert::MeshUse::none;
-    const auto bytes = convert::estimated_memory(frame.job, use, plan.common.context.memory());
+    const auto bytes =
+        arena.execute([&] { return convert::estimated_memory(frame.job, use, plan.common.context.memory()); });
     if (!bytes) {
       if (!failed) failed = bytes.error();
       messages.note({NoteId::memory_unknown, fmt::format("frame {}: the dry run cannot estimate the memory: {}",
@@ -74,11 +78,10 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   }
   if (!most) return tl::unexpected(std::move(*failed));
   constexpr std::uint64_t kMiB = 1 << 20;
-  const std::uint64_t at_once = std::min<std::uint64_t>(static_cast<std::uint64_t>(plan.jobs), plan.frames.size());
   const std::string sampled = fmt::format("; largest of the estimates for frames {}", fmt::join(estimated, ", "));
   return fmt::format("memory: about {} MiB ({} for frame {}, {} at a time{})\n",
-                     (most->bytes * at_once + kMiB - 1) / kMiB, format_byte_size(most->bytes), most->frame, at_once,
-                     estimated.size() > 1 ? sampled : "");
+                     (most->bytes * static_cast<std::uint64_t>(at_once) + kMiB - 1) / kMiB,
+                     format_byte_size(most->bytes), most->frame, at_once, estimated.size() > 1 ? sampled : "");
 }
 
 }  // namespace

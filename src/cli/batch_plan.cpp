@@ -374,8 +374,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.shard = shard;
   plan.frames = batch::frames_of(plan.batch, plan.shard);
 
-  const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
-  plan.jobs = flags.batch.jobs.value_or(threads);
+  plan.threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
+  plan.jobs = flags.batch.jobs.value_or(plan.threads);
   plan.flags = flags.batch;
   TRY(refuse_both(plan.flags.resume, plan.flags.no_clobber, "", "--resume converts only the unfinished frames"));
   if (plan.flags.resume) plan.resume_policy = batch::ResumePolicy::keep_unchanged;

@@ -37,6 +37,7 @@ struct BatchPlan {
   // The options as given, but with the number of the shard in the names of --table and --plot. For a setting that
   // another member holds as well, such as `jobs`, use that member: it includes defaults.
   BatchFlags flags;
+  int threads = 1;  // of the whole run
   int jobs = 1;
   bool make_folders = false;
   PictureFormat plot_format = PictureFormat::svg;

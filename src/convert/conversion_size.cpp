@@ -18,6 +18,7 @@
 #include "edit/partwise_bodies.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/inner_wall.hpp"
+#include "extract/mapped_slices.hpp"
 #include "field/resample.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
@@ -92,8 +93,7 @@ std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::Volum
   const ConversionSize size = size_of_samples(field);
   if (format == volume_io::VolumeFileFormat::vdb) return size.sample_bytes + size.samples * 2 * sizeof(float);
   if (std::holds_alternative<field::DenseSamples>(field.samples)) return size.sample_bytes;
-  const glm::u64vec3 dims(field::resampled_box(field).dims());
-  return size.sample_bytes + size.lookup_bytes + dims.x * dims.y * dims.z * field::sample_size(field.type());
+  return size.sample_bytes + size.lookup_bytes + field::resampled_box(field).count() * field::sample_size(field.type());
 }
 
 // Returns the estimated memory of the surfaces of one grid.
@@ -155,7 +155,7 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
 
 std::uint64_t bytes_without_mesh(const ConversionSize& size) {
   constexpr std::uint64_t kPlaceBytes = 400;  // lookup of a block position and its vertex numbers
-  return kProgramBytes + kConversionBytes + size.resident_bytes + size.samples / 4 + size.lookup_bytes +
+  return kProgramBytes + kConversionBytes + size.resident_bytes + size.mark_bytes + size.lookup_bytes +
          size.places * kPlaceBytes;
 }
 
@@ -218,15 +218,22 @@ ConversionSize size_of_samples(const field::ScalarField& field) {
         std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
     size.samples = sparse.blocks.size() * kBlockSamples;
     size.lookup_bytes = field::SparseLookup::bytes(sparse);
+    size.mark_bytes = size.samples / 4;  // measured
     size.slabs = count_layers(sparse);
   }
   size.sample_bytes = size.resident_bytes = size.samples * field::sample_size(field.type());
   if (dense == nullptr) return size;
-  const auto slices = static_cast<std::uint64_t>(dense->dims.z);
+  constexpr std::uint64_t kRowBytes = 20;  // of the tables of Method::mc
+  const glm::u64vec3 dims(dense->dims);
+  size.mark_bytes = extract::DenseMasks::bytes(dense->dims) + dims.y * dims.z * kRowBytes;
+  const std::uint64_t slices = dims.z;
   size.slabs = (slices + extract::kBrickRows - 1) / extract::kBrickRows;
   if (dense->releases_pages()) {
-    const std::uint64_t in_work = static_cast<std::uint64_t>(usable_threads()) * extract::kSlabSlices;
-    size.resident_bytes = size.sample_bytes / slices * std::min(in_work, slices);
+    const std::uint64_t slice_bytes = size.sample_bytes / slices;
+    const bool slabs_stay = extract::slabs_may_stay(dense->dims.z, static_cast<std::int64_t>(slice_bytes));
+    const int of_thread = slabs_stay ? extract::kSlabSlices : extract::kSlicesAtWork;
+    const std::uint64_t at_work = static_cast<std::uint64_t>(usable_threads()) * static_cast<std::uint64_t>(of_thread);
+    size.resident_bytes = slice_bytes * std::min(at_work, slices);
   }
   return size;
 }

@@ -16,6 +16,7 @@ struct ConversionSize {
   std::uint64_t samples = 0;  // stored samples
   std::uint64_t sample_bytes = 0;
   std::uint64_t resident_bytes = 0;  // sample_bytes; for a large mapped file, the bytes of the slices in work only
+  std::uint64_t mark_bytes = 0;      // of the inside bits, and of the tables of rows or blocks
   std::uint64_t slabs = 0;           // parts of the mesh that go to the file one by one; 0 without any
   std::uint64_t lookup_bytes = 0;    // of the lookup table that finds sparse blocks
   std::uint64_t places = 0;          // block positions of a sparse field that the surface passes through
@@ -32,8 +33,8 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 // Returns the sizes of the samples and of the surface at `iso`.
 [[nodiscard]] ConversionSize size_of(const field::ScalarField& field, double iso);
 
-// Returns the estimated peak memory: kProgramBytes, kConversionBytes, the samples, two bits of marks for each sample,
-// the lookup tables of sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse
+// Returns the estimated peak memory: kProgramBytes, kConversionBytes, the samples and their marks, the lookup tables of
+// sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse
 // blocks far apart.
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
 // Returns the same for a mesh that goes to its file part by part (extract::ExtractOptions::sink), with or without

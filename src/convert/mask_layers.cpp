@@ -233,8 +233,7 @@ Result<std::shared_ptr<ReservedBuffer<T>>> make_zeros(std::size_t count, const C
 
 template <class Map>
 Result<Map> make_map(const field::ScalarField& grid, std::size_t masks, const Context& context) {
-  const glm::i64vec3 dims = grid.extents().dims();
-  const auto count = static_cast<std::size_t>(dims.x * dims.y * dims.z);
+  const std::size_t count = grid.extents().count();
   const std::string what = fmt::format("{}: the label map of all masks", grid.source);
   Map map;
   if (masks <= std::numeric_limits<std::uint8_t>::max()) {

@@ -200,8 +200,7 @@ struct LabelVoxels::Found {
 
   void find_dense(const field::DenseSamples& samples, const Context& context) {
     const ChunkGrid grid(region);
-    const glm::u64vec3 dims(region.dims());
-    stats.samples_classified = dims.x * dims.y * dims.z;
+    stats.samples_classified = region.count();
     base = region.min;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       const DenseView<T> view = part_of(dense_view<T>(samples), region);
@@ -328,8 +327,7 @@ struct LabelVoxels::Found {
       const field::IndexBox within{glm::max(tile.origin, region.min),
                                    glm::min(tile.origin + tile.size - 1, region.max)};
       if (entry == by_label.end() || within.empty()) continue;
-      const glm::u64vec3 dims(within.dims());
-      add(entry->second->label, dims.x * dims.y * dims.z, within);
+      add(entry->second->label, within.count(), within);
     }
   }
 

@@ -25,6 +25,10 @@ struct IndexBox {
 
   [[nodiscard]] glm::i64vec3 dims() const { return glm::i64vec3(max) - glm::i64vec3(min) + glm::i64vec3(1); }
   [[nodiscard]] bool empty() const { return max.x < min.x || max.y < min.y || max.z < min.z; }
+  [[nodiscard]] std::uint64_t count() const {  // samples in the box
+    const glm::u64vec3 sizes(dims());
+    return empty() ? 0 : sizes.x * sizes.y * sizes.z;
+  }
   friend bool operator==(const IndexBox&, const IndexBox&) = default;
 };
 

@@ -28,6 +28,7 @@
 #include "extract/detail/slab_views.hpp"
 #include "extract/detail/slab_workers.hpp"
 #include "extract/detail/vertex_batch.hpp"
+#include "extract/mapped_slices.hpp"
 #include "extract/row_bits.hpp"
 #include "extract/surface_run.hpp"
 
@@ -99,8 +100,7 @@ class DenseExtraction final {
     } else {
       TRY(classify_and_count(stats));
     }
-    const glm::u64vec3 dims(view_.dims);
-    stats.samples_classified = dims.x * dims.y * dims.z;
+    stats.samples_classified = region_.count();
     const MeshSizes sizes = TRY(place_rows(stats));
     stats.count = watch.elapsed();
     return sizes;
@@ -278,7 +278,7 @@ class DenseExtraction final {
           countdown.tell(k, count);
           return !failure.any() && !context_.cancelled();
         });
-    stats.early_vertices = early_->vertices();
+    stats.early_vertices = early_->finish();
     stats.counts_while_comparing = true;
     sides_ = masks_->boundary_sides();
     if (failure.error()) return tl::unexpected(std::move(*failure.error()));

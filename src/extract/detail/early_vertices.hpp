@@ -7,6 +7,8 @@
 #include <limits>
 #include <mutex>
 #include <new>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/context.hpp"
@@ -41,7 +43,7 @@ class EarlyVertices {
   }
 
   // Tells the sizes of a slab that is counted, and delivers the vertices of all slabs whose first vertex is known now:
-  // write(slab, part) fills the positions and normals of `part`. leave(slab) follows, also for a slab that is not
+  // write(slab, part) fills the first positions and normals of `part`. leave(slab) follows, also for a slab that is not
   // delivered yet. Several threads may call add() at once. As soon as a part of the slabs is counted, it offers their
   // vertices to the sink, with numbers estimated from that part. Leaves out a slab that finds no memory. Fails as the
   // sink does.
@@ -57,8 +59,13 @@ class EarlyVertices {
     return {};
   }
 
+  // Frees the memory for parts, after all calls of add(). Returns the number of delivered vertices.
+  [[nodiscard]] std::uint64_t finish() {
+    parts_.clear();
+    return vertices_;
+  }
+
   [[nodiscard]] bool is_delivered(int slab) const { return !slabs_.empty() && at(slab).is_delivered; }
-  [[nodiscard]] std::uint64_t vertices() const { return vertices_; }  // number delivered
 
  private:
   struct Slab {
@@ -93,19 +100,39 @@ class EarlyVertices {
   template <class Write>
   [[nodiscard]] Result<void> deliver(int slab, const Write& write) {
     const MeshSizes sizes{at(slab).sizes.vertices, 0};
-    const auto memory = reserve_mesh(field_, sizes, options_, context_);
-    if (sizes.vertices == 0 || !memory) return {};
-    mesh::Mesh part;
+    if (sizes.vertices == 0) return {};
+    std::optional<mesh::Mesh> part;
     try {
-      allocate_mesh(part, sizes, {}, options_);
-      write(slab, part);
+      part = take_part(sizes);
+      if (!part) return {};
+      write(slab, *part);
     } catch (const std::bad_alloc&) {
       return {};
     }
-    TRY(options_.sink->take({at(slab).first_vertex, part.positions.span(), part.normals.span(), 0, {}}));
+    TRY(deliver_part(*options_.sink, {}, *part, {at(slab).first_vertex, 0}, sizes));
     at(slab).is_delivered = true;
     vertices_ += sizes.vertices;
+    const std::lock_guard lock(mutex_);
+    parts_.push_back(std::move(*part));
     return {};
+  }
+
+  // Returns arrays of at least these sizes, or nullopt if there is no memory. They are those of an earlier slab if they
+  // fit: arrays allocated for each slab, in unequal sizes, would fill more and more of the heap.
+  [[nodiscard]] std::optional<mesh::Mesh> take_part(const MeshSizes& sizes) {
+    std::optional<mesh::Mesh> part(std::in_place);
+    if (const std::lock_guard lock(mutex_); !parts_.empty()) {
+      part = std::move(parts_.back());
+      parts_.pop_back();
+    }
+    if (part->positions.size() >= sizes.vertices) return part;
+    part.emplace();
+    const MeshSizes larger{sizes.vertices + sizes.vertices / 8, 0};  // for slabs a little larger than this one
+    auto memory = reserve_mesh(field_, larger, options_, context_);
+    if (!memory) return std::nullopt;
+    part->memory = std::move(*memory);
+    allocate_mesh(*part, larger, {}, options_);
+    return part;
   }
 
   // Offers the vertices to the sink once enough slabs are counted. A sink may have to move them if an estimate is
@@ -129,8 +156,9 @@ class EarlyVertices {
   const field::ScalarField& field_;
   const ExtractOptions& options_;
   const Context& context_;
-  std::mutex mutex_;       // guards the members below, but not slabs that were numbered
-  mesh::MeshShape shape_;  // an estimate
+  std::mutex mutex_;               // guards the members below, but not slabs that were numbered
+  std::vector<mesh::Mesh> parts_;  // arrays for the vertices of a slab, not in use
+  mesh::MeshShape shape_;          // an estimate
   std::vector<Slab> slabs_;
   int next_ = 0;     // the first slab that is not numbered
   MeshSizes below_;  // of the slabs before it

@@ -211,8 +211,38 @@ TEST(EarlyVertices, LeavesOutSlabsWithoutMemory) {
   EXPECT_EQ(written, std::vector{2});
   EXPECT_EQ(left, (std::vector{0, 2, 1, 2}));
   ASSERT_TRUE(add(3, {2000, 50000}));
-  EXPECT_EQ(early.vertices(), 3000U);
+  EXPECT_EQ(early.finish(), 3000U);
   for (int slab = 0; slab < 4; ++slab) EXPECT_EQ(early.is_delivered(slab), slab > 1);
+}
+
+// Arrays for each slab, in unequal sizes, fill the heap: a process took twice the memory.
+TEST(EarlyVertices, SlabsUseTheSameArrays) {
+  const field::ScalarField field = noise();
+  ExtractOptions options = test::options_of(Method::mc, 500);
+  EarlySink sink;
+  options.sink = &sink;
+  const OutputPlacement placement = output_placement(field, options, field.extents(), field.extents());
+  const Context context;
+  const std::uint64_t all = context.memory().left();
+  EarlyVertices early(field, options, context, placement, 6, true);
+  std::vector<const glm::vec3*> arrays;
+  const auto add = [&](int slab, std::uint64_t vertices) {
+    const auto write = [&](int /*slab*/, mesh::Mesh& part) {
+      ASSERT_GE(part.positions.size(), vertices);
+      std::ranges::fill(part.positions, glm::vec3(1, 2, 3));
+      arrays.push_back(part.positions.data());
+    };
+    return early.add(slab, {vertices, 2 * vertices}, write, [](int /*slab*/) {});
+  };
+  for (const std::uint64_t vertices : {30000, 1000, 1100, 900, 5000, 3000}) {
+    ASSERT_TRUE(add(static_cast<int>(arrays.size()) + (sink.estimate ? 1 : 0), vertices));
+  }
+  ASSERT_EQ(arrays.size(), 5U);
+  EXPECT_EQ(arrays[1], arrays[0]) << "a tenth larger";
+  EXPECT_EQ(arrays[2], arrays[0]);
+  EXPECT_EQ(arrays[4], arrays[3]);
+  EXPECT_EQ(early.finish(), 11000U);
+  EXPECT_EQ(context.memory().left(), all) << "finish() frees them";
 }
 
 // A surface with more vertices than indices can number is refused before they are written.
@@ -222,7 +252,8 @@ TEST(EarlyVertices, EndWithTheIndices) {
   EarlySink sink;
   options.sink = &sink;
   const OutputPlacement placement = output_placement(field, options, field.extents(), field.extents());
-  EarlyVertices early(field, options, Context(), placement, 3, true);
+  const Context context;
+  EarlyVertices early(field, options, context, placement, 3, true);
   const auto add = [&](int slab, std::uint64_t vertices) {
     return early.add(
         slab, {vertices, 2 * vertices}, [](int /*slab*/, mesh::Mesh& /*part*/) {}, [](int /*slab*/) {});
@@ -231,7 +262,7 @@ TEST(EarlyVertices, EndWithTheIndices) {
   ASSERT_TRUE(sink.estimate);
   ASSERT_TRUE(add(1, std::uint64_t{1} << 32U));
   ASSERT_TRUE(add(2, 30000));
-  EXPECT_EQ(early.vertices(), 0U);
+  EXPECT_EQ(early.finish(), 0U);
 }
 
 TEST(SlabCountdown, TellsOfEachSlabOnce) {
