@@ -106,8 +106,9 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
         example_command(plan, input, described, ConvertFlags().heightfield.name(), false, report.field.creator);
   }
   const bool separates = report.suggestion.separates && !report.labels;
-  report.size =
-      separates ? convert::size_of(report.field, report.suggestion.iso) : convert::size_of_samples(report.field);
+  extract::ExtractOptions surface;
+  surface.iso = report.suggestion.iso;
+  report.size = separates ? convert::size_of(report.field, surface) : convert::size_of_samples(report.field);
   if (report.labels) {
     // Surface nets have about a vertex and two triangles for each face of a voxel.
     report.size.vertices = report.labels->map.faces;

@@ -27,6 +27,17 @@
 namespace isoextract::convert {
 namespace {
 
+std::uint64_t mesh_bytes(std::uint64_t vertices, bool has_normals) {
+  return vertices * (has_normals ? 2 : 1) * sizeof(glm::vec3) + 2 * vertices * sizeof(glm::uvec3);
+}
+
+std::uint64_t bytes_without_mesh(const ConversionSize& size) {
+  constexpr std::uint64_t kPlaceBytes = 400;  // lookup of a block position and its vertex numbers
+  constexpr std::uint64_t kCapBytes = 48;     // of the growing lists of a vertex of the cap and its triangles
+  return kProgramBytes + kConversionBytes + size.resident_bytes + size.mark_bytes + size.lookup_bytes +
+         size.places * kPlaceBytes + size.cap_vertices * kCapBytes;
+}
+
 // Returns the memory of vertex attributes: other volumes, world positions of vertices, values and a color. `vertices`
 // are those in memory at a time.
 std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
@@ -117,15 +128,17 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     return kProgramBytes + kConversionBytes + context.memory().peak() +
            std::max(edit_bytes(job, vertices, context.memory().left()), most_hollow);
   }
-  // Making a field from particles takes more memory than keeping it.
-  std::uint64_t most = source.of_particles ? kProgramBytes + context.memory().peak() : 0;
+  // Making a field takes more memory than keeping it: from particles, by a blur, or in another resolution.
+  std::uint64_t most = kProgramBytes + context.memory().peak();
   if (const auto* file = job.writes<FieldFileOptions>()) {
     most = std::max(most, kProgramBytes + field_file_bytes(source.field, file->format));
   }
   if (const auto labels = chosen_labels(source.isos, job.surface.background))
     return std::max(most, TRY(memory_of_labels(job, source, *labels, context)));
+  std::uint64_t kept_bytes = 0;  // of the surfaces that wait until their file is written
+  const bool keeps_surfaces = std::ranges::any_of(job.outputs, [](const auto& file) { return file.isos.size() > 1; });
   for (const ResolvedIso& iso : source.isos) {
-    const ConversionSize size = size_of(source.field, iso.id.iso());
+    const ConversionSize size = size_of(source.field, extract_options_of(job, source, iso.id.iso()));
     const bool selects = job.edits.pieces.drops();
     const std::uint64_t sampling = source.attributes ? size.vertices * sampling_bytes(*source.attributes) : 0;
     const std::uint64_t selecting =
@@ -134,7 +147,8 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     const mesh::MeshShape shape{.vertices = size.vertices,
                                 .triangles = estimated_triangles(size),
                                 .has_normals = job.normals == Normals::smooth};
-    const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso()) &&
+    const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso(), size.has_nan) &&
+                          !(size.has_nan && shape.has_normals) &&
                           (!selects || !holds_whole_selection(shape, sampling, measures, context.memory().left()));
     const bool has_figures = measures || selects;
     std::uint64_t bytes =
@@ -147,20 +161,10 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
         after, hollow_bytes(job, source, estimated_triangles(size), static_cast<double>(size.vertices) * cell_area));
     if (selects && !by_parts) after = std::max(after, selecting / 5 * 3);
     if (job.error) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
-    bytes += after;
-    most = std::max(most, bytes);
+    most = std::max(most, kept_bytes + bytes + after);
+    if (keeps_surfaces) kept_bytes += mesh_bytes(size.vertices, true);
   }
   return most;
-}
-
-std::uint64_t bytes_without_mesh(const ConversionSize& size) {
-  constexpr std::uint64_t kPlaceBytes = 400;  // lookup of a block position and its vertex numbers
-  return kProgramBytes + kConversionBytes + size.resident_bytes + size.mark_bytes + size.lookup_bytes +
-         size.places * kPlaceBytes;
-}
-
-std::uint64_t mesh_bytes(const ConversionSize& size, bool has_normals) {
-  return size.vertices * (has_normals ? 2 : 1) * sizeof(glm::vec3) + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
 // Returns how many different x the blocks have: the sparse extractor makes a part for each.
@@ -187,13 +191,14 @@ std::uint64_t parts_bytes(const ConversionSize& size, const MeshFileOptions& fil
   const auto of_parts = [&](std::uint64_t parts, std::uint64_t bytes) { return bytes_of_parts(size, parts, bytes); };
   // Face normals need the vertices of a second part, too.
   if (file.format == mesh_io::MeshFormat::stl || normals == Normals::flat)
-    return of_parts(2, mesh_bytes(size, false)) + record_bytes;
+    return of_parts(2, mesh_bytes(size.vertices, false)) + record_bytes;
   if (file.format == mesh_io::MeshFormat::obj || file.ascii) {
     // A pass has either the vertices or the triangles.
-    const std::uint64_t vertex_bytes = mesh_bytes(size, has_normals) - estimated_triangles(size) * sizeof(glm::uvec3);
+    const std::uint64_t vertex_bytes =
+        mesh_bytes(size.vertices, has_normals) - estimated_triangles(size) * sizeof(glm::uvec3);
     return of_parts(1, std::max(vertex_bytes, estimated_triangles(size) * sizeof(glm::uvec3))) + record_bytes;
   }
-  return of_parts(threads, mesh_bytes(size, has_normals));
+  return of_parts(threads, mesh_bytes(size.vertices, has_normals));
 }
 
 // Returns the memory of the parts of a mesh while mesh::PartwiseMeasures measures them.
@@ -201,60 +206,86 @@ std::uint64_t measuring_bytes(const ConversionSize& size) {
   // The part that waits, and the corners at its vertices.
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3) + 5 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
   constexpr std::uint64_t kTriangleBytes = 2 * sizeof(glm::uvec3) + 3 * sizeof(std::uint64_t);
-  return bytes_of_parts(size, 1, mesh_bytes(size, false)) +
+  return bytes_of_parts(size, 1, mesh_bytes(size.vertices, false)) +
          bytes_of_parts(size, 1, size.vertices * kVertexBytes + estimated_triangles(size) * kTriangleBytes);
 }
 
-}  // namespace
+std::uint64_t count_rows(const field::IndexBox& region) {
+  const glm::u64vec3 dims(region.dims());
+  return dims.y * dims.z;
+}
 
-ConversionSize size_of_samples(const field::ScalarField& field) {
+// Returns the sizes of the samples for a surface in a region of them, which matters for dense samples.
+ConversionSize size_in(const field::ScalarField& field, const field::IndexBox& region) {
   ConversionSize size;
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
-  if (dense != nullptr) {
-    size.samples = dense->count();
-  } else {
+  if (dense == nullptr) {
     const auto& sparse = std::get<field::SparseSamples>(field.samples);
     constexpr std::uint64_t kBlockSamples =
         std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
     size.samples = sparse.blocks.size() * kBlockSamples;
+    size.sample_bytes = size.resident_bytes = size.samples * field::sample_size(field.type());
     size.lookup_bytes = field::SparseLookup::bytes(sparse);
     size.mark_bytes = size.samples / 4;  // measured
     size.slabs = count_layers(sparse);
+    return size;
   }
-  size.sample_bytes = size.resident_bytes = size.samples * field::sample_size(field.type());
-  if (dense == nullptr) return size;
   constexpr std::uint64_t kRowBytes = 20;  // of the tables of Method::mc
-  const glm::u64vec3 dims(dense->dims);
-  size.mark_bytes = extract::DenseMasks::bytes(dense->dims) + dims.y * dims.z * kRowBytes;
-  const std::uint64_t slices = dims.z;
+  const glm::ivec3 dims(region.dims());
+  const auto slices = static_cast<std::uint64_t>(dims.z);
+  size.samples = dense->count();
+  size.sample_bytes = size.resident_bytes = size.samples * field::sample_size(field.type());
+  size.mark_bytes = extract::DenseMasks::bytes(dims) + count_rows(region) * kRowBytes;
   size.slabs = (slices + extract::kBrickRows - 1) / extract::kBrickRows;
   if (dense->releases_pages()) {
-    const std::uint64_t slice_bytes = size.sample_bytes / slices;
-    const bool slabs_stay = extract::slabs_may_stay(dense->dims.z, static_cast<std::int64_t>(slice_bytes));
+    const std::uint64_t slice_bytes = size.sample_bytes / static_cast<std::uint64_t>(dense->dims.z);
+    const bool slabs_stay = extract::slabs_may_stay(dims.z, static_cast<std::int64_t>(slice_bytes));
     const int of_thread = slabs_stay ? extract::kSlabSlices : extract::kSlicesAtWork;
     const std::uint64_t at_work = static_cast<std::uint64_t>(usable_threads()) * static_cast<std::uint64_t>(of_thread);
-    size.resident_bytes = slice_bytes * std::min(at_work, slices);
+    size.resident_bytes = slice_bytes / static_cast<std::uint64_t>(dense->dims.y) * static_cast<std::uint64_t>(dims.y) *
+                          std::min(at_work, slices);
   }
   return size;
 }
 
-ConversionSize size_of(const field::ScalarField& field, double iso) {
-  ConversionSize size = size_of_samples(field);
-  const field::SurfaceEstimate surface = field::estimate_surface(field, iso);
+}  // namespace
+
+ConversionSize size_of_samples(const field::ScalarField& field) { return size_in(field, field.extents()); }
+
+ConversionSize size_of(const field::ScalarField& field, const extract::ExtractOptions& options) {
+  // Method::mt has a vertex on all edges of tetrahedra: a plane of mean slope crosses three times as many.
+  constexpr std::uint64_t kMtVertices = 3;
+  constexpr std::uint64_t kMtRowBytes = 16;  // of the tables, more than those of Method::mc
+  field::IndexBox region = field.extents();
+  if (const auto clipped = extract::clip_region(field, region, options)) region = *clipped;
+  ConversionSize size = size_in(field, region);
+  const field::SurfaceEstimate surface = field::estimate_surface(field, options.iso, region);
   size.vertices = surface.vertices;
   size.places = surface.places;
+  size.has_nan = surface.has_nan;
+  if (options.method == extract::Method::mt) {
+    size.vertices *= kMtVertices;
+    size.mark_bytes += count_rows(region) * kMtRowBytes;
+  }
+  if (options.cap && !extract::method_info(options.method).traits.always_closed) size.cap_vertices = surface.boundary;
+  size.vertices += size.cap_vertices;
   return size;
 }
 
 std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.vertices; }
 
-std::uint64_t estimated_bytes(const ConversionSize& size) { return bytes_without_mesh(size) + mesh_bytes(size, true); }
+std::uint64_t estimated_bytes(const ConversionSize& size) {
+  return bytes_without_mesh(size) + mesh_bytes(size.vertices, true);
+}
 
 std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file, Normals normals,
                                        bool has_figures) {
   if (size.slabs == 0) return estimated_bytes(size);
-  const std::uint64_t writing = parts_bytes(size, file, normals);
-  return bytes_without_mesh(size) + (has_figures ? std::max(writing, measuring_bytes(size)) : writing);
+  ConversionSize surface = size;  // the cap is a part by itself
+  surface.vertices -= size.cap_vertices;
+  std::uint64_t parts = std::max(parts_bytes(surface, file, normals), mesh_bytes(size.cap_vertices, false));
+  if (has_figures) parts = std::max(parts, measuring_bytes(surface));
+  return bytes_without_mesh(size) + parts;
 }
 
 std::uint64_t estimated_label_bytes(const field::ScalarField& field, const extract::LabelMapSize& size,

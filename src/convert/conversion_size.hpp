@@ -6,12 +6,13 @@
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
 #include "convert/conversion_job.hpp"
+#include "extract/extractor.hpp"
 #include "extract/label_map_size.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::convert {
 
-// Sizes of a conversion at one iso value. `places` and `vertices` are estimates.
+// Sizes of a conversion at one iso value. `places` and the numbers of vertices are estimates.
 struct ConversionSize {
   std::uint64_t samples = 0;  // stored samples
   std::uint64_t sample_bytes = 0;
@@ -20,7 +21,9 @@ struct ConversionSize {
   std::uint64_t slabs = 0;           // parts of the mesh that go to the file one by one; 0 without any
   std::uint64_t lookup_bytes = 0;    // of the lookup table that finds sparse blocks
   std::uint64_t places = 0;          // block positions of a sparse field that the surface passes through
-  std::uint64_t vertices = 0;
+  std::uint64_t vertices = 0;        // with those of the cap
+  std::uint64_t cap_vertices = 0;    // of dense samples
+  bool has_nan = false;              // dense: a sample of the region is NaN
 };
 
 // Memory of the program itself, on a few threads and without the libraries that plug-ins load.
@@ -30,8 +33,9 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 
 // Returns the sizes of the samples alone.
 [[nodiscard]] ConversionSize size_of_samples(const field::ScalarField& field);
-// Returns the sizes of the samples and of the surface at `iso`.
-[[nodiscard]] ConversionSize size_of(const field::ScalarField& field, double iso);
+// Returns the sizes of the samples and of the surface. Takes the region of dense samples into account, but not that of
+// sparse ones.
+[[nodiscard]] ConversionSize size_of(const field::ScalarField& field, const extract::ExtractOptions& options);
 
 // Returns the estimated peak memory: kProgramBytes, kConversionBytes, the samples and their marks, the lookup tables of
 // sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse
@@ -59,9 +63,10 @@ enum class MeshUse {
 
 // Returns the estimated peak memory of a job, for the grid and iso value that need most. It is the sum of
 // estimated_bytes(), vertex attributes, and the largest of simplification, packing, hollowing and error measurement. A
-// mesh that goes to its file part by part counts as estimated_bytes_by_parts(). If making a field from particles or
-// writing a field file needs more, returns that. For mesh files and for jobs that write particles, returns the peak of
-// reading, plus the edits of the meshes. Reads the input, and fails as open_source() and read_particles() do.
+// mesh that goes to its file part by part counts as estimated_bytes_by_parts(); the surfaces of one file count
+// together. If making the field (from particles, by a blur) or writing a field file needs more, returns that. For mesh
+// files and for jobs that write particles, returns the peak of reading, plus the edits of the meshes. Reads the input,
+// and fails as open_source() and read_particles() do.
 [[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, MeshUse use, const MemoryBudget& memory);
 
 }  // namespace isoextract::convert

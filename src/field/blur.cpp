@@ -177,7 +177,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
       TRY(context.reserve(max_threads() * DensePasses<Out>::scratch_bytes(data.dims), memory_label(field)));
   Out* const values = made->values.data();
   std::atomic<bool> all_finite{true};
-  for_each_slice(data, context, [&](int, std::size_t first, std::size_t end) {
+  for_each_slice(data, 0, context, [&](int, std::size_t first, std::size_t end) {
     bool finite = true;
     for (std::size_t i = first; i < end; ++i) {
       finite = finite && is_known_number(from[i]);
@@ -188,7 +188,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
   std::shared_ptr<ReservedBuffer<float>> known;
   if (!all_finite) {
     known = TRY(make_reserved_buffer<float>(data.count(), context, memory_label(field)));
-    for_each_slice(data, context, [&](int, std::size_t first, std::size_t end) {
+    for_each_slice(data, 0, context, [&](int, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) known->values[i] = is_known_number(from[i]) ? 1.0F : 0.0F;
     });
   }
@@ -198,7 +198,7 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
     TRY(context.check());
   }
   if (known) {
-    for_each_slice(data, context, [&](int, std::size_t first, std::size_t end) {
+    for_each_slice(data, 0, context, [&](int, std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) {
         if (!is_known_number(from[i])) values[i] = static_cast<Out>(from[i]);
       }

@@ -34,7 +34,7 @@ Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data,
   const auto* from = static_cast<const T*>(data.data);
   const glm::i64vec3 dims(data.dims);
   tbb::enumerable_thread_specific<std::vector<T>> windows;
-  for_each_slice(data, context, [&](int k, std::size_t first, std::size_t) {
+  for_each_slice(data, radius, context, [&](int k, std::size_t first, std::size_t) {
     std::vector<T>& window = windows.local();
     T* to = values + first;
     for (int j = 0; j < data.dims.y; ++j) {

@@ -19,6 +19,7 @@
 #include "base/reserved_buffer.hpp"
 #include "field/detail/axis_weights.hpp"
 #include "field/detail/majority.hpp"
+#include "field/detail/sample_rows.hpp"
 #include "field/sample_value.hpp"
 #include "field/sparse_lookup.hpp"
 
@@ -241,56 +242,15 @@ double combine_samples(const AxisWeights& axis, const SampleWeights& use, const 
   return part.share >= kHalf || std::isnan(part.value) ? part.value : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Reads rows of a field's samples along x. y and z count from the low corner of the box.
+// Reads row (y, z). With `leaves_nan_out`, the row gets shares if it has NaN.
 template <class T>
-class SourceRows {
- public:
-  SourceRows(const Samples& samples, const IndexBox& box, NanHandling nan)
-      : leaves_nan_out_(nan == NanHandling::left_out),
-        dense_(std::get_if<DenseSamples>(&samples)),
-        sparse_(std::get_if<SparseSamples>(&samples)),
-        box_(box) {
-    if (sparse_ != nullptr) lookup_.emplace(*sparse_);
-  }
-
-  void read(int y, int z, RowBuffer& row) const {
-    read_values(y, z, row.values.data());
-    if constexpr (!is_floating_sample<T>) return;
-    row.set_masked(leaves_nan_out_ && std::ranges::any_of(row.values, [](double value) { return std::isnan(value); }));
-    if (!row.masked) return;
-    std::ranges::transform(row.values, row.shares.begin(), [](double value) { return std::isnan(value) ? 0.0 : 1.0; });
-  }
-
-  // Writes the samples of a row to `row`. NaN stays NaN.
-  void read_values(int y, int z, double* row) const {
-    if (dense_ != nullptr) {
-      const glm::i64vec3 dims(dense_->dims);
-      const T* from = static_cast<const T*>(dense_->data) + dims.x * (y + dims.y * z);
-      std::transform(from, from + dims.x, row, [](T value) { return static_cast<double>(value); });
-      return;
-    }
-    const glm::ivec3 first = box_.min + glm::ivec3(0, y, z);
-    for (int x = first.x; x <= box_.max.x;) {
-      const glm::ivec3 origin = block_origin({x, first.y, first.z});
-      const int end = std::min(origin.x + SparseBlock::kSize, box_.max.x + 1);
-      const std::int32_t block = lookup_->block(origin);
-      if (block < 0) {
-        row = std::fill_n(row, end - x, lookup_->constant(origin));
-        x = end;
-        continue;
-      }
-      const auto* values = static_cast<const T*>(sparse_->blocks[block].values);
-      for (; x < end; ++x) *row++ = static_cast<double>(values[block_offset({x, first.y, first.z})]);
-    }
-  }
-
- private:
-  bool leaves_nan_out_;
-  const DenseSamples* dense_;
-  const SparseSamples* sparse_;
-  std::optional<SparseLookup> lookup_;
-  IndexBox box_;
-};
+void read_row(const SampleRows<T>& source, int y, int z, bool leaves_nan_out, RowBuffer& row) {
+  source.read(y, z, row.values.data());
+  if constexpr (!is_floating_sample<T>) return;
+  row.set_masked(leaves_nan_out && std::ranges::any_of(row.values, [](double value) { return std::isnan(value); }));
+  if (!row.masked) return;
+  std::ranges::transform(row.values, row.shares.begin(), [](double value) { return std::isnan(value) ? 0.0 : 1.0; });
+}
 
 // Keeps the rows that were requested last, by number. Consecutive rows do not displace each other.
 class RowCache {
@@ -318,8 +278,8 @@ class RowCache {
 using Weights = std::array<AxisWeights, 3>;  // along x, y and z
 
 template <class T, class Value>
-void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, const Weights& weights,
-          Value* values, const Context& context) {
+void fill(const SampleRows<T>& source, bool leaves_nan_out, const glm::ivec3& old_dims, const glm::ivec3& dims,
+          const Weights& weights, Value* values, const Context& context) {
   constexpr int kRows = 64;  // of a new plane, per task
   const AxisWeights& along_x = weights[0];
   const AxisWeights& along_y = weights[1];
@@ -341,8 +301,9 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
       return plane.get(y, [&](RowBuffer& out) {
         read.forget();
         combine_rows(
-            along_z, z, [&](int at) { return read.get(at, [&](RowBuffer& row) { source.read(y, at, row); }); }, z_sums,
-            out);
+            along_z, z,
+            [&](int at) { return read.get(at, [&](RowBuffer& row) { read_row(source, y, at, leaves_nan_out, row); }); },
+            z_sums, out);
       });
     };
     RowBuffer row(width);
@@ -353,6 +314,7 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
         *out++ = to_sample<Value>(combine_samples(along_x, along_x.of(i), row.row()));
       }
     }
+    source.leave(along_y.of(first).first, along_y.of(end - 1).end(), z.first, z.end());
     context.progress().advance(1);
   });
 }
@@ -435,14 +397,15 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   auto weight_memory = TRY(reserve_weights(field, old_dims, resolution, context));
   const auto lookup_memory = TRY(
       context.reserve(sparse != nullptr ? SparseLookup::bytes(*sparse) : 0, field.source + ": the index of blocks"));
-  const SourceRows<T> source(field.samples, box, nan);
+  const SampleRows<T> source(field.samples, box);
   if (kernel == ResampleKernel::majority && means) {
-    fill_majority([&](int y, int z, double* row) { source.read_values(y, z, row); }, old_dims, resolution,
+    fill_majority([&](int y, int z, double* row) { source.read(y, z, row); },
+                  [&](int first, int end) { source.leave(0, old_dims.y, first, end); }, old_dims, resolution,
                   nan == NanHandling::spread, values->values.data(), context);
   } else {
     const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
     const Weights weights{along(0), along(1), along(2)};
-    fill(source, old_dims, resolution, weights, values->values.data(), context);
+    fill(source, nan == NanHandling::left_out, old_dims, resolution, weights, values->values.data(), context);
   }
   TRY(context.check());
   samples.data = values->values.data();

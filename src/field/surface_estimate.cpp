@@ -285,20 +285,56 @@ class CrossingCounter {
   StoredPlaces stored_;
 };
 
-template <class T>
-std::uint64_t crossings_along_rows(const DenseSamples& dense, const ScalarField& field, double iso) {
-  const auto row_length = static_cast<std::size_t>(dense.dims.x);
-  const std::span<const T> all(static_cast<const T*>(dense.data), dense.count());
+// Returns the samples of `box` that the field has; all of them for nullopt.
+IndexBox samples_in(const ScalarField& field, const std::optional<IndexBox>& box) {
+  const IndexBox all = field.extents();
+  return box ? IndexBox{glm::max(all.min, box->min), glm::min(all.max, box->max)} : all;
+}
+
+// Runs look(j, k, part), which adds to `part`, for all rows of samples in `box`. Returns the sum of all parts.
+template <class Part, class Look>
+Part look_at_rows(const DenseSamples& dense, const IndexBox& box, const Look& look) {
+  if (box.empty()) return {};
   return reduce_ranges(
-      all.size() / row_length, 64, std::uint64_t{0},
-      [&](std::size_t begin, std::size_t end, std::uint64_t crossings) {
-        for (std::size_t row = begin; row != end; ++row) {
-          crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
+      static_cast<std::size_t>(box.max.z - box.min.z) + 1, 1, Part{},
+      [&](std::size_t begin, std::size_t end, Part part) {
+        for (std::size_t plane = begin; plane != end; ++plane) {
+          const int k = box.min.z + static_cast<int>(plane);
+          for (int j = box.min.y; j <= box.max.y; ++j) look(j, k, part);
+          const auto layer = static_cast<std::size_t>(dense.dims.x) * static_cast<std::size_t>(dense.dims.y);
+          dense.leave(layer * static_cast<std::size_t>(k), layer * (static_cast<std::size_t>(k) + 1));
         }
-        dense.leave(begin * row_length, end * row_length);
-        return crossings;
+        return part;
       },
       std::plus<>{});
+}
+
+// What rows of samples along x tell of a surface.
+struct RowSides {
+  std::uint64_t crossings = 0;
+  std::uint64_t boundary = 0;  // inside samples on the faces of the box
+  bool has_nan = false;
+
+  friend RowSides operator+(const RowSides& a, const RowSides& b) {
+    return {a.crossings + b.crossings, a.boundary + b.boundary, a.has_nan || b.has_nan};
+  }
+};
+
+template <class T>
+RowSides look_along_rows(const DenseSamples& dense, const ScalarField& field, double iso, const IndexBox& box) {
+  const glm::i64vec3 dims(dense.dims);
+  return look_at_rows<RowSides>(dense, box, [&](int j, int k, RowSides& sides) {
+    const std::span row(static_cast<const T*>(dense.data) + box.min.x + dims.x * (j + dims.y * k),
+                        static_cast<std::size_t>(box.max.x - box.min.x) + 1);
+    const auto inside = [&](T stored) { return is_inside(field, iso, static_cast<double>(stored)); };
+    sides.crossings += count_crossings(row, field, iso);
+    const bool is_on_face = j == box.min.y || j == box.max.y || k == box.min.z || k == box.max.z;
+    sides.boundary += is_on_face ? static_cast<std::uint64_t>(std::ranges::count_if(row, inside))
+                                 : std::uint64_t{inside(row.front())} + std::uint64_t{inside(row.back())};
+    if constexpr (is_floating_sample<T>) {
+      sides.has_nan = sides.has_nan || std::ranges::any_of(row, [](T stored) { return stored != stored; });
+    }
+  });
 }
 
 }  // namespace
@@ -306,34 +342,22 @@ std::uint64_t crossings_along_rows(const DenseSamples& dense, const ScalarField&
 std::uint64_t min_vertex_count(const ScalarField& field, double iso, const std::optional<IndexBox>& box) {
   const auto* dense = std::get_if<DenseSamples>(&field.samples);
   if (dense == nullptr) return box ? 0 : count_in_blocks(field, iso);
-  IndexBox samples = field.extents();
-  if (box) samples = {glm::max(samples.min, box->min), glm::min(samples.max, box->max)};
-  if (samples.empty()) return 0;
+  const IndexBox samples = samples_in(field, box);
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    return reduce_ranges(
-        static_cast<std::size_t>(samples.max.z - samples.min.z) + 1, 1, std::uint64_t{0},
-        [&](std::size_t begin, std::size_t end, std::uint64_t crossings) {
-          for (std::size_t plane = begin; plane != end; ++plane) {
-            const int k = samples.min.z + static_cast<int>(plane);
-            for (int j = samples.min.y; j <= samples.max.y; ++j) {
-              crossings += count_from_row<T>(field, *dense, samples, iso, j, k);
-            }
-            const auto layer = static_cast<std::size_t>(dense->dims.x) * static_cast<std::size_t>(dense->dims.y);
-            dense->leave(layer * static_cast<std::size_t>(k), layer * (static_cast<std::size_t>(k) + 1));
-          }
-          return crossings;
-        },
-        std::plus<>{});
+    return look_at_rows<std::uint64_t>(*dense, samples, [&](int j, int k, std::uint64_t& crossings) {
+      crossings += count_from_row<T>(field, *dense, samples, iso, j, k);
+    });
   });
 }
 
-SurfaceEstimate estimate_surface(const ScalarField& field, double iso) {
+SurfaceEstimate estimate_surface(const ScalarField& field, double iso, const std::optional<IndexBox>& box) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> SurfaceEstimate {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
-      return {3 * crossings_along_rows<T>(*dense, field, iso), 0};
+      const RowSides sides = look_along_rows<T>(*dense, field, iso, samples_in(field, box));
+      return {3 * sides.crossings, 0, sides.boundary, sides.has_nan};
     }
     const SurfaceCrossings passed = CrossingCounter<T>(field, std::get<SparseSamples>(field.samples), iso).count();
-    return {passed.edges, passed.places};
+    return {.vertices = passed.edges, .places = passed.places};
   });
 }
 

@@ -158,40 +158,54 @@ class MemoryTest(ProgramTest):
         self.assertEqual(run.code, 0, run.err)
         self.assertAlmostEqual(told["field"]["memory"]["conversion"] / report["peak_memory_bytes"], 1, delta=0.3)
 
-    def test_info_tells_what_a_mapped_file_takes(self):
-        """The samples are not in memory, nor is the mesh, unless an option needs it."""
+    def write_raw_waves(self, name):
+        """A file of 91 MiB, with an edge in almost every cell. Returns the options that read it."""
         size = 288
         row = [struct.pack(f"<{size}f", *(((x * 5 + shift) % 61 - 30) / 30 for x in range(size))) for shift in range(61)]
-        (self.folder / "waves.raw").write_bytes(
+        (self.folder / name).write_bytes(
             b"".join(row[(3 * y + 7 * z) % 61] for z in range(size) for y in range(size)))
-        raw = ("waves.raw", "--dims", f"{size},{size},{size}", "--dtype", "f32", "--threads", 2)
+        return ("--dims", f"{size},{size},{size}", "--dtype", "f32", "--threads", 2)
+
+    def peak(self, *arguments):
+        """In MiB, of a process of its own."""
+        number, unit = re.search(r"peak memory ([\d.]+) (MiB|GiB)", self.convert(*arguments, "-v").err).groups()
+        return float(number) * (1024 if unit == "GiB" else 1)
+
+    def told(self, *arguments):
+        return int(re.search(r"memory: about (\d+) MiB", self.convert(*arguments, "--dry-run").text).group(1))
+
+    def test_info_tells_what_a_mapped_file_takes(self):
+        """The samples are not in memory, nor is the mesh, unless an option needs it."""
+        raw = ("waves.raw", *self.write_raw_waves("waves.raw"))
         (told,) = json.loads(self.convert("info", *raw, "--json").text)
         memory = told["field"]["memory"]
         iso = ("--iso", told["field"]["suggestion"]["iso"])
-        run = self.convert(*raw, *iso, "-o", "a.glb", "-v")
-        peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
-        self.assertAlmostEqual(memory["conversion"] / peak, 1, delta=0.3)
+        self.assertAlmostEqual(memory["conversion"] / MIB / self.peak(*raw, *iso, "-o", "a.glb"), 1, delta=0.3)
         self.assertLess(memory["conversion"], memory["samples"])
-        run = self.convert(*raw, *iso, "-o", "a.glb", "-v", "--drop-components", "1")
-        peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
-        self.assertAlmostEqual(memory["whole_mesh"] / peak, 1, delta=0.3)
+        whole = self.peak(*raw, *iso, "-o", "a.glb", "--drop-components", "1")
+        self.assertAlmostEqual(memory["whole_mesh"] / MIB / whole, 1, delta=0.3)
 
     def test_a_dry_run_tells_what_parts_of_a_mesh_take(self):
         """The samples stay in the file, and one part after another is written."""
-        size = 288
-        row = [struct.pack(f"<{size}f", *(((x * 5 + shift) % 61 - 30) / 30 for x in range(size))) for shift in range(61)]
-        (self.folder / "waves_1.raw").write_bytes(
-            b"".join(row[(3 * y + 7 * z) % 61] for z in range(size) for y in range(size)))
-        raw = ("--dims", f"{size},{size},{size}", "--dtype", "f32", "--threads", 2, "--iso", 0.1)
+        raw = (*self.write_raw_waves("waves_1.raw"), "--iso", 0.1)
         for name in ("a.ply", "a.obj", "a.stl"):
             for more in ((), ("--report", "r_1.json")):
                 with self.subTest(name=name, more=more):
-                    dry = self.convert("waves_#.raw", *raw, "-o", f"{{}}_{name}",
-                                       *(word.replace("1", "{}") for word in more), "--dry-run").text
-                    told = int(re.search(r"memory: about (\d+) MiB", dry).group(1))
-                    run = self.convert("waves_1.raw", *raw, "-o", name, *more, "-v")
-                    peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1))
-                    self.assertAlmostEqual(told / peak, 1, delta=0.25)
+                    told = self.told("waves_#.raw", *raw, "-o", f"{{}}_{name}",
+                                     *(word.replace("1", "{}") for word in more))
+                    self.assertAlmostEqual(told / self.peak("waves_1.raw", *raw, "-o", name, *more), 1, delta=0.25)
+
+    def test_a_dry_run_knows_what_options_take(self):
+        """Of a mapped file of 81 MiB: what options add to the mesh, and that its pages go when they were read."""
+        self.convert("demo:gyroid?size=277", "-o", "gyroid.nrrd")
+        for options in (("a.ply", "--threads", 1), ("a.ply", "--method", "mt"), ("a.ply", "--cap"),
+                        ("a.ply", "--roi", "-1,-1,-1,0.2,0.3,0"), ("a.ply", "--nan", "hole"), ("a.ply", "--blur", 1),
+                        ("a.ply", "--blur", "median:1"), ("a.ply", "--resolution", "64,64,64"),
+                        ("a.ply", "--method", "voxels"), ("a.glb", "--iso", 0.5), ("a.glb", "--quantize")):
+            with self.subTest(options):
+                threads = () if "--threads" in options else ("--threads", 2)
+                run = ("gyroid.nrrd", "--iso", 0, *threads, "-o", *options)
+                self.assertAlmostEqual(self.told(*run) / self.peak(*run), 1, delta=0.25)
 
     def test_the_samples_of_a_mapped_label_map_are_released(self):
         """Slice by slice, when the labels in them are found."""
@@ -216,13 +230,10 @@ class MemoryTest(ProgramTest):
                         ("all", "--simplify", "0.1")):
             with self.subTest(options):
                 labels = (*raw, "--labels", *options)
-                dry = self.convert(*labels, "-o", "a.glb", "--dry-run").text
-                told = int(re.search(r"memory: about (\d+) MiB", dry).group(1))
-                run = self.convert(*labels, "-o", "a.glb", "-v")
-                peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1))
-                self.assertAlmostEqual(told / peak, 1, delta=0.25)
+                run = (*labels, "-o", "a.glb")
+                self.assertAlmostEqual(self.told(*run) / self.peak(*run), 1, delta=0.25)
         (found,) = json.loads(self.convert("info", *raw, "--json").text)
-        told = int(re.search(r"about (\d+) MiB", self.convert(*raw, "--labels", "all", "-o", "a.glb", "--dry-run").text).group(1))
+        told = self.told(*raw, "--labels", "all", "-o", "a.glb")
         self.assertAlmostEqual(found["field"]["memory"]["conversion"] / MIB, told, delta=1)
 
     def test_leaves_beside_nothing(self):

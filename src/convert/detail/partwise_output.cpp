@@ -57,13 +57,13 @@ bool writes_shared_parts(const ConversionJob& job) {
   return takes_parts && writes_one_surface(job);
 }
 
-bool goes_by_parts(const ConversionJob& job, const Source& source, double iso) {
+bool goes_by_parts(const ConversionJob& job, const Source& source, double iso, bool may_have_nan) {
   using extract::Method;
   const auto* file = job.writes<MeshFileOptions>();
   const bool takes_parts = file != nullptr && mesh_io::mesh_format_info(file->format).takes_parts &&
                            !file->packing.packs() && !file->packing.optimize_order && writes_one_surface(job);
   const bool makes_parts = (job.surface.method == Method::mc || job.surface.method == Method::mt) &&
-                           !job.surface.heights && job.surface.nan != extract::NanPolicy::hole &&
+                           !job.surface.heights && (!may_have_nan || job.surface.nan != extract::NanPolicy::hole) &&
                            job.backend.backend == Backend::cpu;
   if (!takes_parts || !makes_parts || needs_whole_mesh(job, source)) return false;
   const extract::ExtractOptions options = extract_options_of(job, source, iso);

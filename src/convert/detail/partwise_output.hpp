@@ -127,8 +127,9 @@ class PartwiseOutput final : public mesh::MeshSink {
 // Returns whether the surface at `iso` goes to its file part by part, as far as that is known before the extraction.
 // May wrongly return true in three cases known only later: a GLB with few vertices, and smooth normals with NaN
 // samples. The third is a sparse field whose surface leaves the stored blocks, if the output needs near vertices. If
-// the job selects bodies, the surface goes by parts only if memory is short (holds_whole_selection()).
-[[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso);
+// the job selects bodies, the surface goes by parts only if memory is short (holds_whole_selection()). Returns false if
+// NaN samples would need the whole mesh, unless `may_have_nan` is false.
+[[nodiscard]] bool goes_by_parts(const ConversionJob& job, const Source& source, double iso, bool may_have_nan = true);
 
 // Returns whether `left` bytes of memory surely hold a mesh while bodies of it are selected and, with `measures`, its
 // figures are measured. `sampling_bytes` is the memory of its attributes. Selecting bodies of a mesh in memory is

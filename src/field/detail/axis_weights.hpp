@@ -17,6 +17,8 @@ struct SampleWeights {
   // For kernels: the new sample lies at below + t, in steps of the old samples.
   int below = 0;
   double t = 0;
+
+  [[nodiscard]] int end() const { return first + static_cast<int>(weights.size()); }  // behind the last old sample
 };
 
 // Returns whether the kernel takes every new sample from an old one. On the axes that AxisWeights handles, majority

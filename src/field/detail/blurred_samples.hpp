@@ -26,12 +26,16 @@ inline std::string memory_label(const ScalarField& field) { return field.source 
 
 inline std::uint64_t max_threads() { return static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) + 1; }
 
-// Calls f(k, first, end) in parallel for each slice k of dense samples: the elements [first, end).
+// Calls f(k, first, end) in parallel for each slice k of dense samples: the elements [first, end). f() reads samples of
+// `around` slices on either side, too. The pages of a large mapped file are released afterwards.
 template <class F>
-void for_each_slice(const DenseSamples& samples, const Context& context, const F& f) {
+void for_each_slice(const DenseSamples& samples, int around, const Context& context, const F& f) {
   const std::size_t slice = static_cast<std::size_t>(samples.dims.x) * static_cast<std::size_t>(samples.dims.y);
   for_each_index(samples.dims.z, [&](int k) {
-    if (!context.cancelled()) f(k, static_cast<std::size_t>(k) * slice, static_cast<std::size_t>(k + 1) * slice);
+    if (context.cancelled()) return;
+    f(k, static_cast<std::size_t>(k) * slice, static_cast<std::size_t>(k + 1) * slice);
+    samples.leave(static_cast<std::size_t>(std::max(k - around, 0)) * slice,
+                  static_cast<std::size_t>(std::min(k + around + 1, samples.dims.z)) * slice);
   });
 }
 

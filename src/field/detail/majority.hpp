@@ -120,11 +120,11 @@ class Votes {
   std::uint64_t nan_ = 0;
 };
 
-// Fills a grid of `dims` samples with the value of most voxels in each cell. read(y, z, out) writes an old row. With
-// `spreads_nan`, a cell with a NaN in it becomes NaN.
-template <class Value, class ReadRow>
-void fill_majority(const ReadRow& read, const glm::ivec3& old_dims, const glm::ivec3& dims, bool spreads_nan,
-                   Value* values, const Context& context) {
+// Fills a grid of `dims` samples with the value of most voxels in each cell. read(y, z, out) writes an old row;
+// leave(first, end) follows when old planes were read. With `spreads_nan`, a cell with a NaN in it becomes NaN.
+template <class Value, class ReadRow, class Leave>
+void fill_majority(const ReadRow& read, const Leave& leave, const glm::ivec3& old_dims, const glm::ivec3& dims,
+                   bool spreads_nan, Value* values, const Context& context) {
   const AxisCells along_x(old_dims.x, dims.x);
   const AxisCells along_y(old_dims.y, dims.y);
   const AxisCells along_z(old_dims.z, dims.z);
@@ -162,6 +162,7 @@ void fill_majority(const ReadRow& read, const glm::ivec3& old_dims, const glm::i
                                          : votes.winner(row(y.nearest, z.nearest)[x.nearest]));
       }
     }
+    leave(z.first, z.end);
     context.progress().advance(1);
   });
 }

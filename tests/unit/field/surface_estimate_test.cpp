@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <utility>
@@ -27,6 +28,25 @@ TEST(EstimateVertices, CountsCrossingsWithinRowsOnly) {
   const ScalarField field = dense_field({0, 0, 1, 1, 0, 1, 1, 0}, {4, 2, 1});
   EXPECT_EQ(estimate_surface(field, 0.5).vertices, 3U * 3U);
   EXPECT_EQ(estimate_surface(field, 1).vertices, 0U);  // a value equal to iso is outside
+}
+
+TEST(EstimateVertices, CountsWithinABox) {
+  // Slices of 4x3 samples; inside are the first sample of all rows, and one in the middle.
+  std::vector<float> values(36, 0.0F);
+  for (std::size_t row = 0; row < 9; ++row) values[4 * row] = 1;
+  values[4 * 4 + 2] = 1;
+  const ScalarField field = dense_field(values, {4, 3, 3});
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, 3U * (9 + 2));
+  EXPECT_EQ(estimate_surface(field, 0.5).boundary, 9U) << "the inner sample is on no face";
+  const IndexBox box{{1, 0, 1}, {3, 1, 1}};
+  EXPECT_EQ(estimate_surface(field, 0.5, box).vertices, 3U * 2);
+  EXPECT_EQ(estimate_surface(field, 0.5, box).boundary, 1U);
+  EXPECT_EQ(estimate_surface(field, 0.5, IndexBox{{-5, -5, -5}, {9, 9, 9}}).boundary, 9U);
+  EXPECT_EQ(estimate_surface(field, 0.5, IndexBox{{5, 0, 0}, {9, 9, 9}}).vertices, 0U);
+  values[1] = std::numeric_limits<float>::quiet_NaN();
+  const ScalarField holed = dense_field(values, {4, 3, 3});
+  EXPECT_TRUE(estimate_surface(holed, 0.5).has_nan);
+  EXPECT_FALSE(estimate_surface(holed, 0.5, box).has_nan);
 }
 
 TEST(EstimateVertices, IsCloseForABall) {
