@@ -114,7 +114,10 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
     report.size.vertices = report.labels->map.faces;
   } else {
     report.whole_mesh_bytes = convert::estimated_bytes(report.size);
-    report.bytes = convert::estimated_bytes_by_parts(report.size, convert::MeshFileOptions(), convert::Normals::smooth);
+    // NaN samples with smooth normals need the whole mesh.
+    report.bytes = report.statistics.nan > 0 ? report.whole_mesh_bytes
+                                             : convert::estimated_bytes_by_parts(
+                                                   report.size, convert::MeshFileOptions(), convert::Normals::smooth);
   }
   report.fits_one_mesh = fits_one_mesh(report.field);
   if ((separates || report.labels) && report.fits_one_mesh) {

@@ -135,8 +135,8 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   }
   if (const auto labels = chosen_labels(source.isos, job.surface.background))
     return std::max(most, TRY(memory_of_labels(job, source, *labels, context)));
-  std::uint64_t kept_bytes = 0;  // of the surfaces that wait until their file is written
-  const bool keeps_surfaces = std::ranges::any_of(job.outputs, [](const auto& file) { return file.isos.size() > 1; });
+  // Of the surfaces that wait until all of their file are made, before they are simplified.
+  std::vector<std::uint64_t> waiting_bytes(job.outputs.size());
   for (const ResolvedIso& iso : source.isos) {
     const ConversionSize size = size_of(source.field, extract_options_of(job, source, iso.id.iso()));
     const bool selects = job.edits.pieces.drops();
@@ -147,8 +147,9 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     const mesh::MeshShape shape{.vertices = size.vertices,
                                 .triangles = estimated_triangles(size),
                                 .has_normals = job.normals == Normals::smooth};
-    const bool by_parts = use != MeshUse::whole && goes_by_parts(job, source, iso.id.iso(), size.has_nan) &&
-                          !(size.has_nan && shape.has_normals) &&
+    const bool by_parts = use != MeshUse::whole &&
+                          goes_by_parts(job, source, iso.id.iso(), size.has_nan.value_or(true)) &&
+                          !(size.has_nan.value_or(false) && shape.has_normals) &&
                           (!selects || !holds_whole_selection(shape, sampling, measures, context.memory().left()));
     const bool has_figures = measures || selects;
     std::uint64_t bytes =
@@ -161,8 +162,12 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
         after, hollow_bytes(job, source, estimated_triangles(size), static_cast<double>(size.vertices) * cell_area));
     if (selects && !by_parts) after = std::max(after, selecting / 5 * 3);
     if (job.error) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
-    most = std::max(most, kept_bytes + bytes + after);
-    if (keeps_surfaces) kept_bytes += mesh_bytes(size.vertices, true);
+    most = std::max(most, bytes + after);
+    for (std::size_t file = 0; file < waiting_bytes.size(); ++file) {
+      if (std::ranges::find(job.outputs[file].isos, iso.asked) == job.outputs[file].isos.end()) continue;
+      most = std::max(most, waiting_bytes[file] + bytes + after);
+      waiting_bytes[file] += mesh_bytes(size.vertices, true);
+    }
   }
   return most;
 }
@@ -201,13 +206,12 @@ std::uint64_t parts_bytes(const ConversionSize& size, const MeshFileOptions& fil
   return of_parts(threads, mesh_bytes(size.vertices, has_normals));
 }
 
-// Returns the memory of the parts of a mesh while mesh::PartwiseMeasures measures them.
-std::uint64_t measuring_bytes(const ConversionSize& size) {
+// Returns the memory of a part of a mesh while mesh::PartwiseMeasures measures it.
+std::uint64_t measuring_bytes(std::uint64_t vertices) {
   // The part that waits, and the corners at its vertices.
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3) + 5 * sizeof(std::uint32_t) + sizeof(std::uint64_t);
   constexpr std::uint64_t kTriangleBytes = 2 * sizeof(glm::uvec3) + 3 * sizeof(std::uint64_t);
-  return bytes_of_parts(size, 1, mesh_bytes(size.vertices, false)) +
-         bytes_of_parts(size, 1, size.vertices * kVertexBytes + estimated_triangles(size) * kTriangleBytes);
+  return mesh_bytes(vertices, false) + vertices * (kVertexBytes + 2 * kTriangleBytes);
 }
 
 std::uint64_t count_rows(const field::IndexBox& region) {
@@ -216,7 +220,8 @@ std::uint64_t count_rows(const field::IndexBox& region) {
 }
 
 // Returns the sizes of the samples for a surface in a region of them, which matters for dense samples.
-ConversionSize size_in(const field::ScalarField& field, const field::IndexBox& region) {
+// A thread holds `slices_at_work` slices of a large mapped file.
+ConversionSize size_in(const field::ScalarField& field, const field::IndexBox& region, int slices_at_work) {
   ConversionSize size;
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr) {
@@ -239,9 +244,7 @@ ConversionSize size_in(const field::ScalarField& field, const field::IndexBox& r
   size.slabs = (slices + extract::kBrickRows - 1) / extract::kBrickRows;
   if (dense->releases_pages()) {
     const std::uint64_t slice_bytes = size.sample_bytes / static_cast<std::uint64_t>(dense->dims.z);
-    const bool slabs_stay = extract::slabs_may_stay(dims.z, static_cast<std::int64_t>(slice_bytes));
-    const int of_thread = slabs_stay ? extract::kSlabSlices : extract::kSlicesAtWork;
-    const std::uint64_t at_work = static_cast<std::uint64_t>(usable_threads()) * static_cast<std::uint64_t>(of_thread);
+    const auto at_work = static_cast<std::uint64_t>(usable_threads()) * static_cast<std::uint64_t>(slices_at_work);
     size.resident_bytes = slice_bytes / static_cast<std::uint64_t>(dense->dims.y) * static_cast<std::uint64_t>(dims.y) *
                           std::min(at_work, slices);
   }
@@ -250,7 +253,9 @@ ConversionSize size_in(const field::ScalarField& field, const field::IndexBox& r
 
 }  // namespace
 
-ConversionSize size_of_samples(const field::ScalarField& field) { return size_in(field, field.extents()); }
+ConversionSize size_of_samples(const field::ScalarField& field) {
+  return size_in(field, field.extents(), extract::kSlabSlices);
+}
 
 ConversionSize size_of(const field::ScalarField& field, const extract::ExtractOptions& options) {
   // Method::mt has a vertex on all edges of tetrahedra: a plane of mean slope crosses three times as many.
@@ -258,14 +263,17 @@ ConversionSize size_of(const field::ScalarField& field, const extract::ExtractOp
   constexpr std::uint64_t kMtRowBytes = 16;  // of the tables, more than those of Method::mc
   field::IndexBox region = field.extents();
   if (const auto clipped = extract::clip_region(field, region, options)) region = *clipped;
-  ConversionSize size = size_in(field, region);
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  const bool is_of_cells = extract::method_info(options.method).traits.vertices_on_edges;
+  const bool leaves_slices = dense != nullptr && is_of_cells && !extract::slabs_may_stay(*dense);
+  ConversionSize size = size_in(field, region, leaves_slices ? extract::kSlicesAtWork : extract::kSlabSlices);
   const field::SurfaceEstimate surface = field::estimate_surface(field, options.iso, region);
   size.vertices = surface.vertices;
   size.places = surface.places;
-  size.has_nan = surface.has_nan;
+  if (dense != nullptr) size.has_nan = surface.has_nan;
   if (options.method == extract::Method::mt) {
     size.vertices *= kMtVertices;
-    size.mark_bytes += count_rows(region) * kMtRowBytes;
+    if (dense != nullptr) size.mark_bytes += count_rows(region) * kMtRowBytes;
   }
   if (options.cap && !extract::method_info(options.method).traits.always_closed) size.cap_vertices = surface.boundary;
   size.vertices += size.cap_vertices;
@@ -284,7 +292,10 @@ std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFil
   ConversionSize surface = size;  // the cap is a part by itself
   surface.vertices -= size.cap_vertices;
   std::uint64_t parts = std::max(parts_bytes(surface, file, normals), mesh_bytes(size.cap_vertices, false));
-  if (has_figures) parts = std::max(parts, measuring_bytes(surface));
+  if (has_figures) {
+    parts = std::max(
+        {parts, bytes_of_parts(size, 1, measuring_bytes(surface.vertices)), measuring_bytes(size.cap_vertices)});
+  }
   return bytes_without_mesh(size) + parts;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
@@ -23,7 +24,7 @@ struct ConversionSize {
   std::uint64_t places = 0;          // block positions of a sparse field that the surface passes through
   std::uint64_t vertices = 0;        // with those of the cap
   std::uint64_t cap_vertices = 0;    // of dense samples
-  bool has_nan = false;              // dense: a sample of the region is NaN
+  std::optional<bool> has_nan = {};  // whether samples of the region are NaN; nullopt: unknown, as of sparse samples
 };
 
 // Memory of the program itself, on a few threads and without the libraries that plug-ins load.
@@ -38,7 +39,7 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 [[nodiscard]] ConversionSize size_of(const field::ScalarField& field, const extract::ExtractOptions& options);
 
 // Returns the estimated peak memory: kProgramBytes, kConversionBytes, the samples and their marks, the lookup tables of
-// sparse blocks, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse
+// sparse blocks, the lists of a cap, and the mesh with normals. Within 10 % for large conversions, 20 % for sparse
 // blocks far apart.
 [[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
 // Returns the same for a mesh that goes to its file part by part (extract::ExtractOptions::sink), with or without

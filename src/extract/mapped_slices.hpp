@@ -25,6 +25,11 @@ inline constexpr int kSlicesAtWork = 4;  // slices (planes of equal z) read for 
   return kLeastPart * usable_threads() * kSlabSlices <= slices && may_stay(kSlabSlices, slice_bytes);
 }
 
+[[nodiscard]] inline bool slabs_may_stay(const field::DenseSamples& samples) {
+  const std::int64_t slice = std::int64_t{samples.dims.x} * samples.dims.y;
+  return slabs_may_stay(samples.dims.z, slice * static_cast<std::int64_t>(field::sample_size(samples.type)));
+}
+
 template <class T>
 [[nodiscard]] bool may_stay(const DenseView<T>& view, int slices) {
   return !view.transient || may_stay(slices, view.stride_z * std::int64_t{sizeof(T)});

@@ -295,15 +295,21 @@ IndexBox samples_in(const ScalarField& field, const std::optional<IndexBox>& box
 template <class Part, class Look>
 Part look_at_rows(const DenseSamples& dense, const IndexBox& box, const Look& look) {
   if (box.empty()) return {};
+  const glm::i64vec3 dims(dense.dims);
+  const auto rows_y = static_cast<std::size_t>(box.max.y - box.min.y) + 1;
+  const auto rows_z = static_cast<std::size_t>(box.max.z - box.min.z) + 1;
+  const auto first = [&](std::size_t row) {  // its first sample
+    const auto j = static_cast<std::int64_t>(row % rows_y) + box.min.y;
+    const auto k = static_cast<std::int64_t>(row / rows_y) + box.min.z;
+    return static_cast<std::size_t>(dims.x * (j + dims.y * k));
+  };
   return reduce_ranges(
-      static_cast<std::size_t>(box.max.z - box.min.z) + 1, 1, Part{},
+      rows_y * rows_z, 64, Part{},
       [&](std::size_t begin, std::size_t end, Part part) {
-        for (std::size_t plane = begin; plane != end; ++plane) {
-          const int k = box.min.z + static_cast<int>(plane);
-          for (int j = box.min.y; j <= box.max.y; ++j) look(j, k, part);
-          const auto layer = static_cast<std::size_t>(dense.dims.x) * static_cast<std::size_t>(dense.dims.y);
-          dense.leave(layer * static_cast<std::size_t>(k), layer * (static_cast<std::size_t>(k) + 1));
+        for (std::size_t row = begin; row != end; ++row) {
+          look(box.min.y + static_cast<int>(row % rows_y), box.min.z + static_cast<int>(row / rows_y), part);
         }
+        dense.leave(first(begin), first(end - 1) + static_cast<std::size_t>(dims.x));
         return part;
       },
       std::plus<>{});

@@ -200,7 +200,7 @@ class MemoryTest(ProgramTest):
         self.convert("demo:gyroid?size=277", "-o", "gyroid.nrrd")
         for options in (("a.ply", "--threads", 1), ("a.ply", "--method", "mt"), ("a.ply", "--cap"),
                         ("a.ply", "--roi", "-1,-1,-1,0.2,0.3,0"), ("a.ply", "--nan", "hole"), ("a.ply", "--blur", 1),
-                        ("a.ply", "--blur", "median:1"), ("a.ply", "--resolution", "64,64,64"),
+                        ("a.ply", "--blur", "median:1"), ("a.ply", "--resolution", "200,200,200"),
                         ("a.ply", "--method", "voxels"), ("a.glb", "--iso", 0.5), ("a.glb", "--quantize")):
             with self.subTest(options):
                 threads = () if "--threads" in options else ("--threads", 2)

@@ -13,6 +13,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/parallel.hpp"
 #include "extract/detail/slab_shares.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "mesh/mesh_sink.hpp"
@@ -32,7 +33,9 @@ class EarlyVertices {
         shape_{.origin = placement.origin(),
                .has_normals = options.smooth_normals,
                .distinct_positions = placement.keeps_vertices_apart()},
-        slabs_(may_deliver && options.sink != nullptr ? static_cast<std::size_t>(slabs) : 0) {}
+        slabs_(may_deliver && options.sink != nullptr ? static_cast<std::size_t>(slabs) : 0) {
+    if (!slabs_.empty()) parts_.reserve(static_cast<std::size_t>(usable_threads()));
+  }
 
   // Tells the facts about a slice. NaN samples end the delivery if the mesh needs a later look at them.
   void see(const SliceSides& slice) {
@@ -113,7 +116,7 @@ class EarlyVertices {
     at(slab).is_delivered = true;
     vertices_ += sizes.vertices;
     const std::lock_guard lock(mutex_);
-    parts_.push_back(std::move(*part));
+    if (parts_.size() < parts_.capacity()) parts_.push_back(std::move(*part));
     return {};
   }
 

@@ -51,6 +51,7 @@ class SampleRows {
       return static_cast<std::size_t>(dense_->dims.x) *
              (static_cast<std::size_t>(y) + static_cast<std::size_t>(dense_->dims.y) * static_cast<std::size_t>(z));
     };
+    if (begin_y == 0 && end_y == dense_->dims.y) return dense_->leave(first(0, begin_z), first(0, end_z));
     for (int z = begin_z; z < end_z; ++z) dense_->leave(first(begin_y, z), first(end_y, z));
   }
 

@@ -236,6 +236,7 @@ TEST(EarlyVertices, SlabsUseTheSameArrays) {
   };
   for (const std::uint64_t vertices : {30000, 1000, 1100, 900, 5000, 3000}) {
     ASSERT_TRUE(add(static_cast<int>(arrays.size()) + (sink.estimate ? 1 : 0), vertices));
+    EXPECT_EQ(context.memory().left() < all, !arrays.empty()) << "they stay for the next slab";
   }
   ASSERT_EQ(arrays.size(), 5U);
   EXPECT_EQ(arrays[1], arrays[0]) << "a tenth larger";
