@@ -21,7 +21,7 @@ inline constexpr int kSlicesAtWork = 4;  // slices (planes of equal z) read for 
 // each look at it, which takes longer. So much memory is for volumes beside which it is little. `slices` is the number
 // of slices of the volume.
 [[nodiscard]] inline bool slabs_may_stay(std::int64_t slices, std::int64_t slice_bytes) {
-  constexpr int kLeastPart = 50;  // a fiftieth of the samples
+  constexpr int kLeastPart = 25;  // a twenty-fifth of the samples
   return kLeastPart * usable_threads() * kSlabSlices <= slices && may_stay(kSlabSlices, slice_bytes);
 }
 
