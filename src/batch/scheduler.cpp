@@ -113,7 +113,7 @@ class Scheduler {
     const auto jobs = static_cast<std::size_t>(std::max(options_.jobs, 1));
     const std::size_t others = queue_.is_alone(place) ? 0 : source_ != nullptr ? jobs : queue_.left();
     const std::size_t beside = std::min(jobs, others + running_.size());
-    const int threads = std::max(1, options_.threads / static_cast<int>(std::max<std::size_t>(beside, 1)));
+    const int threads = threads_of_one(options_.threads, beside);
     const Context own = running->context;
     lock.unlock();
     convert::Events unheard;

@@ -3,6 +3,7 @@
 // frames are read, measured and written.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,6 +16,11 @@
 #include "convert/mesh_collector.hpp"
 
 namespace isoextract::batch {
+
+// Returns the threads of a conversion if `at_once` of them share `threads`.
+[[nodiscard]] inline int threads_of_one(int threads, std::size_t at_once) {
+  return std::max(1, threads / static_cast<int>(std::max<std::size_t>(at_once, 1)));
+}
 
 struct SchedulerOptions {
   int jobs = 1;            // largest number of conversions at a time

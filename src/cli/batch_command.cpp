@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 
 #include "base/byte_size.hpp"
 #include "base/counted.hpp"

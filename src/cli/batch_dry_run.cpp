@@ -18,6 +18,7 @@
 #include "batch/batch_run.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/manifest.hpp"
+#include "batch/scheduler.hpp"
 #include "convert/conversion_size.hpp"
 #include "files/output_file.hpp"
 
@@ -58,8 +59,8 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   std::vector<std::int64_t> estimated;
   std::optional<FrameMemory> most;
   std::optional<Error> failed;
-  const int at_once = static_cast<int>(std::min(static_cast<std::size_t>(plan.jobs), plan.frames.size()));
-  tbb::task_arena arena(std::max(1, plan.threads / std::max(at_once, 1)));  // the threads of a frame
+  const std::size_t at_once = std::min(static_cast<std::size_t>(plan.jobs), plan.frames.size());
+  tbb::task_arena arena(batch::threads_of_one(plan.threads, at_once));
   for (const std::size_t i : sampled_frames(plan)) {
     const batch::FrameJob& frame = plan.batch.frames[i];
     const auto use = plan.batch.animation     ? convert::MeshUse::whole
@@ -80,8 +81,8 @@ Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages)
   constexpr std::uint64_t kMiB = 1 << 20;
   const std::string sampled = fmt::format("; largest of the estimates for frames {}", fmt::join(estimated, ", "));
   return fmt::format("memory: about {} MiB ({} for frame {}, {} at a time{})\n",
-                     (most->bytes * static_cast<std::uint64_t>(at_once) + kMiB - 1) / kMiB,
-                     format_byte_size(most->bytes), most->frame, at_once, estimated.size() > 1 ? sampled : "");
+                     (most->bytes * at_once + kMiB - 1) / kMiB, format_byte_size(most->bytes), most->frame, at_once,
+                     estimated.size() > 1 ? sampled : "");
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct ConversionSize {
 // Memory of the program itself, on a few threads and without the libraries that plug-ins load.
 inline constexpr std::uint64_t kProgramBytes = std::uint64_t{15} << 20U;
 // Memory of a conversion besides the field and the mesh: extraction and writers.
-inline constexpr std::uint64_t kConversionBytes = std::uint64_t{4} << 20U;
+inline constexpr std::uint64_t kConversionBytes = std::uint64_t{7} << 19U;
 
 // Returns the sizes of the samples alone.
 [[nodiscard]] ConversionSize size_of_samples(const field::ScalarField& field);

@@ -315,10 +315,10 @@ Part look_at_rows(const DenseSamples& dense, const IndexBox& box, const Look& lo
       std::plus<>{});
 }
 
-// What rows of samples along x tell of a surface.
+// Counts along rows of samples.
 struct RowSides {
-  std::uint64_t crossings = 0;
-  std::uint64_t boundary = 0;  // inside samples on the faces of the box
+  std::uint64_t crossings = 0;  // of the surface, along x
+  std::uint64_t boundary = 0;   // inside samples on the faces of the box
   bool has_nan = false;
 
   friend RowSides operator+(const RowSides& a, const RowSides& b) {

@@ -183,15 +183,21 @@ TEST_P(Early, MakesMeshesWithNanSamplesWhole) {
   EXPECT_FALSE(sink.shape);
 }
 
-// The vertices of a slab that finds no memory come later.
-TEST(EarlyVertices, LeavesOutSlabsWithoutMemory) {
-  const field::ScalarField field = noise();
-  ExtractOptions options = test::options_of(Method::mc, 500);
+// Slabs are counted one after another.
+class EarlyVerticesOfSlabs : public testing::Test {
+ protected:
+  EarlyVerticesOfSlabs() { options.sink = &sink; }
+
   EarlySink sink;
-  options.sink = &sink;
+  const field::ScalarField volume = noise();
+  ExtractOptions options = test::options_of(Method::mc, 500);
+  const OutputPlacement placement = output_placement(volume, options, volume.extents(), volume.extents());
+};
+
+// The vertices of a slab that finds no memory come later.
+TEST_F(EarlyVerticesOfSlabs, LeavesOutSlabsWithoutMemory) {
   const Context context{MemoryBudget(std::uint64_t{4} << 20U)};
-  const OutputPlacement placement = output_placement(field, options, field.extents(), field.extents());
-  EarlyVertices early(field, options, context, placement, 4, true);
+  EarlyVertices early(volume, options, context, placement, 4, true);
   std::vector<int> written, left;
   const auto add = [&](int slab, const MeshSizes& sizes) {
     const auto write = [&](int of, mesh::Mesh& part) {
@@ -216,15 +222,10 @@ TEST(EarlyVertices, LeavesOutSlabsWithoutMemory) {
 }
 
 // Arrays for each slab, in unequal sizes, fill the heap: a process took twice the memory.
-TEST(EarlyVertices, SlabsUseTheSameArrays) {
-  const field::ScalarField field = noise();
-  ExtractOptions options = test::options_of(Method::mc, 500);
-  EarlySink sink;
-  options.sink = &sink;
-  const OutputPlacement placement = output_placement(field, options, field.extents(), field.extents());
+TEST_F(EarlyVerticesOfSlabs, SlabsUseTheSameArrays) {
   const Context context;
   const std::uint64_t all = context.memory().left();
-  EarlyVertices early(field, options, context, placement, 6, true);
+  EarlyVertices early(volume, options, context, placement, 6, true);
   std::vector<const glm::vec3*> arrays;
   const auto add = [&](int slab, std::uint64_t vertices) {
     const auto write = [&](int /*slab*/, mesh::Mesh& part) {
@@ -247,14 +248,9 @@ TEST(EarlyVertices, SlabsUseTheSameArrays) {
 }
 
 // A surface with more vertices than indices can number is refused before they are written.
-TEST(EarlyVertices, EndWithTheIndices) {
-  const field::ScalarField field = noise();
-  ExtractOptions options = test::options_of(Method::mc, 500);
-  EarlySink sink;
-  options.sink = &sink;
-  const OutputPlacement placement = output_placement(field, options, field.extents(), field.extents());
+TEST_F(EarlyVerticesOfSlabs, EndWithTheIndices) {
   const Context context;
-  EarlyVertices early(field, options, context, placement, 3, true);
+  EarlyVertices early(volume, options, context, placement, 3, true);
   const auto add = [&](int slab, std::uint64_t vertices) {
     return early.add(
         slab, {vertices, 2 * vertices}, [](int /*slab*/, mesh::Mesh& /*part*/) {}, [](int /*slab*/) {});
