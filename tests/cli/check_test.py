@@ -2,12 +2,11 @@
 
 import json
 import math
-import re
 import struct
 import subprocess
 import sys
 
-from support import INSTALL, SOURCE, SPHERE, ProgramTest, main, read_ply
+from support import INSTALL, SOURCE, SPHERE, ProgramTest, main, peak_mib_of, read_ply
 
 try:
     import jsonschema
@@ -344,8 +343,7 @@ class CheckTest(ProgramTest):
                        b"".join(struct.pack("<B3i", 3, i, i + 1, i + 2) for i in range(0, 3 * count, 3)))
         for name in ("gyroid.glb", "soup.ply"):
             run = self.convert("check", name, "--verbose")
-            peak, unit = re.search(r"peak memory ([\d.]+) (MiB|GiB)", run.err).groups()
-            peak = float(peak) * {"MiB": MIB, "GiB": 1024 * MIB}[unit]
+            peak = peak_mib_of(run) * MIB
             self.assertGreater(peak, 2 * OVERHEAD, name)
             refused = self.run_program("check", name, "--memory-limit", f"{int(peak - OVERHEAD)}B")
             self.assert_fails(2, refused, "--memory-limit")

@@ -3,7 +3,6 @@ run tells of memory, against the measured peak."""
 
 import json
 import os
-import re
 import subprocess
 import sys
 
@@ -49,7 +48,7 @@ class MeasureTest(ProgramTest):
                             ("--simplify", "0.1", "--error"), ("--simplify", "0.1", "--draco")):
                 arguments = [f"demo:gyroid?size={size}&time=0.{{:02}}", "--frames", "1-1", "--iso", "0", "--threads", "1",
                              "-o", "m{}.glb", *options]
-                told = int(re.search(r"memory: about (\d+) MiB", self.convert(*arguments, "--dry-run").text)[1])
+                told = self.told_mib(*arguments)
                 peak = self.peak_mebibytes(arguments)
                 self.assertTrue(peak <= told <= 2 * peak, (size, options, told, peak))
 

@@ -7,11 +7,10 @@ import json
 import multiprocessing
 import os
 import random
-import re
 import resource
 import struct
 
-from support import DATA, ProgramTest, main, needs_data
+from support import DATA, ProgramTest, main, needs_data, peak_mib_of
 from vdb_files import grid, vdb
 
 MIB = 1 << 20
@@ -166,23 +165,15 @@ class MemoryTest(ProgramTest):
             b"".join(row[(3 * y + 7 * z) % 61] for z in range(size) for y in range(size)))
         return ("--dims", f"{size},{size},{size}", "--dtype", "f32", "--threads", 2)
 
-    def peak(self, *arguments):
-        """In MiB, of a process of its own."""
-        number, unit = re.search(r"peak memory ([\d.]+) (MiB|GiB)", self.convert(*arguments, "-v").err).groups()
-        return float(number) * (1024 if unit == "GiB" else 1)
-
-    def told(self, *arguments):
-        return int(re.search(r"memory: about (\d+) MiB", self.convert(*arguments, "--dry-run").text).group(1))
-
     def test_info_tells_what_a_mapped_file_takes(self):
         """The samples are not in memory, nor is the mesh, unless an option needs it."""
         raw = ("waves.raw", *self.write_raw_waves("waves.raw"))
         (told,) = json.loads(self.convert("info", *raw, "--json").text)
         memory = told["field"]["memory"]
         iso = ("--iso", told["field"]["suggestion"]["iso"])
-        self.assertAlmostEqual(memory["conversion"] / MIB / self.peak(*raw, *iso, "-o", "a.glb"), 1, delta=0.3)
+        self.assertAlmostEqual(memory["conversion"] / MIB / self.peak_mib(*raw, *iso, "-o", "a.glb"), 1, delta=0.3)
         self.assertLess(memory["conversion"], memory["samples"])
-        whole = self.peak(*raw, *iso, "-o", "a.glb", "--drop-components", "1")
+        whole = self.peak_mib(*raw, *iso, "-o", "a.glb", "--drop-components", "1")
         self.assertAlmostEqual(memory["whole_mesh"] / MIB / whole, 1, delta=0.3)
 
     def test_a_dry_run_tells_what_parts_of_a_mesh_take(self):
@@ -191,9 +182,9 @@ class MemoryTest(ProgramTest):
         for name in ("a.ply", "a.obj", "a.stl"):
             for more in ((), ("--report", "r_1.json")):
                 with self.subTest(name=name, more=more):
-                    told = self.told("waves_#.raw", *raw, "-o", f"{{}}_{name}",
+                    told = self.told_mib("waves_#.raw", *raw, "-o", f"{{}}_{name}",
                                      *(word.replace("1", "{}") for word in more))
-                    self.assertAlmostEqual(told / self.peak("waves_1.raw", *raw, "-o", name, *more), 1, delta=0.25)
+                    self.assertAlmostEqual(told / self.peak_mib("waves_1.raw", *raw, "-o", name, *more), 1, delta=0.25)
 
     def test_a_dry_run_knows_what_options_take(self):
         """Of a mapped file of 81 MiB: what options add to the mesh, and that its pages go when they were read."""
@@ -205,7 +196,7 @@ class MemoryTest(ProgramTest):
             with self.subTest(options):
                 threads = () if "--threads" in options else ("--threads", 2)
                 run = ("gyroid.nrrd", "--iso", 0, *threads, "-o", *options)
-                self.assertAlmostEqual(self.told(*run) / self.peak(*run), 1, delta=0.25)
+                self.assertAlmostEqual(self.told_mib(*run) / self.peak_mib(*run), 1, delta=0.25)
 
     def test_the_samples_of_a_mapped_label_map_are_released(self):
         """Slice by slice, when the labels in them are found."""
@@ -214,8 +205,7 @@ class MemoryTest(ProgramTest):
         (self.folder / "map.raw").write_bytes(b"".join(slices[z // 27] for z in range(size)))
         run = self.convert("map.raw", "--dims", f"{size},{size},{size}", "--labels", "3", "--method", "voxels",
                            "-o", "a.ply", "-v", "--threads", "2")
-        peak = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * MIB
-        self.assertLess(peak, size**3 * 0.8)
+        self.assertLess(peak_mib_of(run) * MIB, size**3 * 0.8)
 
     def test_label_maps_are_estimated(self):
         """Cells of 12x11x17 voxels with 250 labels; the mapped file is released when its labels are found."""
@@ -231,9 +221,9 @@ class MemoryTest(ProgramTest):
             with self.subTest(options):
                 labels = (*raw, "--labels", *options)
                 run = (*labels, "-o", "a.glb")
-                self.assertAlmostEqual(self.told(*run) / self.peak(*run), 1, delta=0.25)
+                self.assertAlmostEqual(self.told_mib(*run) / self.peak_mib(*run), 1, delta=0.25)
         (found,) = json.loads(self.convert("info", *raw, "--json").text)
-        told = self.told(*raw, "--labels", "all", "-o", "a.glb")
+        told = self.told_mib(*raw, "--labels", "all", "-o", "a.glb")
         self.assertAlmostEqual(found["field"]["memory"]["conversion"] / MIB, told, delta=1)
 
     def test_leaves_beside_nothing(self):
@@ -264,11 +254,10 @@ class MemoryTest(ProgramTest):
         self.assertEqual(whole["windows"], 0)
         for share in (2, 4):
             limit = report["reserved_memory_bytes"] // share
-            told = self.convert(*simplify, "--dry-run", "--memory-limit", f"{limit}B").text
+            estimate = self.told_mib(*simplify, "--memory-limit", f"{limit}B") * MIB
             run, limited = self.report(*simplify, "--memory-limit", f"{limit}B")
             self.assertEqual(run.code, 0, run.err)
             self.assertLess(limited["peak_memory_bytes"], limit + OVERHEAD)
-            estimate = int(re.search(r"memory: about (\d+) MiB", told).group(1)) * MIB
             self.assertAlmostEqual(estimate / limited["peak_memory_bytes"], 1, delta=0.35)
             (windows,) = limited["simplifications"]
             self.assertGreater(windows["windows"], 2)

@@ -276,12 +276,10 @@ class ParticlesTest(ProgramTest):
     def check_estimate(self, *arguments):
         memory, triangles = self.estimate(*arguments)
         report, _ = self.report(*arguments, "-o", "a.glb")
-        dry = int(re.search(r"memory: about (\d+) MiB", self.convert(*arguments, "--dry-run", "-o", "a.glb").text)[1])
         made = report["extractions"][0]["triangles"]
-        # What the report needs besides the conversion is not estimated: the reservations are told from the peak.
-        taken = report["reserved_memory_bytes"] + 12 * 2**20
-        for told in (memory, dry * 2**20):
-            self.assertAlmostEqual(told / taken, 1, delta=0.3, msg=str((arguments, told, taken)))
+        taken = self.peak_mib(*arguments, "-o", "a.glb")
+        for told in (memory / 2**20, self.told_mib(*arguments, "-o", "a.glb")):
+            self.assertAlmostEqual(told / taken, 1, delta=0.25, msg=str((arguments, told, taken)))
         self.assertAlmostEqual(triangles / made, 1, delta=0.5, msg=str((arguments, triangles, made)))
 
     @needs_data("particles/octocat_32614_particles.bgeo")

@@ -12,6 +12,7 @@ import importlib.util
 import os
 import pathlib
 import platform
+import re
 import resource
 import shutil
 import signal
@@ -81,6 +82,12 @@ class Run:
         return self.out.decode()
 
 
+def peak_mib_of(run):
+    """What a run with -v tells of its memory."""
+    number, unit = re.search(r"peak memory ([\d.]+) (MiB|GiB)", run.err).groups()
+    return float(number) * (1024 if unit == "GiB" else 1)
+
+
 class ProgramTest(unittest.TestCase):
     """Each test runs in a fresh folder of its own."""
 
@@ -101,6 +108,14 @@ class ProgramTest(unittest.TestCase):
         run = self.run_program(*arguments, **options)
         self.assertEqual(run.code, 0, run.err)
         return run
+
+    def peak_mib(self, *arguments):
+        """The peak memory of a conversion that must succeed."""
+        return peak_mib_of(self.convert(*arguments, "-v"))
+
+    def told_mib(self, *arguments):
+        """The estimate of a dry run."""
+        return int(re.search(r"memory: about (\d+) MiB", self.convert(*arguments, "--dry-run").text)[1])
 
     def assert_fails(self, code, run, *parts):
         """Exit code, the form of the message, and what the message and hint must contain. stdout stays empty."""
