@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/context.hpp"
 #include "base/parallel.hpp"
 #include "convert/detail/error_memory.hpp"
+#include "convert/detail/output_meshes.hpp"
 #include "convert/detail/particle_file.hpp"
 #include "convert/detail/partwise_output.hpp"
 #include "convert/detail/several_grids.hpp"
@@ -75,7 +77,10 @@ std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices, std::
     // The last patch of a target holds the rest of the mesh; above 70 % the first is the last.
     if (target) most = 24 * kMiB + std::clamp(220 * at_once + 300 * wanted, 250 * at_once, 430 * at_once);
   }
-  if (packing.compression == mesh_io::Compression::draco) most = std::max(most, 6 * kMiB + vertices * 300);
+  const bool is_drc = job.meshes().format == mesh_io::MeshFormat::drc;
+  if (packing.compression == mesh_io::Compression::draco || is_drc)
+    most = std::max(most, 6 * kMiB + vertices * (is_drc ? 185 : 300));
+  if (packing.compression == mesh_io::Compression::meshopt) most = std::max(most, 3 * kMiB + vertices * 72);
   if (packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);
   return most;
 }
@@ -107,6 +112,18 @@ std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::Volum
   return size.sample_bytes + size.lookup_bytes + field::resampled_box(field).count() * field::sample_size(field.type());
 }
 
+// The meshes of a file, as they are before edits, while they wait for it (mesh_io::MeshWriter).
+struct WaitingMeshes {
+  std::uint64_t most = 0;  // mesh_io::most_held_bytes()
+  std::uint64_t bytes = 0;
+  bool is_written = false;  // no mesh waits from now on
+
+  void add(std::uint64_t mesh) {
+    is_written |= most == 0 || (bytes > 0 && bytes + mesh > most);
+    bytes = is_written ? 0 : bytes + mesh;
+  }
+};
+
 // Returns the estimated memory of the surfaces of one grid.
 Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid, MeshUse use,
                                      const MemoryBudget& memory) {
@@ -135,8 +152,12 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
   }
   if (const auto labels = chosen_labels(source.isos, job.surface.background))
     return std::max(most, TRY(memory_of_labels(job, source, *labels, context)));
-  // Of the surfaces that wait until all of their file are made, before they are simplified.
-  std::vector<std::uint64_t> waiting_bytes(job.outputs.size());
+  std::vector<WaitingMeshes> waiting;
+  for (const OutputFileJob& output : job.outputs) {
+    const bool has_writer = use != MeshUse::whole && job.writes<MeshFileOptions>() != nullptr;
+    waiting.push_back({has_writer ? mesh_io::most_held_bytes(output.path, write_options(job, source, false), context)
+                                  : std::numeric_limits<std::uint64_t>::max()});
+  }
   for (const ResolvedIso& iso : source.isos) {
     const ConversionSize size = size_of(source.field, extract_options_of(job, source, iso.id.iso()));
     const bool selects = job.edits.pieces.drops();
@@ -163,10 +184,10 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     if (selects && !by_parts) after = std::max(after, selecting / 5 * 3);
     if (job.error) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
     most = std::max(most, bytes + after);
-    for (std::size_t file = 0; file < waiting_bytes.size(); ++file) {
+    for (std::size_t file = 0; file < waiting.size(); ++file) {
       if (std::ranges::find(job.outputs[file].isos, iso.asked) == job.outputs[file].isos.end()) continue;
-      most = std::max(most, waiting_bytes[file] + bytes + after);
-      waiting_bytes[file] += mesh_bytes(size.vertices, true);
+      most = std::max(most, waiting[file].bytes + bytes + after);
+      waiting[file].add(mesh_bytes(size.vertices, true));
     }
   }
   return most;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <mutex>
 #include <type_traits>
 #include <utility>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/pages.hpp"
 #include "mesh_io/write/attempt.hpp"
 #include "mesh_io/write/coordinate_rounding.hpp"
 #include "mesh_io/write/mesh_format_writers.hpp"
@@ -61,8 +63,11 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
   return {};
 }
 
-// Limit of the meshes of a GLB in memory. Above it, meshes are written as they come, which doubles the bytes written.
-constexpr std::uint64_t kMostHeldBytes = std::uint64_t{64} << 20;
+// Returns whether meshes wait for finish(), or for too many bytes of them.
+bool holds_meshes(const fs::path& path, const MeshWriteOptions& options) {
+  return !mesh_format_info(options.format).writes_each_mesh_at_once || files::is_stream(path) ||
+         (options.packing.quantizes() && !options.packing.box);
+}
 
 // Returns whether the parts of a mesh can come in any order: the file offset of a part does not depend on other parts.
 // Face normals rule this out, as they need the vertices of the next part.
@@ -73,6 +78,19 @@ bool takes_any_order(const fs::path& path, const MeshWriteOptions& options) {
 // Returns the bytes of a mesh without its attributes.
 std::uint64_t array_bytes(const mesh::Mesh& mesh) {
   return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes();
+}
+
+// Frees what a packed copy replaces. The format still needs the names of the mesh and of its attributes.
+void free_arrays(mesh::Mesh& mesh) {
+  constexpr std::uint64_t kLarge = std::uint64_t{4} << 20U;  // worth the calls of the system
+  const bool is_large = array_bytes(mesh) >= kLarge;
+  mesh.positions = {};
+  mesh.normals = {};
+  mesh.edges = {};
+  mesh.triangles = {};
+  for (mesh::Attribute& attribute : mesh.attributes) attribute.values = {};
+  mesh.memory.release();
+  if (is_large) release_free_memory();
 }
 
 // Writes PLY or STL, which hold one mesh.
@@ -264,13 +282,16 @@ std::string MeshWriter::State::left_out_note() const {
       names_of_formats(&MeshFormatInfo::has_attributes));
 }
 
-// `last` holds the meshes that are not written yet.
+// `last` holds the meshes that are not written yet, those in `held` or meshes of the caller.
 Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> last) {
   if (count == 0) drop_early();
   auto done = check(count, path, options);
   if (options.packing.quantizes() && !options.packing.box) options.packing.box = bounds_of(last);
   if (done) done = open();
-  for (std::size_t m = 0; m < last.size() && done; ++m) done = write(last[m]);
+  for (std::size_t m = 0; m < last.size() && done; ++m) {
+    done = write(last[m]);
+    if (m < held.size() && options.packing.packs()) free_arrays(held[m]);
+  }
   if (done) done = parts != nullptr ? finish_parts() : format->finish(notes);
   const bool has_binary = done && binary && binary->bytes_written() > 0;
   const bool is_committed = ranks != nullptr && !ranks->is_first();
@@ -285,6 +306,14 @@ Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> la
   return result;
 }
 
+std::uint64_t most_held_bytes(const fs::path& path, const MeshWriteOptions& options, const Context& context) {
+  if (!holds_meshes(path, options)) return 0;
+  const bool may_move = options.format == MeshFormat::glb && !options.packing.packs() && !files::is_stream(path);
+  if (!may_move) return std::numeric_limits<std::uint64_t>::max();
+  constexpr std::uint64_t kMost = std::uint64_t{64} << 20;  // beyond it, moving the data may double the bytes written
+  return std::min(kMost, context.memory().limit() / 8);
+}
+
 MeshWriter::MeshWriter(const fs::path& path, const MeshWriteOptions& options, const Context& context)
     : state_(std::make_unique<State>()) {
   state_->path = path;
@@ -293,9 +322,7 @@ MeshWriter::MeshWriter(const fs::path& path, const MeshWriteOptions& options, co
   if (options.format == MeshFormat::drc && options.packing.compression == Compression::none) {
     state_->options.packing.compression = Compression::draco;
   }
-  const MeshPacking& packing = state_->options.packing;
-  state_->holds = !mesh_format_info(options.format).writes_each_mesh_at_once || files::is_stream(path) ||
-                  (packing.quantizes() && !packing.box);
+  state_->holds = holds_meshes(path, state_->options);
 }
 
 MeshWriter::MeshWriter(MeshWriter&&) noexcept = default;
@@ -311,10 +338,9 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
     if (state.options.packing.optimize_order) {
       TRY(optimize_order(mesh, state.context));
     }
-    const bool may_move =
-        state.options.format == MeshFormat::glb && !state.options.packing.packs() && !files::is_stream(state.path);
     state.held_bytes += array_bytes(mesh);
-    if (state.holds && may_move && !state.held.empty() && state.held_bytes > kMostHeldBytes) TRY(state.write_held());
+    const std::uint64_t most = most_held_bytes(state.path, state.options, state.context);
+    if (state.holds && !state.held.empty() && state.held_bytes > most) TRY(state.write_held());
     if (!state.holds) return state.write(mesh);
     state.held.push_back(std::move(mesh));
     return {};

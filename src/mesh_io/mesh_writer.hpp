@@ -93,14 +93,20 @@ struct MeshWriteResult {
 // Fails with ErrorCode::usage if the format does not support this packing, or if options contradict each other.
 [[nodiscard]] Result<void> check_packing(const MeshPacking& packing, MeshFormat format);
 
+// Returns the most bytes of meshes, without attributes, that a writer holds while more come. It holds the first mesh of
+// a GLB in any case, since a file of one mesh has another layout.
+[[nodiscard]] std::uint64_t most_held_bytes(const std::filesystem::path& path, const MeshWriteOptions& options,
+                                            const Context& context);
+
 // Writes one file (for .gltf a pair of files) from meshes that are added one after another. Opens nothing before the
 // first mesh. finish() gives the file its name; a writer destroyed without finish() leaves no file behind.
 //
 // Formats with MeshFormatInfo::writes_each_mesh_at_once write each mesh in add() and free it. The others hold all
-// meshes until finish(): a GLB begins with the offsets of all its data. Beyond 64 MiB, a GLB of several unpacked meshes
-// gets the data of each mesh in add(), and finish() moves all of it behind the JSON. Standard output, pipes and devices
-// must receive no bytes if a later surface fails, so the writer also holds the meshes that add() gets for them. It
-// holds them, too, if it quantizes positions and packing.box is unset: it needs the box of all.
+// meshes until finish(): a GLB begins with the offsets of all its data. Beyond 64 MiB or an eighth of the memory limit,
+// a GLB of several unpacked meshes gets the data of each mesh in add(), and finish() moves all of it behind the JSON.
+// Standard output, pipes and devices must receive no bytes if a later surface fails, so the writer also holds the
+// meshes that add() gets for them. It holds them, too, if it quantizes positions and packing.box is unset: it needs the
+// box of all.
 class MeshWriter {
  public:
   MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context);

@@ -84,7 +84,7 @@ class MemoryTest(ProgramTest):
 
     def test_label_maps(self):
         # Layers of 59 labels, and noise in every eighth, so that there is much of all that a net has.
-        size, noise = 120, random.Random(1)
+        size, noise = 88, random.Random(1)
         layers = [noise.randbytes(size * size).translate(bytes(n % 60 for n in range(256))) if z % 8 == 0
                   else bytes((x // 3 * 7 + y // 2 * 5 + z) % 60 for y in range(size) for x in range(size))
                   for z in range(size)]
@@ -98,7 +98,9 @@ class MemoryTest(ProgramTest):
         self.assertGreater(needed, 64 * MIB)
         self.assertLess(report["peak_memory_bytes"], needed + OVERHEAD)
         whole = self.hash("a.glb")
-        for limit, in_files in ((needed + MIB, False), (needed * 3 // 5, True)):
+        # The arrays of the net get half of the limit. With 3/5 of what is needed, they seem to fit, but noise has many
+        # bodies: the net is made again, in files.
+        for limit, in_files in ((2 * needed, False), (needed * 3 // 5, True)):
             (self.folder / "a.glb").unlink()
             run, report = self.report(*arguments, "--memory-limit", f"{limit}B")
             self.assertEqual(run.code, 0, run.err)
@@ -117,6 +119,31 @@ class MemoryTest(ProgramTest):
         self.assert_fails(2, run, "memory", "a temporary file", "it is in memory (tmpfs)", "for the voxels and points of the net",
                           "TMPDIR", "--memory-limit")
         self.assertNotIn("a.glb", self.files())
+
+    def test_a_file_of_many_meshes(self):
+        """Meshes wait for a GLB until they take an eighth of the limit; then their data is written and moved."""
+        size, noise = 88, random.Random(2)
+        (self.folder / "map.raw").write_bytes(noise.randbytes(size**3).translate(bytes(n % 40 for n in range(256))))
+        arguments = ("map.raw", "--dims", f"{size},{size},{size}", "--labels", "all", "--method", "voxels", "-o", "a.glb",
+                     "--threads", "1")
+        run, report = self.report(*arguments)
+        self.assertEqual(run.code, 0, run.err)
+        whole = self.hash("a.glb")
+        limit = report["reserved_memory_bytes"] // 3
+        self.assertLess(limit, (self.folder / "a.glb").stat().st_size / 4)
+        run, report = self.report(*arguments, "--memory-limit", f"{limit}B")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertLess(report["peak_memory_bytes"], limit + OVERHEAD)
+        self.assertEqual(self.hash("a.glb"), whole)
+
+    def test_packed_meshes_are_estimated(self):
+        """Of several meshes, those before the last are in memory in their packed form only."""
+        several = ("--iso", 0.5, "--iso", -0.5)
+        for options in (("a.drc",), ("a.glb", "--meshopt"), ("a.glb", "--draco", *several), ("a.glb", "--meshopt", *several),
+                        ("a.glb", "--quantize", *several), ("a.glb", *several), ("a.gltf", *several)):
+            with self.subTest(options):
+                run = ("demo:gyroid?size=176", "--iso", 0, "--threads", 2, "-o", *options)
+                self.assertAlmostEqual(self.told_mib(*run) / self.peak_mib(*run), 1, delta=0.25)
 
     def test_the_distance_of_a_simplified_mesh(self):
         """Faces that lie in planes at right angles to others: rounding made parts of triangles without end, 1.6 GiB."""

@@ -2,8 +2,8 @@
 
 namespace isoextract::extract {
 
-files::FileUse NetMemory::use() const {
-  return {.prefers_file = uses_files_,
+files::FileUse NetMemory::use(std::uint64_t bytes) const {
+  return {.prefers_file = uses_files_ || prefers_files(bytes_of(false) + bytes, context_),
           .least_bytes = kLeastNetFile,
           .kind_of_data = "voxels and points of the net",
           .all_bytes = expected_bytes_};
@@ -11,37 +11,36 @@ files::FileUse NetMemory::use() const {
 
 std::shared_ptr<files::WorkMemory> NetMemory::keep(files::WorkMemory made) {
   auto memory = std::make_shared<files::WorkMemory>(std::move(made));
-  if (memory->is_in_file()) {
-    {
-      const std::lock_guard lock(mutex_);
-      in_files_.push_back(memory);
-    }
-    const std::uint64_t now = bytes_in_files();
-    std::uint64_t most = most_in_files_;
-    while (now > most && !most_in_files_.compare_exchange_weak(most, now)) {
-    }
+  {
+    const std::lock_guard lock(mutex_);
+    arrays_.push_back(memory);
+  }
+  const std::uint64_t now = bytes_in_files();
+  std::uint64_t most = most_in_files_;
+  while (now > most && !most_in_files_.compare_exchange_weak(most, now)) {
   }
   return memory;
 }
 
-std::vector<std::shared_ptr<files::WorkMemory>> NetMemory::list_files() const {
+std::vector<std::shared_ptr<files::WorkMemory>> NetMemory::list(bool in_files) const {
   const std::lock_guard lock(mutex_);
   std::vector<std::shared_ptr<files::WorkMemory>> alive;
-  std::erase_if(in_files_, [&](const std::weak_ptr<files::WorkMemory>& one) {
-    if (auto memory = one.lock()) alive.push_back(std::move(memory));
+  std::erase_if(arrays_, [&](const std::weak_ptr<files::WorkMemory>& one) {
+    auto memory = one.lock();
+    if (memory != nullptr && memory->is_in_file() == in_files) alive.push_back(std::move(memory));
     return one.expired();
   });
   return alive;
 }
 
-void NetMemory::leave() const {
-  for (const std::shared_ptr<files::WorkMemory>& memory : list_files()) memory->leave(memory->bytes());
+std::uint64_t NetMemory::bytes_of(bool in_files) const {
+  std::uint64_t bytes = 0;
+  for (const std::shared_ptr<files::WorkMemory>& memory : list(in_files)) bytes += memory->bytes().size();
+  return bytes;
 }
 
-std::uint64_t NetMemory::bytes_in_files() const {
-  std::uint64_t bytes = 0;
-  for (const std::shared_ptr<files::WorkMemory>& memory : list_files()) bytes += memory->bytes().size();
-  return bytes;
+void NetMemory::leave() const {
+  for (const std::shared_ptr<files::WorkMemory>& memory : list(true)) memory->leave(memory->bytes());
 }
 
 void NetMemory::leave_after(std::uint64_t used_bytes) const {
@@ -59,7 +58,7 @@ std::size_t NetMemory::run_length(std::size_t count, std::uint64_t bytes) const 
 }
 
 Result<void> NetMemory::check() const {
-  for (const std::shared_ptr<files::WorkMemory>& memory : list_files()) {
+  for (const std::shared_ptr<files::WorkMemory>& memory : list(true)) {
     if (!memory->lost()) continue;
     return fail(ErrorCode::input,
                 what_ + ": the disk lost a part of a temporary file, which it could not write or read",

@@ -79,18 +79,20 @@ class NetMemory {
   [[nodiscard]] static std::uint64_t run_bytes(const Context& context) { return context.memory().limit() / 8; }
   // Makes later arrays prefer files. They never prefer memory again.
   void use_files() { uses_files_ = true; }
+  [[nodiscard]] bool uses_files() const { return uses_files_; }
 
-  // Makes an array in memory or, if files are in use or memory runs out, in a file. Fails if neither has space.
+  // Makes an array in memory. Makes it in a file if files are in use, if the arrays in memory would take more than half
+  // of the memory limit, or if memory runs out. Fails if neither has space.
   template <class T>
   [[nodiscard]] Result<NetArray<T>> make(std::size_t count) {
-    auto memory = TRY(files::WorkMemory::make(count * sizeof(T), use(), context_, what_));
+    auto memory = TRY(files::WorkMemory::make(count * sizeof(T), use(count * sizeof(T)), context_, what_));
     return array_in<T>(keep(std::move(memory)), count);
   }
 
   // Makes an array in a file. Fails with `refusal` as files::WorkMemory::make_in_file().
   template <class T>
   [[nodiscard]] Result<NetArray<T>> make_in_file(std::size_t count, Error refusal) {
-    auto memory = TRY(files::WorkMemory::make_in_file(count * sizeof(T), use(), std::move(refusal)));
+    auto memory = TRY(files::WorkMemory::make_in_file(count * sizeof(T), use(count * sizeof(T)), std::move(refusal)));
     return array_in<T>(keep(std::move(memory)), count);
   }
 
@@ -129,7 +131,7 @@ class NetMemory {
   // Does so once all calls together told that about run_bytes() were used. For work that uses little at a time.
   void leave_after(std::uint64_t used_bytes) const;
   // Returns the bytes of all arrays in files: those of now, and the most at a time.
-  [[nodiscard]] std::uint64_t bytes_in_files() const;
+  [[nodiscard]] std::uint64_t bytes_in_files() const { return bytes_of(true); }
   [[nodiscard]] std::uint64_t most_in_files() const { return most_in_files_; }
   // Fails with ErrorCode::input if the disk lost a part of an array in a file.
   [[nodiscard]] Result<void> check() const;
@@ -147,11 +149,14 @@ class NetMemory {
       if (run < count) leave_run();
     }
   }
-  [[nodiscard]] files::FileUse use() const;
+  // Returns when an array of so many bytes goes to a file.
+  [[nodiscard]] files::FileUse use(std::uint64_t bytes) const;
   [[nodiscard]] std::shared_ptr<files::WorkMemory> keep(files::WorkMemory memory);
   // Returns how many of `count` indices a run takes if all of them use so many bytes in files.
   [[nodiscard]] std::size_t run_length(std::size_t count, std::uint64_t bytes) const;
-  [[nodiscard]] std::vector<std::shared_ptr<files::WorkMemory>> list_files() const;
+  // Returns the arrays in files, or those in memory, and their bytes.
+  [[nodiscard]] std::vector<std::shared_ptr<files::WorkMemory>> list(bool in_files) const;
+  [[nodiscard]] std::uint64_t bytes_of(bool in_files) const;
 
   Context context_;
   std::string what_;
@@ -160,7 +165,7 @@ class NetMemory {
   std::atomic<std::uint64_t> most_in_files_ = 0;
   mutable std::atomic<std::uint64_t> used_bytes_ = 0;  // since the last leave() of leave_after()
   mutable std::mutex mutex_;
-  mutable std::vector<std::weak_ptr<files::WorkMemory>> in_files_;
+  mutable std::vector<std::weak_ptr<files::WorkMemory>> arrays_;
 };
 
 }  // namespace isoextract::extract

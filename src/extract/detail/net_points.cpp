@@ -49,6 +49,17 @@ bool find_middles_of(const LabelChunks& labels, const glm::ivec3& origin, std::a
 
 Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relaxations,
                                   const glm::dmat3& output_from_index, NetMemory& memory) {
+  auto points = try_make(labels, relaxations, output_from_index, memory);
+  // The estimate of prefers_files() knows neither faces nor shells: noise has many times as many as usual labels.
+  if (!points && points.error().code == ErrorCode::out_of_memory && !memory.uses_files()) {
+    memory.use_files();
+    points = try_make(labels, relaxations, output_from_index, memory);
+  }
+  return points;
+}
+
+Result<NetPoints> NetPoints::try_make(const LabelChunks& labels, std::uint64_t relaxations,
+                                      const glm::dmat3& output_from_index, NetMemory& memory) {
   NetPoints points;
   const Context& context = memory.context();
   context.progress().begin("smoothing corners", relaxations);

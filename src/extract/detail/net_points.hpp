@@ -69,6 +69,9 @@ class NetPoints {
  private:
   using Middles = std::array<ChunkBits, 3>;
 
+  // Does the work of make() once: with all arrays in files if memory.uses_files(), else where they find memory.
+  [[nodiscard]] static Result<NetPoints> try_make(const LabelChunks& labels, std::uint64_t relaxations,
+                                                  const glm::dmat3& output_from_index, NetMemory& memory);
   [[nodiscard]] Result<void> find_middles(const LabelChunks& labels, NetMemory& memory);
 
   NetGrid grid_;

@@ -216,6 +216,7 @@ Result<GltfPackedPart> pack_draco(const GltfPart& part, const MeshPacking& packi
   packed.draco = true;
   packed.translation = draco.lattice.origin;
   packed.facts = made.facts;
+  packed.memory = TRY(context.reserve(made.bytes.size(), "the packed mesh"));
   packed.views.emplace_back().bytes = std::move(made.bytes);
   const auto add = [&](const std::string& semantic, int component, std::size_t components) -> GltfPackedAccessor& {
     GltfPackedAccessor accessor;
@@ -247,8 +248,11 @@ Result<GltfPackedPart> pack_views(const GltfPart& part, const MeshPacking& packi
   // All values, and at most as much again for the packed and for the unpacked copy.
   constexpr std::uint64_t kLatticeBytes = 16;
   const std::uint64_t bytes = 3 * part.bytes() + part.mesh->positions.size() * kLatticeBytes;
-  const auto memory = TRY(context.reserve(bytes, "packing it"));
-  return ViewPacking(part, packing).pack();
+  auto memory = TRY(context.reserve(bytes, "packing it"));
+  auto packed = TRY(ViewPacking(part, packing).pack());
+  packed.memory = std::move(memory);
+  packed.memory.shrink(packed.bytes());
+  return packed;
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ struct GltfPackedPart {
   glm::dvec3 translation{0.0};  // of the node
   double scale = 1;
   PackedFacts facts;
+  Reservation memory;  // for the bytes of the views
 
   [[nodiscard]] std::uint64_t bytes() const;
 };

@@ -60,6 +60,20 @@ TEST(NetMemory, PassesOverFilesInRuns) {
   EXPECT_EQ(memory.most_in_files(), 4 * kCount);
 }
 
+TEST(NetMemory, LeavesHalfOfTheLimitToMeshes) {
+  NetMemory memory(Context(MemoryBudget(20 * kMiB)), "test");
+  const auto first = memory.make<std::uint8_t>(5 * kMiB);
+  const auto second = memory.make<std::uint8_t>(5 * kMiB);
+  ASSERT_TRUE(first && second);
+  EXPECT_FALSE(first->is_in_file() || second->is_in_file());
+  const auto third = memory.make<std::uint8_t>(4 * kMiB);
+  ASSERT_TRUE(third);
+  EXPECT_TRUE(third->is_in_file());
+  const auto small = memory.make<std::uint8_t>(kMiB);  // below kLeastNetFile
+  ASSERT_TRUE(small);
+  EXPECT_FALSE(small->is_in_file());
+}
+
 // Blocks of four voxels along each axis, of 60 labels and none.
 field::ScalarField blocks() {
   return test::dense_field<std::uint8_t>({130, 120, 110}, [](int x, int y, int z) {
