@@ -26,6 +26,7 @@
 #include "extract/edge_geometry.hpp"
 #include "extract/sparse_blocks.hpp"
 #include "files/file_bytes.hpp"
+#include "mesh_io/mesh_writer.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -75,7 +76,8 @@ Result<void> measure_labels(FieldReport& report, const Context& context) {
   options.nan = extract::NanPolicy::outside;
   options.output_from_index = report.field.index_to_world;
   const auto size = TRY(extract::estimate_label_map(report.field, options, {true, {}}, context));
-  report.bytes = convert::estimated_label_bytes(report.field, size, size.making_bytes);
+  const std::uint64_t most_held = mesh_io::most_held_bytes("labels.glb", {}, context);
+  report.bytes = convert::estimated_label_bytes(report.field, size, convert::label_making_bytes(size, most_held, 0));
   report.whole_mesh_bytes = report.bytes;
   return {};
 }

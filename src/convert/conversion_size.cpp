@@ -93,14 +93,27 @@ std::uint64_t hollow_bytes(const ConversionJob& job, const Source& source, std::
   return extract::estimated_wall_bytes(triangles, area, wall_cell(thickness, source));
 }
 
+// Returns the most bytes of meshes that wait for an output while more come.
+std::uint64_t most_held_bytes(const ConversionJob& job, const Source& source, const OutputFileJob& output, MeshUse use,
+                              const Context& context) {
+  if (use == MeshUse::whole || job.writes<MeshFileOptions>() == nullptr)
+    return std::numeric_limits<std::uint64_t>::max();
+  return mesh_io::most_held_bytes(output.path, write_options(job, source, false), context);
+}
+
 Result<std::uint64_t> memory_of_labels(const ConversionJob& job, const Source& source,
-                                       const extract::LabelChoice& choice, const Context& context) {
+                                       const extract::LabelChoice& choice, MeshUse use, const Context& context) {
   const extract::LabelMapSize size =
       TRY(extract::estimate_label_map(source.field, extract_options_of(job, source, 0), choice, context));
   // A fit to the measured peaks of maps of 8 to 4,096 labels with 0.3 to 8 million faces.
   const std::uint64_t simplifying = 400 * size.faces + 85 * size.sides;
+  std::uint64_t most_held = 0;
+  for (const OutputFileJob& output : job.outputs) {
+    if (LabelFileNames(output.path).in_use()) continue;
+    most_held = std::max(most_held, most_held_bytes(job, source, output, use, context));
+  }
   const std::uint64_t making =
-      job.edits.simplify ? simplifying : size.making_bytes + edit_bytes(job, size.largest_sides, 0);
+      job.edits.simplify ? simplifying : label_making_bytes(size, most_held, edit_bytes(job, size.largest_sides, 0));
   return estimated_label_bytes(source.field, size, making) + attribute_bytes(source, size.largest_sides);
 }
 
@@ -151,12 +164,10 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     most = std::max(most, kProgramBytes + field_file_bytes(source.field, file->format));
   }
   if (const auto labels = chosen_labels(source.isos, job.surface.background))
-    return std::max(most, TRY(memory_of_labels(job, source, *labels, context)));
+    return std::max(most, TRY(memory_of_labels(job, source, *labels, use, context)));
   std::vector<WaitingMeshes> waiting;
   for (const OutputFileJob& output : job.outputs) {
-    const bool has_writer = use != MeshUse::whole && job.writes<MeshFileOptions>() != nullptr;
-    waiting.push_back({has_writer ? mesh_io::most_held_bytes(output.path, write_options(job, source, false), context)
-                                  : std::numeric_limits<std::uint64_t>::max()});
+    waiting.push_back({most_held_bytes(job, source, output, use, context)});
   }
   for (const ResolvedIso& iso : source.isos) {
     const ConversionSize size = size_of(source.field, extract_options_of(job, source, iso.id.iso()));
@@ -318,6 +329,13 @@ std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFil
         {parts, bytes_of_parts(size, 1, measuring_bytes(surface.vertices)), measuring_bytes(size.cap_vertices)});
   }
   return bytes_without_mesh(size) + parts;
+}
+
+std::uint64_t label_making_bytes(const extract::LabelMapSize& size, std::uint64_t most_held, std::uint64_t edit_bytes) {
+  const std::uint64_t waiting = std::min(size.mesh_bytes - size.largest_bytes, most_held);
+  // The allocator keeps freed blocks of less than 1 MiB. Surfaces that wait take them.
+  const std::uint64_t making = std::max(size.group_bytes / 2 * 3, waiting + size.group_bytes) + size.listing_bytes;
+  return std::max(making, waiting + size.largest_bytes + edit_bytes);
 }
 
 std::uint64_t estimated_label_bytes(const field::ScalarField& field, const extract::LabelMapSize& size,

@@ -47,8 +47,13 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{7} << 19U;
 // decides how many parts are in memory at a time. Underestimates a surface that lies in few slabs.
 [[nodiscard]] std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFileOptions& file,
                                                      Normals normals, bool has_figures = false);
+// Returns the estimated memory of making the surfaces of labels, besides what is kept of finding them. Up to
+// `most_held` bytes of surfaces wait for the others of their file (mesh_io::most_held_bytes()). Editing or packing the
+// largest surface takes `edit_bytes`.
+[[nodiscard]] std::uint64_t label_making_bytes(const extract::LabelMapSize& size, std::uint64_t most_held,
+                                               std::uint64_t edit_bytes);
 // Returns the estimated peak memory of the surfaces of labels: the largest of finding their voxels, the rest of
-// finding them, and making the surfaces. `making_bytes` is size.making_bytes, or more if edits need more. Within a
+// finding them, and making the surfaces. `making_bytes` is label_making_bytes(), or more if edits need more. Within a
 // quarter.
 [[nodiscard]] std::uint64_t estimated_label_bytes(const field::ScalarField& field, const extract::LabelMapSize& size,
                                                   std::uint64_t making_bytes);

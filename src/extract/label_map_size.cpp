@@ -291,20 +291,21 @@ std::uint64_t scaled(std::uint64_t count, double scale) {
   return static_cast<std::uint64_t>(static_cast<double>(count) * scale);
 }
 
-// Returns the bytes of surfaces that are in memory at a time. `share` is the fraction of the points between labels that
-// become vertices.
-std::uint64_t making_bytes(const LabelMapSize& size, std::uint64_t parts, double share) {
-  const std::uint64_t small_sides = size.sides / parts * 2 * kSmallLabelChunks;
-  // The allocator keeps freed blocks of less than 1 MiB, so that groups of many small meshes take three times their
-  // size.
-  constexpr std::uint64_t kKept = 3;
-  const std::uint64_t sides = std::max(size.largest_sides, std::min(size.sides, kKept * small_sides));
-  // Each thread lists the faces of the label that it works on.
+// Sets the bytes of surfaces. `parts`: labels of a chunk, summed over the chunks. `share`: the fraction of the points
+// between labels that become vertices.
+void set_surface_bytes(LabelMapSize& size, std::uint64_t parts, double share) {
   const auto threads = static_cast<std::uint64_t>(usable_threads());
+  const bool has_groups = threads > 1 && parts <= size.labels * kSmallLabelChunks;
+  const std::uint64_t group_sides = has_groups ? size.sides / parts * 2 * kSmallLabelChunks : 0;
+  // Each thread lists the faces of the label that it works on.
   const std::uint64_t listed = std::min(threads * size.largest_sides, size.sides);
   // About a vertex and two triangles for each face.
   const std::uint64_t side_bytes = sizeof(glm::vec3) + 2 * sizeof(glm::uvec3);
-  return scaled(sides * side_bytes + listed * sizeof(FaceRectangle), share);
+  const auto mesh_bytes = [&](std::uint64_t sides) { return scaled(sides * side_bytes, share); };
+  size.listing_bytes = scaled(listed * sizeof(FaceRectangle), share);
+  size.group_bytes = mesh_bytes(std::max(size.largest_sides, std::min(size.sides, group_sides)));
+  size.largest_bytes = mesh_bytes(size.largest_sides);
+  size.mesh_bytes = mesh_bytes(size.sides);
 }
 
 }  // namespace
@@ -336,7 +337,7 @@ Result<LabelMapSize> estimate_label_map(const field::ScalarField& field, const E
   const std::uint64_t parts = std::max<std::uint64_t>(scaled(counts.parts, scale), 1);
   const bool has_all_points = nets || options.voxel_faces == VoxelFaces::plain || counts.points == 0;
   const double share = has_all_points ? 1 : static_cast<double>(counts.corners) / static_cast<double>(counts.points);
-  size.making_bytes = making_bytes(size, parts, share);
+  set_surface_bytes(size, parts, share);
   const std::uint64_t bits = scaled(counts.mixed, scale) * sizeof(ChunkBits);
   const std::uint64_t most_bits = LabelBits::most_in_memory(context, nets);
   size.voxel_bytes = parts * (sizeof(LabelPart) + 2 * sizeof(std::uintptr_t)) + std::min(bits, most_bits);

@@ -11,7 +11,10 @@ struct LabelMapSize {
   std::uint64_t voxel_bytes = 0;    // of the voxels of labels, which LabelVoxels::find() finds first
   std::uint64_t finding_bytes = 0;  // peak of the rest of find(), when it needs the samples no more; with voxel_bytes
   std::uint64_t kept_bytes = 0;     // of the LabelVoxels that it returns
-  std::uint64_t making_bytes = 0;   // of the surfaces that are in memory at a time, besides kept_bytes
+  std::uint64_t listing_bytes = 0;  // of the lists of faces of the surfaces that are made at a time
+  std::uint64_t group_bytes = 0;    // of the surfaces that are made or written at a time
+  std::uint64_t largest_bytes = 0;  // of the largest surface
+  std::uint64_t mesh_bytes = 0;     // of all surfaces
   std::uint64_t labels = 0;         // chosen ones
   std::uint64_t faces = 0;          // of voxels, between a chosen label and another one or none
   std::uint64_t sides = 0;          // of these faces, on which a chosen label is: the faces of all surfaces together

@@ -243,12 +243,14 @@ class MemoryTest(ProgramTest):
         (self.folder / "map.raw").write_bytes(
             b"".join(rows[(y + z // 4) % size // 11, z // 17] for z in range(size) for y in range(size)))
         raw = ("map.raw", "--dims", f"{size},{size},{size}", "--threads", "2")
-        for options in (("all",), ("all", "--method", "voxels"), ("all", "--relax", "0"), ("3",),
-                        ("all", "--simplify", "0.1")):
-            with self.subTest(options):
-                labels = (*raw, "--labels", *options)
-                run = (*labels, "-o", "a.glb")
+        for name, *options in (("a.glb",), ("a.glb", "--method", "voxels"), ("a.glb", "--relax", "0"), ("a.gltf",),
+                               ("a.glb", "--quantize"), ("a.gltf", "--quantize"), ("{label}.ply",),
+                               ("a.glb", "--simplify", "0.1")):
+            with self.subTest(name=name, options=options):
+                run = (*raw, "--labels", "all", *options, "-o", name)
                 self.assertAlmostEqual(self.told_mib(*run) / self.peak_mib(*run), 1, delta=0.25)
+        one = (*raw, "--labels", "3", "-o", "a.glb")
+        self.assertAlmostEqual(self.told_mib(*one) / self.peak_mib(*one), 1, delta=0.25)
         (found,) = json.loads(self.convert("info", *raw, "--json").text)
         told = self.told_mib(*raw, "--labels", "all", "-o", "a.glb")
         self.assertAlmostEqual(found["field"]["memory"]["conversion"] / MIB, told, delta=1)
