@@ -9,6 +9,7 @@
 #include "base/parallel.hpp"
 #include "convert/detail/error_memory.hpp"
 #include "convert/detail/output_meshes.hpp"
+#include "convert/detail/packing_memory.hpp"
 #include "convert/detail/particle_file.hpp"
 #include "convert/detail/partwise_output.hpp"
 #include "convert/detail/several_grids.hpp"
@@ -40,49 +41,49 @@ std::uint64_t bytes_without_mesh(const ConversionSize& size) {
          size.places * kPlaceBytes + size.cap_vertices * kCapBytes;
 }
 
-// Returns the memory of vertex attributes: other volumes, world positions of vertices, values and a color. `vertices`
-// are those in memory at a time.
-std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
+// Returns the bytes of attribute values and a color for each vertex.
+std::uint64_t attribute_value_bytes(const Source& source) {
   if (!source.attributes) return 0;
-  std::uint64_t bytes = 0;
   std::size_t components = 0;
   if (const auto* particles = std::get_if<ParticleAttributes>(&source.attributes->from)) {
     for (const std::size_t a : particles->attributes) components += particles->particles->attributes[a].components;
   } else {
-    for (const auto& attribute : std::get<std::vector<VolumeAttribute>>(source.attributes->from)) {
+    for (const auto& attribute : std::get<std::vector<VolumeAttribute>>(source.attributes->from))
       components += attribute.components.size();
-      for (const field::ScalarField& field : attribute.components) {
-        const ConversionSize size = size_of_samples(field);
-        bytes += size.sample_bytes + size.lookup_bytes;
-      }
-    }
   }
   constexpr std::uint64_t kColorBytes = 8;
-  return bytes + vertices * (sizeof(glm::dvec3) + components * sizeof(float) + kColorBytes);
+  return components * sizeof(float) + kColorBytes;
 }
 
-// Returns the memory that simplifying or packing takes besides a mesh of two triangles for each vertex; they run one
-// after the other, so the larger counts. Fits the measured peaks of gyroids of 79,000 to 496,000 vertices; the
-// reservations cover the worst case, about twice as much. The limit leaves `left` bytes for them.
-std::uint64_t edit_bytes(const ConversionJob& job, std::uint64_t vertices, std::uint64_t left) {
-  constexpr std::uint64_t kMiB = 1 << 20;
-  const mesh_io::PackingOptions packing = job.meshes().packing;
-  std::uint64_t most = 0;
-  if (job.edits.simplify) {
-    const std::uint64_t triangles = 2 * vertices;
-    const auto& target = job.edits.simplify->triangles;
-    const std::uint64_t wanted = target ? wanted_triangles(*target, triangles) : 0;
-    const std::uint64_t at_once = edit::simplified_at_once(vertices, triangles, wanted, left);
-    most = 13 * kMiB + at_once * 250;
-    // The last patch of a target holds the rest of the mesh; above 70 % the first is the last.
-    if (target) most = 24 * kMiB + std::clamp(220 * at_once + 300 * wanted, 250 * at_once, 430 * at_once);
+// Returns the memory of vertex attributes: other volumes, world positions of vertices, values and a color. `vertices`
+// are those in memory at a time.
+std::uint64_t attribute_bytes(const Source& source, std::uint64_t vertices) {
+  if (!source.attributes) return 0;
+  std::uint64_t bytes = vertices * (sizeof(glm::dvec3) + attribute_value_bytes(source));
+  const auto* volumes = std::get_if<std::vector<VolumeAttribute>>(&source.attributes->from);
+  if (volumes == nullptr) return bytes;
+  for (const VolumeAttribute& attribute : *volumes) {
+    for (const field::ScalarField& field : attribute.components) {
+      const ConversionSize size = size_of_samples(field);
+      bytes += size.sample_bytes + size.lookup_bytes;
+    }
   }
-  const bool is_drc = job.meshes().format == mesh_io::MeshFormat::drc;
-  if (packing.compression == mesh_io::Compression::draco || is_drc)
-    most = std::max(most, 6 * kMiB + vertices * (is_drc ? 185 : 300));
-  if (packing.compression == mesh_io::Compression::meshopt) most = std::max(most, 3 * kMiB + vertices * 72);
-  if (packing.quantize) most = std::max(most, 3 * kMiB + vertices * 60);
-  return most;
+  return bytes;
+}
+
+// Returns the memory that simplifying takes besides a mesh of two triangles for each vertex. Fits the measured peaks of
+// gyroids of 79,000 to 496,000 vertices; the reservations cover the worst case, about twice as much. The limit leaves
+// `left` bytes for it.
+std::uint64_t simplify_bytes(const ConversionJob& job, std::uint64_t vertices, std::uint64_t left) {
+  constexpr std::uint64_t kMiB = 1 << 20;
+  if (!job.edits.simplify) return 0;
+  const std::uint64_t triangles = 2 * vertices;
+  const auto& target = job.edits.simplify->triangles;
+  const std::uint64_t wanted = target ? wanted_triangles(*target, triangles) : 0;
+  const std::uint64_t at_once = edit::simplified_at_once(vertices, triangles, wanted, left);
+  // The last patch of a target holds the rest of the mesh; above 70 % the first is the last.
+  if (target) return 24 * kMiB + std::clamp(220 * at_once + 300 * wanted, 250 * at_once, 430 * at_once);
+  return 13 * kMiB + at_once * 250;
 }
 
 // Returns the memory that the inner wall of a surface takes; 0 if the job hollows none.
@@ -112,8 +113,9 @@ Result<std::uint64_t> memory_of_labels(const ConversionJob& job, const Source& s
     if (LabelFileNames(output.path).in_use()) continue;
     most_held = std::max(most_held, most_held_bytes(job, source, output, use, context));
   }
-  const std::uint64_t making =
-      job.edits.simplify ? simplifying : label_making_bytes(size, most_held, edit_bytes(job, size.largest_sides, 0));
+  const std::uint64_t making = job.edits.simplify
+                                   ? simplifying
+                                   : label_making_bytes(size, most_held, packing_bytes(job, size.largest_sides).work);
   return estimated_label_bytes(source.field, size, making) + attribute_bytes(source, size.largest_sides);
 }
 
@@ -124,18 +126,6 @@ std::uint64_t field_file_bytes(const field::ScalarField& field, volume_io::Volum
   if (std::holds_alternative<field::DenseSamples>(field.samples)) return size.sample_bytes;
   return size.sample_bytes + size.lookup_bytes + field::resampled_box(field).count() * field::sample_size(field.type());
 }
-
-// The meshes of a file, as they are before edits, while they wait for it (mesh_io::MeshWriter).
-struct WaitingMeshes {
-  std::uint64_t most = 0;  // mesh_io::most_held_bytes()
-  std::uint64_t bytes = 0;
-  bool is_written = false;  // no mesh waits from now on
-
-  void add(std::uint64_t mesh) {
-    is_written |= most == 0 || (bytes > 0 && bytes + mesh > most);
-    bytes = is_written ? 0 : bytes + mesh;
-  }
-};
 
 // Returns the estimated memory of the surfaces of one grid.
 Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::optional<std::string>& grid, MeshUse use,
@@ -156,7 +146,8 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
           std::max(most_hollow, hollow_bytes(job, source, mesh.triangles.size(), mesh::measure_size(mesh).area));
     }
     return kProgramBytes + kConversionBytes + context.memory().peak() +
-           std::max(edit_bytes(job, vertices, context.memory().left()), most_hollow);
+           std::max({simplify_bytes(job, vertices, context.memory().left()), packing_bytes(job, vertices).work,
+                     most_hollow});
   }
   // Making a field takes more memory than keeping it: from particles, by a blur, or in another resolution.
   std::uint64_t most = kProgramBytes + context.memory().peak();
@@ -167,8 +158,9 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     return std::max(most, TRY(memory_of_labels(job, source, *labels, use, context)));
   std::vector<WaitingMeshes> waiting;
   for (const OutputFileJob& output : job.outputs) {
-    waiting.push_back({most_held_bytes(job, source, output, use, context)});
+    waiting.emplace_back(most_held_bytes(job, source, output, use, context));
   }
+  std::uint64_t without_meshes = 0;
   for (const ResolvedIso& iso : source.isos) {
     const ConversionSize size = size_of(source.field, extract_options_of(job, source, iso.id.iso()));
     const bool selects = job.edits.pieces.drops();
@@ -187,7 +179,7 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     std::uint64_t bytes =
         by_parts ? estimated_bytes_by_parts(size, job.meshes(), job.normals, has_figures) : estimated_bytes(size);
     bytes += attribute_bytes(source, by_parts ? vertices_sampled_at_once(size.vertices) : size.vertices);
-    std::uint64_t after = edit_bytes(job, size.vertices, memory.limit() - std::min(memory.limit(), bytes));
+    std::uint64_t after = simplify_bytes(job, size.vertices, memory.limit() - std::min(memory.limit(), bytes));
     // About a vertex for each cell that the surface crosses.
     const double cell_area = std::pow(std::abs(source.output_from_index.determinant()), 2.0 / 3);
     after = std::max(
@@ -195,12 +187,17 @@ Result<std::uint64_t> memory_of_grid(const ConversionJob& job, const std::option
     if (selects && !by_parts) after = std::max(after, selecting / 5 * 3);
     if (job.error) after = std::max(after, estimated_error_bytes(source, iso.id.iso()));
     most = std::max(most, bytes + after);
+    without_meshes = std::max(without_meshes, bytes_without_mesh(size));
+    const std::uint64_t own_bytes = mesh_bytes(size.vertices, true) + size.vertices * attribute_value_bytes(source);
+    const PackingBytes packing = packing_bytes(job, size.vertices);
     for (std::size_t file = 0; file < waiting.size(); ++file) {
       if (std::ranges::find(job.outputs[file].isos, iso.asked) == job.outputs[file].isos.end()) continue;
-      most = std::max(most, waiting[file].bytes + bytes + after);
-      waiting[file].add(mesh_bytes(size.vertices, true));
+      most = std::max(most, waiting[file].bytes() + bytes + after);
+      if (waiting[file].packs_at_once()) most = std::max(most, bytes + packing.work);
+      waiting[file].add(own_bytes, packing);
     }
   }
+  for (const WaitingMeshes& meshes : waiting) most = std::max(most, without_meshes + meshes.packing_peak());
   return most;
 }
 
@@ -333,9 +330,11 @@ std::uint64_t estimated_bytes_by_parts(const ConversionSize& size, const MeshFil
 
 std::uint64_t label_making_bytes(const extract::LabelMapSize& size, std::uint64_t most_held, std::uint64_t edit_bytes) {
   const std::uint64_t waiting = std::min(size.mesh_bytes - size.largest_bytes, most_held);
-  // The allocator keeps freed blocks of less than 1 MiB. Surfaces that wait take them.
-  const std::uint64_t making = std::max(size.group_bytes / 2 * 3, waiting + size.group_bytes) + size.listing_bytes;
-  return std::max(making, waiting + size.largest_bytes + edit_bytes);
+  // Of the two groups in memory, one may wait already. The allocator keeps freed blocks of less than 1 MiB; surfaces
+  // that wait take them.
+  const std::uint64_t made = std::max(size.largest_bytes, size.group_bytes / 2);
+  const std::uint64_t making = std::min(size.mesh_bytes, std::max(size.group_bytes / 2 * 3, waiting + made));
+  return std::max(making + size.listing_bytes, waiting + size.largest_bytes + edit_bytes);
 }
 
 std::uint64_t estimated_label_bytes(const field::ScalarField& field, const extract::LabelMapSize& size,

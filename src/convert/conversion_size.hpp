@@ -53,8 +53,7 @@ inline constexpr std::uint64_t kConversionBytes = std::uint64_t{7} << 19U;
 [[nodiscard]] std::uint64_t label_making_bytes(const extract::LabelMapSize& size, std::uint64_t most_held,
                                                std::uint64_t edit_bytes);
 // Returns the estimated peak memory of the surfaces of labels: the largest of finding their voxels, the rest of
-// finding them, and making the surfaces. `making_bytes` is label_making_bytes(), or more if edits need more. Within a
-// quarter.
+// finding them, and making the surfaces. `making_bytes` is label_making_bytes(), or what simplifying takes.
 [[nodiscard]] std::uint64_t estimated_label_bytes(const field::ScalarField& field, const extract::LabelMapSize& size,
                                                   std::uint64_t making_bytes);
 // Returns twice the number of vertices, as a closed surface has.
@@ -69,8 +68,8 @@ enum class MeshUse {
 
 // Returns the estimated peak memory of a job, for the grid and iso value that need most. It is the sum of
 // estimated_bytes(), vertex attributes, and the largest of simplification, packing, hollowing and error measurement. A
-// mesh that goes to its file part by part counts as estimated_bytes_by_parts(); the surfaces of one file count
-// together. If making the field (from particles, by a blur) or writing a field file needs more, returns that. For mesh
+// mesh that goes to its file part by part counts as estimated_bytes_by_parts(). Surfaces that wait for the others of
+// their file count, too. If making the field (from particles, by a blur) or writing a field file needs more, returns that. For mesh
 // files and for jobs that write particles, returns the peak of reading, plus the edits of the meshes. Reads the input,
 // and fails as open_source() and read_particles() do.
 [[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, MeshUse use, const MemoryBudget& memory);

@@ -82,7 +82,7 @@ Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelCh
     return &voxels.at(origin) == &full_chunk() ? std::optional<std::int64_t>(0) : std::nullopt;
   };
   const LabelChunks inside(std::move(chunks), unlisted, bounds, std::move(memory));
-  // The faces and the mesh of a mask take more memory than the arrays of its net: files for these would not help.
+  // Few masks need files: their faces and their mesh take more memory than the arrays of the net.
   NetMemory arrays(context, chunks_text(field));
   auto net = TRY(NetPoints::make(inside, options.relaxations, options.output_from_index.linear, arrays));
   ExtractStats with_net = stats;

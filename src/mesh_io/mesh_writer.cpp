@@ -63,7 +63,7 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
   return {};
 }
 
-// Returns whether meshes wait for finish(), or for too many bytes of them.
+// Returns whether meshes wait in memory, until finish() or until they take most_held_bytes().
 bool holds_meshes(const fs::path& path, const MeshWriteOptions& options) {
   return !mesh_format_info(options.format).writes_each_mesh_at_once || files::is_stream(path) ||
          (options.packing.quantizes() && !options.packing.box);
@@ -75,12 +75,13 @@ bool takes_any_order(const fs::path& path, const MeshWriteOptions& options) {
   return has_fixed_places(options.format, options.ascii) && !options.flat_normals && !files::is_stream(path);
 }
 
-// Returns the bytes of a mesh without its attributes.
 std::uint64_t array_bytes(const mesh::Mesh& mesh) {
-  return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes();
+  std::uint64_t bytes = mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes();
+  for (const mesh::Attribute& attribute : mesh.attributes) bytes += attribute.values.size_bytes();
+  return bytes;
 }
 
-// Frees what a packed copy replaces. The format still needs the names of the mesh and of its attributes.
+// Frees the arrays and the values of attributes. The format still needs the names of the mesh and of its attributes.
 void free_arrays(mesh::Mesh& mesh) {
   constexpr std::uint64_t kLarge = std::uint64_t{4} << 20U;  // worth the calls of the system
   const bool is_large = array_bytes(mesh) >= kLarge;
@@ -157,7 +158,7 @@ struct MeshWriter::State {
   Context context;
   bool holds = false;            // holds all meshes until finish()
   std::vector<mesh::Mesh> held;  // meshes that are not written yet
-  std::uint64_t held_bytes = 0;  // bytes of `held` without attributes
+  std::uint64_t held_bytes = 0;  // of the arrays of `held`
   std::size_t count = 0;         // number of meshes added
   std::optional<files::OutputFile> file;
   std::optional<files::OutputFile> binary;  // the .bin of .gltf

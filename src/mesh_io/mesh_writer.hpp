@@ -93,7 +93,7 @@ struct MeshWriteResult {
 // Fails with ErrorCode::usage if the format does not support this packing, or if options contradict each other.
 [[nodiscard]] Result<void> check_packing(const MeshPacking& packing, MeshFormat format);
 
-// Returns the most bytes of meshes, without attributes, that a writer holds while more come. It holds the first mesh of
+// Returns the most bytes of meshes that a writer holds while more come. It holds the first mesh of
 // a GLB in any case, since a file of one mesh has another layout.
 [[nodiscard]] std::uint64_t most_held_bytes(const std::filesystem::path& path, const MeshWriteOptions& options,
                                             const Context& context);

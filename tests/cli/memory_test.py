@@ -98,8 +98,8 @@ class MemoryTest(ProgramTest):
         self.assertGreater(needed, 64 * MIB)
         self.assertLess(report["peak_memory_bytes"], needed + OVERHEAD)
         whole = self.hash("a.glb")
-        # The arrays of the net get half of the limit. With 3/5 of what is needed, they seem to fit, but noise has many
-        # bodies: the net is made again, in files.
+        # The arrays of the net get half of the limit. With 3/5 of the memory that it takes, the first attempt fails, as
+        # noise has many bodies.
         for limit, in_files in ((2 * needed, False), (needed * 3 // 5, True)):
             (self.folder / "a.glb").unlink()
             run, report = self.report(*arguments, "--memory-limit", f"{limit}B")
@@ -137,7 +137,7 @@ class MemoryTest(ProgramTest):
         self.assertEqual(self.hash("a.glb"), whole)
 
     def test_packed_meshes_are_estimated(self):
-        """Of several meshes, those before the last are in memory in their packed form only."""
+        """Of several meshes, each is freed when it is packed."""
         several = ("--iso", 0.5, "--iso", -0.5)
         for options in (("a.drc",), ("a.glb", "--meshopt"), ("a.glb", "--draco", *several), ("a.glb", "--meshopt", *several),
                         ("a.glb", "--quantize", *several), ("a.glb", *several), ("a.gltf", *several)):

@@ -83,7 +83,7 @@ class Run:
 
 
 def peak_mib_of(run):
-    """What a run with -v tells of its memory."""
+    """The peak memory that a run with -v printed."""
     number, unit = re.search(r"peak memory ([\d.]+) (MiB|GiB)", run.err).groups()
     return float(number) * (1024 if unit == "GiB" else 1)
 

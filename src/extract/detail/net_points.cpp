@@ -50,7 +50,7 @@ bool find_middles_of(const LabelChunks& labels, const glm::ivec3& origin, std::a
 Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relaxations,
                                   const glm::dmat3& output_from_index, NetMemory& memory) {
   auto points = try_make(labels, relaxations, output_from_index, memory);
-  // The estimate of prefers_files() knows neither faces nor shells: noise has many times as many as usual labels.
+  // try_make() expects as many faces as points, and few shells: noise has many times as many.
   if (!points && points.error().code == ErrorCode::out_of_memory && !memory.uses_files()) {
     memory.use_files();
     points = try_make(labels, relaxations, output_from_index, memory);

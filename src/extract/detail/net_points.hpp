@@ -69,7 +69,7 @@ class NetPoints {
  private:
   using Middles = std::array<ChunkBits, 3>;
 
-  // Does the work of make() once: with all arrays in files if memory.uses_files(), else where they find memory.
+  // Does the work of make() once, and fails if memory runs out.
   [[nodiscard]] static Result<NetPoints> try_make(const LabelChunks& labels, std::uint64_t relaxations,
                                                   const glm::dmat3& output_from_index, NetMemory& memory);
   [[nodiscard]] Result<void> find_middles(const LabelChunks& labels, NetMemory& memory);

@@ -35,7 +35,7 @@ std::vector<std::byte> encode_meshopt_values(std::span<const std::byte> values, 
   const std::size_t count = values.size() / stride;
   std::vector<std::byte> bytes(meshopt_encodeVertexBufferBound(count, stride));
   bytes.resize(meshopt_encodeVertexBuffer(out_of(bytes), bytes.size(), values.data(), count, stride));
-  bytes.shrink_to_fit();  // the bound is many times as large
+  bytes.shrink_to_fit();
   return bytes;
 }
 
@@ -43,7 +43,7 @@ std::vector<std::byte> encode_meshopt_triangles(std::span<const std::uint32_t> i
   choose_versions();
   std::vector<std::byte> bytes(meshopt_encodeIndexBufferBound(indices.size(), vertices));
   bytes.resize(meshopt_encodeIndexBuffer(out_of(bytes), bytes.size(), indices.data(), indices.size()));
-  bytes.shrink_to_fit();
+  bytes.shrink_to_fit();  // the bound is many times as large
   return bytes;
 }
 

@@ -42,7 +42,7 @@ struct GltfSemantic {
 struct GltfPackedPart;
 
 // The binary layout of one mesh: its positions, normals, each attribute in turn, then the indices; or the packed form
-// of these. Refers to the mesh, which must outlive it.
+// of these. Refers to the mesh, which must outlive it; once `packed` is set, its arrays may be empty.
 struct GltfPart {
   const mesh::Mesh* mesh = nullptr;
   mesh::MeshShape shape;                    // of the mesh

@@ -2,7 +2,7 @@
 // buffers directly to the file. Each mesh is laid out before it is written, so that the JSON knows every offset. In a
 // GLB, whose JSON precedes the data, all meshes are laid out first. If its one mesh comes in parts, room for the JSON
 // is left before the data; in a stream, a pass over the parts finds the bounds for the JSON. If the meshes of a GLB
-// exceed 64 MiB together, their data is written first, and moves when the JSON is known.
+// exceed most_held_bytes() together, their data is written first, and moves when the JSON is known.
 #include <limits>
 #include <map>
 #include <mutex>

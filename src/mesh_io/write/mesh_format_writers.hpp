@@ -20,7 +20,7 @@ class FormatWriter {
  public:
   virtual ~FormatWriter() = default;
   // The mesh must live until finish() if MeshFormatInfo::writes_each_mesh_at_once is false; otherwise only during the
-  // call.
+  // call. After the call, a mesh that is packed may have no arrays and no values of attributes.
   [[nodiscard]] virtual Result<void> add(const mesh::Mesh& mesh, Notes& notes) = 0;
   // Completes the file, and writes the meshes if MeshFormatInfo::writes_each_mesh_at_once is false. Call once.
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;

@@ -161,16 +161,21 @@ mesh::Mesh large_mesh(std::uint64_t bytes, const std::string& name) {
   return mesh;
 }
 
-TEST(MeshWriter, MovesLargeMeshesOfGlb) {
+// A GLB holds meshes of 64 MiB, and of an eighth of the memory limit.
+class LargeMeshes : public testing::TestWithParam<std::uint64_t> {};
+
+INSTANTIATE_TEST_SUITE_P(MeshWriter, LargeMeshes, testing::Values(std::uint64_t{64} << 20U, std::uint64_t{8} << 20U));
+
+TEST_P(LargeMeshes, MoveInGlb) {
   const TempFolder folder;
   const MeshWriteOptions options{.format = MeshFormat::glb, .hash_files = true};
   fs::create_directory(folder / "a");
   fs::create_directory(folder / "b");
   std::vector<mesh::Mesh> meshes;
   meshes.push_back(sphere(9, false));
-  meshes.push_back(large_mesh(std::uint64_t{64} << 20, "large"));
+  meshes.push_back(large_mesh(GetParam(), "large"));
   meshes.push_back(tetrahedron("last", {1e7, 0, 0}));
-  const Context context;
+  const Context context{MemoryBudget(8 * GetParam())};
   MeshWriter writer(folder / "a/out.glb", options, context);
   for (const mesh::Mesh& source : meshes) {
     mesh::Mesh mesh = mesh::copy(source);
@@ -188,29 +193,53 @@ TEST(MeshWriter, MovesLargeMeshesOfGlb) {
   EXPECT_TRUE(read_bytes(folder / "a/out.glb") == read_bytes(folder / "b/out.glb"));
 }
 
+void expect_same_bytes_one_by_one_and_together(std::vector<mesh::Mesh> meshes, const MeshWriteOptions& options) {
+  const TempFolder folder;
+  fs::create_directory(folder / "a");
+  fs::create_directory(folder / "b");
+  for (mesh::Mesh& mesh : meshes) add_color(mesh, mesh::ComponentType::u8, 3);
+  MeshWriter writer(folder / "a/out", options, Context());
+  for (const mesh::Mesh& mesh : meshes) ASSERT_TRUE(writer.add(mesh::copy(mesh)));
+  const auto one_by_one = writer.finish();
+  ASSERT_TRUE(one_by_one);
+  const MeshWriteResult at_once = must_write(meshes, folder / "b/out", options);
+  EXPECT_EQ(one_by_one->notes, at_once.notes);
+  EXPECT_FALSE(at_once.notes.empty());
+  ASSERT_EQ(one_by_one->files.size(), at_once.files.size());
+  for (std::size_t f = 0; f < at_once.files.size(); ++f) {
+    const fs::path path = one_by_one->files[f].path;
+    EXPECT_EQ(one_by_one->files[f].bytes, fs::file_size(path));
+    EXPECT_TRUE(read_bytes(path) == read_bytes(at_once.files[f].path));
+  }
+}
+
 TEST(MeshWriter, WritesSameBytesOneByOneAndTogether) {
   for (const MeshWriteOptions& options : kSeveral) {
-    const std::string_view name = mesh_format_info(options.format).name;
-    const TempFolder folder;
-    fs::create_directory(folder / "a");
-    fs::create_directory(folder / "b");
+    SCOPED_TRACE(mesh_format_info(options.format).name);
     std::vector<mesh::Mesh> meshes;
     meshes.push_back(sphere(20, !options.flat_normals));
     meshes.push_back(tetrahedron("not \xff UTF-8", {1e7, 0, 0}));
     meshes.push_back(sphere(9, false));
-    for (mesh::Mesh& mesh : meshes) add_color(mesh, mesh::ComponentType::u8, 3);
-    MeshWriter writer(folder / "a/out", options, Context());
-    for (const mesh::Mesh& mesh : meshes) ASSERT_TRUE(writer.add(mesh::copy(mesh)));
-    const auto one_by_one = writer.finish();
-    ASSERT_TRUE(one_by_one) << name;
-    const MeshWriteResult at_once = must_write(meshes, folder / "b/out", options);
-    EXPECT_EQ(one_by_one->notes, at_once.notes) << name;
-    EXPECT_FALSE(at_once.notes.empty()) << name;
-    ASSERT_EQ(one_by_one->files.size(), at_once.files.size()) << name;
-    for (std::size_t f = 0; f < at_once.files.size(); ++f) {
-      const fs::path path = one_by_one->files[f].path;
-      EXPECT_EQ(one_by_one->files[f].bytes, fs::file_size(path)) << name;
-      EXPECT_TRUE(read_bytes(path) == read_bytes(at_once.files[f].path)) << name;
+    expect_same_bytes_one_by_one_and_together(std::move(meshes), options);
+  }
+}
+
+// The writer frees the arrays of meshes that it holds when it has packed them.
+TEST(MeshWriter, WritesSamePackedBytesOneByOneAndTogether) {
+  for (const auto& [quantize, compression] :
+       {std::pair(true, Compression::none), std::pair(false, Compression::meshopt),
+        std::pair(true, Compression::meshopt), std::pair(false, Compression::draco)}) {
+    for (const MeshFormat format : {MeshFormat::glb, MeshFormat::gltf}) {
+      SCOPED_TRACE(testing::Message() << word_of(compression) << (quantize ? " quantized" : ""));
+      MeshWriteOptions options{.format = format};
+      options.packing.quantize = quantize;
+      options.packing.compression = compression;
+      std::vector<mesh::Mesh> meshes;
+      meshes.push_back(sphere(20, true));
+      meshes.push_back(tetrahedron("not \xff UTF-8"));
+      meshes.emplace_back().name = "without triangles";
+      meshes.push_back(sphere(9, false));
+      expect_same_bytes_one_by_one_and_together(std::move(meshes), options);
     }
   }
 }
