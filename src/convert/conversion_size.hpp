@@ -69,9 +69,9 @@ enum class MeshUse {
 // Returns the estimated peak memory of a job, for the grid and iso value that need most. It is the sum of
 // estimated_bytes(), vertex attributes, and the largest of simplification, packing, hollowing and error measurement. A
 // mesh that goes to its file part by part counts as estimated_bytes_by_parts(). Surfaces that wait for the others of
-// their file count, too. If making the field (from particles, by a blur) or writing a field file needs more, returns that. For mesh
-// files and for jobs that write particles, returns the peak of reading, plus the edits of the meshes. Reads the input,
-// and fails as open_source() and read_particles() do.
+// their file count, too. If making the field (from particles, by a blur) or writing a field file needs more, returns
+// that. For mesh files and for jobs that write particles, returns the peak of reading, plus the edits of the meshes.
+// Reads the input, and fails as open_source() and read_particles() do.
 [[nodiscard]] Result<std::uint64_t> estimated_memory(const ConversionJob& job, MeshUse use, const MemoryBudget& memory);
 
 }  // namespace isoextract::convert
