@@ -216,7 +216,7 @@ class MemoryTest(ProgramTest):
     def test_a_dry_run_knows_what_options_take(self):
         """Of a mapped file of 81 MiB: what options add to the mesh, and that its pages go when they were read."""
         self.convert("demo:gyroid?size=277", "-o", "gyroid.nrrd")
-        for options in (("a.ply", "--threads", 1), ("a.ply", "--method", "mt"), ("a.ply", "--cap"),
+        for options in (("a.glb",), ("a.ply", "--threads", 1), ("a.ply", "--method", "mt"), ("a.ply", "--cap"),
                         ("a.ply", "--roi", "-1,-1,-1,0.2,0.3,0"), ("a.ply", "--nan", "hole"), ("a.ply", "--blur", 1),
                         ("a.ply", "--blur", "median:1"), ("a.ply", "--resolution", "200,200,200"),
                         ("a.ply", "--method", "voxels"), ("a.glb", "--iso", 0.5), ("a.glb", "--quantize")):

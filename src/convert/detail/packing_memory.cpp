@@ -51,7 +51,7 @@ std::uint64_t WaitingMeshes::packing_peak() const {
   std::uint64_t most = 0;
   std::uint64_t held = bytes_;
   for (const Waiting& mesh : meshes_) {
-    most = std::max(most, held + mesh.packing.work);
+    if (mesh.packing.work > 0) most = std::max(most, held + mesh.packing.work);
     held += mesh.packing.packed;
     held -= mesh.bytes;
   }

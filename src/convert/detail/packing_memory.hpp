@@ -30,7 +30,7 @@ class WaitingMeshes {
   // Returns whether the writer packs each mesh when it comes.
   [[nodiscard]] bool packs_at_once() const { return most_ == 0; }
   // Returns the most memory while the meshes that wait are packed one after the other: those before in their packed
-  // form, and those after as they are.
+  // form, and those after as they are. Returns 0 if they are not packed.
   [[nodiscard]] std::uint64_t packing_peak() const;
 
  private:
